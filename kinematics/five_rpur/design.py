@@ -1,0 +1,68 @@
+"""The design of a 5-RPUR: five limbs, each a base point, a platform point, a link and a stroke."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from kinematics.spatial import Array
+
+Point = tuple[float, float, float]
+LIMBS = 5
+
+
+@dataclass(frozen=True, slots=True)
+class Limb:
+    """One RPUR limb; the letters of Tale Masouleh et al. (2011) in brackets. All in mm.
+
+    Attributes:
+        base: A_i in the base frame (r_i).
+        platform: C_i in the platform frame (s'_i).
+        link: |B_i C_i| (l_i).
+        stroke: the shortest and the longest |A_i B_i| (ρ_min, ρ_max).
+    """
+
+    base: Point
+    platform: Point
+    link: float
+    stroke: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class FiveRPURDesign:
+    """Five limbs and where they come from. Frozen and hashable; the arrays are cached."""
+
+    limbs: tuple[Limb, Limb, Limb, Limb, Limb]
+    name: str = ""
+    title: str = ""
+    source: str = ""
+
+    mechanism = "five_rpur"
+
+    @cached_property
+    def base(self) -> Array:
+        """r_i, (5, 3) mm in the base frame, read-only."""
+        return _readonly([limb.base for limb in self.limbs])
+
+    @cached_property
+    def platform(self) -> Array:
+        """s'_i, (5, 3) mm in the platform frame, read-only."""
+        return _readonly([limb.platform for limb in self.limbs])
+
+    @cached_property
+    def link(self) -> Array:
+        """l_i, (5,) mm, read-only."""
+        return _readonly([limb.link for limb in self.limbs])
+
+    @cached_property
+    def stroke(self) -> Array:
+        """(5, 2) mm: ρ_min and ρ_max, read-only."""
+        return _readonly([limb.stroke for limb in self.limbs])
+
+
+def _readonly(values: object) -> Array:
+    array = np.array(values, dtype=float)
+    array.setflags(write=False)
+    return array

@@ -1,0 +1,204 @@
+"""What every mechanism offers, and the registry of mechanisms.
+
+Whoever serves a user (pages, commands) sees mechanisms only through this protocol: adding one
+takes a folder, a line in `_MODULES` and its design files.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
+from typing import Any, Literal, Protocol
+
+from numpy.typing import ArrayLike
+
+from kinematics.errors import InputError
+from kinematics.solids import BuiltSolid
+from kinematics.solutions import Finding, Followed, InverseSolutions, Posture
+from kinematics.spatial import Array
+
+Resolution = Literal["preview", "normal", "fine"]
+RESOLUTIONS: tuple[Resolution, ...] = ("preview", "normal", "fine")
+
+
+@dataclass(frozen=True, slots=True)
+class Coordinate:
+    """One pose or joint coordinate: how it is called, its unit and the range worth offering."""
+
+    key: str
+    symbol: str
+    unit: Literal["mm", "rad"]
+    lower: float
+    upper: float
+    limb: int | None = None
+
+
+class Design(Protocol):
+    """A design: frozen and hashable, built of floats and tuples."""
+
+    @property
+    def mechanism(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def title(self) -> str: ...
+    @property
+    def source(self) -> str: ...
+
+
+@dataclass(frozen=True, slots=True)
+class DesignField:
+    """One number of a design that a person may edit: where it stands and what it is."""
+
+    path: tuple[str | int, ...]
+    label: str
+    value: float
+    unit: Literal["mm", "rad", ""]
+    group: str
+
+
+@dataclass(frozen=True, slots=True)
+class SolidSpec:
+    """A solid that a mechanism can show: "workspace", "limb1/whole", "limb1/H2", …"""
+
+    key: str
+    title: str
+    group: str
+    limb: int | None = None
+    figure: str = ""
+    uses_modes: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class SolidRequest:
+    """Everything a solid depends on and nothing else, so equal requests are equal solids.
+
+    ``arguments`` is hashable, picklable and understood by the mechanism alone.
+    """
+
+    mechanism: str
+    arguments: tuple[Any, ...]
+    resolution: Resolution
+
+
+# --- how a machine is drawn: shapes with a role, no colours and no widgets -----------------
+
+
+Role = Literal["base", "platform", "cylinder", "rod", "link", "joint"]
+Frame = Literal["base", "platform"]
+
+
+@dataclass(frozen=True, slots=True)
+class Bar:
+    """A round bar from ``start`` to ``end`` (base frame, mm)."""
+
+    name: str
+    start: tuple[float, float, float]
+    end: tuple[float, float, float]
+    radius: float
+    role: Role
+    limb: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A rigid body: the hull of balls of ``radius`` about ``points``, fixed in ``frame``."""
+
+    name: str
+    points: tuple[tuple[float, float, float], ...]
+    radius: float
+    role: Role
+    frame: Frame
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """A named point or axis to label on demand (base frame, mm)."""
+
+    name: str
+    text: str
+    position: tuple[float, float, float]
+    limb: int | None = None
+    direction: tuple[float, float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Drawing:
+    """A machine at one posture. A limb that cannot close is in ``open_limbs`` (from 1)."""
+
+    bars: tuple[Bar, ...]
+    bodies: tuple[Body, ...]
+    points: tuple[Mark, ...]
+    axes: tuple[Mark, ...]
+    open_limbs: tuple[int, ...]
+    size: float
+
+
+class Mechanism(Protocol):
+    """One kind of parallel mechanism. Stateless; ``design`` is of the kind's own design class."""
+
+    @property
+    def kind(self) -> str: ...
+    @property
+    def title(self) -> str: ...
+    @property
+    def modes(self) -> tuple[str, ...]: ...
+
+    # designs
+    def read_design(self, table: Mapping[str, Any], *, origin: str, name: str) -> Design: ...
+    def design_table(self, design: Any) -> dict[str, Any]: ...
+    def design_fields(self, design: Any) -> tuple[DesignField, ...]: ...
+    def findings(self, design: Any) -> tuple[Finding, ...]: ...
+
+    # coordinates
+    def pose_coordinates(self, design: Any) -> tuple[Coordinate, ...]: ...
+    def joint_coordinates(self, design: Any) -> tuple[Coordinate, ...]: ...
+
+    # kinematics
+    def home(self, design: Any) -> Posture: ...
+    def posture(self, design: Any, pose: Sequence[float], mode: str) -> Posture: ...
+    def inverse(self, design: Any, poses: ArrayLike) -> InverseSolutions: ...
+    def follow(self, design: Any, posture: Posture, joints: Sequence[float]) -> Followed: ...
+    def transform(self, design: Any, poses: ArrayLike) -> Array: ...
+    def pose_from_transform(self, design: Any, transform: ArrayLike) -> tuple[float, ...]: ...
+    def drawing(self, design: Any, posture: Posture) -> Drawing: ...
+
+    # solids
+    def solids(self, design: Any) -> tuple[SolidSpec, ...]: ...
+    def solid_request(
+        self,
+        design: Any,
+        key: str,
+        pose: Sequence[float],
+        modes: tuple[str, ...] | None,
+        resolution: Resolution,
+    ) -> SolidRequest: ...
+    def solid_placement(self, design: Any, key: str, pose: Sequence[float]) -> Array: ...
+    def build_solid(self, request: SolidRequest) -> BuiltSolid: ...
+    def inside(self, design: Any, pose: Sequence[float], modes: tuple[str, ...] | None) -> bool: ...
+
+
+_MODULES = {"five_rpur": "kinematics.five_rpur"}
+
+
+def mechanism_kinds() -> tuple[str, ...]:
+    """The kinds of mechanism that a design file may name."""
+    return tuple(_MODULES)
+
+
+@cache
+def mechanism(kind: str) -> Mechanism:
+    """The mechanism of a kind.
+
+    Raises:
+        InputError: there is no such kind.
+    """
+    module = _MODULES.get(kind)
+    if module is None:
+        raise InputError(
+            f"there is no mechanism {kind!r}; known are {', '.join(mechanism_kinds())}"
+        )
+    found: Mechanism = import_module(module).MECHANISM
+    return found
