@@ -10,14 +10,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
-from typing import Any, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from numpy.typing import ArrayLike
 
 from kinematics.errors import InputError
-from kinematics.solids import BuiltSolid
 from kinematics.solutions import Finding, Followed, InverseSolutions, Posture
 from kinematics.spatial import Array
+
+if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
+    from kinematics.solids import BuiltSolid
 
 Resolution = Literal["preview", "normal", "fine"]
 RESOLUTIONS: tuple[Resolution, ...] = ("preview", "normal", "fine")
@@ -176,7 +178,7 @@ class Mechanism(Protocol):
         resolution: Resolution,
     ) -> SolidRequest: ...
     def solid_placement(self, design: Any, key: str, pose: Sequence[float]) -> Array: ...
-    def build_solid(self, request: SolidRequest) -> BuiltSolid: ...
+    def build_solid(self, request: SolidRequest) -> "BuiltSolid": ...
     def inside(self, design: Any, pose: Sequence[float], modes: tuple[str, ...] | None) -> bool: ...
 
 
