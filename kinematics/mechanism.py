@@ -88,13 +88,17 @@ class SolidRequest:
 # --- how a machine is drawn: shapes with a role, no colours and no widgets -----------------
 
 
-Role = Literal["base", "platform", "cylinder", "rod", "link", "joint"]
+Role = Literal["base", "platform", "cylinder", "rod", "link", "joint", "rail", "stop", "gap"]
 Frame = Literal["base", "platform"]
 
 
 @dataclass(frozen=True, slots=True)
 class Bar:
-    """A round bar from ``start`` to ``end`` (base frame, mm)."""
+    """A round bar from ``start`` to ``end`` (base frame, mm).
+
+    A "rail" runs along the whole stroke, a "stop" marks one end of it, and a "gap" is what a
+    limb that cannot close is short of.
+    """
 
     name: str
     start: tuple[float, float, float]
@@ -128,13 +132,12 @@ class Mark:
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """A machine at one posture. A limb that cannot close is in ``open_limbs`` (from 1)."""
+    """A machine at one posture; ``size`` is a typical length of it, mm."""
 
     bars: tuple[Bar, ...]
     bodies: tuple[Body, ...]
     points: tuple[Mark, ...]
     axes: tuple[Mark, ...]
-    open_limbs: tuple[int, ...]
     size: float
 
 
@@ -152,6 +155,7 @@ class Mechanism(Protocol):
     def read_design(self, table: Mapping[str, Any], *, origin: str, name: str) -> Design: ...
     def design_table(self, design: Any) -> dict[str, Any]: ...
     def design_fields(self, design: Any) -> tuple[DesignField, ...]: ...
+    def with_field(self, design: Any, path: tuple[str | int, ...], value: float) -> Design: ...
     def findings(self, design: Any) -> tuple[Finding, ...]: ...
 
     # coordinates

@@ -1,0 +1,257 @@
+"""The 5-RPUR behind the interface that every mechanism shares."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kinematics.errors import InputError
+from kinematics.five_rpur import arrangements, design as designs, drawing, forward, inverse, velocity
+from kinematics.five_rpur.design import FiveRPURDesign, Limb
+from kinematics.mechanism import (
+    Coordinate,
+    DesignField,
+    Drawing,
+    Resolution,
+    SolidRequest,
+    SolidSpec,
+)
+from kinematics.solutions import Finding, Followed, InverseSolutions, Posture
+from kinematics.spatial import Array, homogeneous, rotation_x, rotation_y
+
+if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
+    from kinematics.solids import BuiltSolid
+
+_PARTS = {
+    "whole": ("vertex space", "Fig. 13"),
+    "plus": ("half of mode +", ""),
+    "minus": ("half of mode −", ""),
+    "body": ("main body", "Fig. 12"),
+    "H1": ("hole H₁", "Fig. 9"),
+    "H2": ("hole H₂", "Fig. 10"),
+    "H3": ("hole H₃", "Fig. 11"),
+}
+
+
+class FiveRPUR:
+    """Tale Masouleh et al. (2011): x, y, z, φ, θ moved by five actuators ρ₁ … ρ₅."""
+
+    kind = "five_rpur"
+    title = "5-RPUR (3T2R)"
+    modes = tuple("".join(signs) for signs in product("+-", repeat=designs.LIMBS))
+
+    # --- designs
+
+    def read_design(self, table: Mapping[str, Any], *, origin: str, name: str) -> FiveRPURDesign:
+        return designs.design_from_table(table, origin=origin, name=name)
+
+    def design_table(self, design: FiveRPURDesign) -> dict[str, Any]:
+        return designs.design_to_table(design)
+
+    def design_fields(self, design: FiveRPURDesign) -> tuple[DesignField, ...]:
+        return designs.design_fields(design)
+
+    def with_field(
+        self, design: FiveRPURDesign, path: tuple[str | int, ...], value: float
+    ) -> FiveRPURDesign:
+        return designs.with_field(design, path, value)
+
+    def findings(self, design: FiveRPURDesign) -> tuple[Finding, ...]:
+        return arrangements.findings(design)
+
+    # --- coordinates
+
+    def pose_coordinates(self, design: FiveRPURDesign) -> tuple[Coordinate, ...]:
+        low, high = _reach(design)
+        xyz = (Coordinate(k, k, "mm", low[n], high[n]) for n, k in enumerate("xyz"))
+        half_turn = float(np.pi)
+        return (
+            *xyz,
+            Coordinate("phi", "φ", "rad", -half_turn, half_turn),
+            Coordinate("theta", "θ", "rad", -half_turn, half_turn),
+        )
+
+    def joint_coordinates(self, design: FiveRPURDesign) -> tuple[Coordinate, ...]:
+        return tuple(
+            Coordinate(f"rho{i + 1}", f"ρ{drawing.SUBSCRIPTS[i]}", "mm", *limb.stroke, limb=i + 1)
+            for i, limb in enumerate(design.limbs)
+        )
+
+    # --- kinematics
+
+    def home(self, design: FiveRPURDesign) -> Posture:
+        return _home(design)
+
+    def posture(self, design: FiveRPURDesign, pose: Sequence[float], mode: str) -> Posture:
+        return inverse.posture(design, pose, mode)
+
+    def inverse(self, design: FiveRPURDesign, poses: ArrayLike) -> InverseSolutions:
+        return inverse.inverse(design, poses)
+
+    def follow(
+        self, design: FiveRPURDesign, posture: Posture, joints: Sequence[float]
+    ) -> Followed:
+        return forward.follow(design, posture, joints)
+
+    def transform(self, design: FiveRPURDesign, poses: ArrayLike) -> Array:
+        return inverse.transform(poses)
+
+    def pose_from_transform(
+        self, design: FiveRPURDesign, transform: ArrayLike
+    ) -> tuple[float, ...]:
+        return tuple(float(v) for v in inverse.pose_from_transform(transform))
+
+    def drawing(self, design: FiveRPURDesign, posture: Posture) -> Drawing:
+        return drawing.drawing(design, posture)
+
+    # --- solids
+
+    def solids(self, design: FiveRPURDesign) -> tuple[SolidSpec, ...]:
+        workspace = SolidSpec(
+            "workspace",
+            "Constant-orientation workspace",
+            "Workspace",
+            figure="Figs. 14, 15, 18",
+            uses_modes=True,
+        )
+        return (workspace, *_limb_specs())
+
+    def solid_request(
+        self,
+        design: FiveRPURDesign,
+        key: str,
+        pose: Sequence[float],
+        modes: tuple[str, ...] | None,
+        resolution: Resolution,
+    ) -> SolidRequest:
+        if key == "workspace":
+            arguments: tuple[Any, ...] = (key, design.limbs, float(pose[3]), float(pose[4]), modes)
+        else:
+            i, part = _limb_part(key)
+            limb = design.limbs[i]
+            arguments = ("part", limb.link, *limb.stroke, part)
+        return SolidRequest(self.kind, arguments, resolution)
+
+    def solid_placement(
+        self, design: FiveRPURDesign, key: str, pose: Sequence[float]
+    ) -> Array:
+        """4x4 from the frame in which the solid is built to the base frame.
+
+        The workspace is built in x'y'z' (paper, section 4), a vertex space in the same frame
+        but about A_i, to be offset by w'_i (eq. 27).
+        """
+        phi, theta = float(pose[3]), float(pose[4])
+        turned = rotation_y(theta)
+        offset = np.zeros(3)
+        if key != "workspace":
+            i, _ = _limb_part(key)
+            offset = design.base[i] - turned @ rotation_x(phi) @ design.platform[i]
+        return homogeneous(turned, offset)
+
+    def build_solid(self, request: SolidRequest) -> BuiltSolid:
+        from kinematics.five_rpur import workspace
+
+        what, *arguments = request.arguments
+        if what == "workspace":
+            limbs, phi, theta, modes = arguments
+            design = FiveRPURDesign(limbs)
+            return workspace.workspace(design, phi, theta, modes, request.resolution)
+        link, low, high, part = arguments
+        zero = (0.0, 0.0, 0.0)
+        limb = Limb(zero, zero, link, (low, high))
+        alone = FiveRPURDesign((limb, limb, limb, limb, limb))
+        return workspace.limb_part(alone, 1, part, request.resolution)
+
+    def inside(
+        self, design: FiveRPURDesign, pose: Sequence[float], modes: tuple[str, ...] | None
+    ) -> bool:
+        return bool(inverse.inside(design, pose, modes))
+
+
+MECHANISM = FiveRPUR()
+
+
+def _limb_specs() -> tuple[SolidSpec, ...]:
+    return tuple(
+        SolidSpec(f"limb{i}/{part}", f"Limb {i}: {title}", f"Limb {i}", limb=i, figure=figure)
+        for i in range(1, designs.LIMBS + 1)
+        for part, (title, figure) in _PARTS.items()
+    )
+
+
+def _limb_part(key: str) -> tuple[int, str]:
+    name, _, part = key.partition("/")
+    number = name.removeprefix("limb")
+    if number not in {str(i) for i in range(1, designs.LIMBS + 1)} or part not in _PARTS:
+        raise InputError(
+            f"there is no solid {key!r}; it is 'workspace' or 'limbN/PART' with N from 1 to 5 "
+            f"and PART one of {', '.join(_PARTS)}"
+        )
+    return int(number) - 1, part
+
+
+@lru_cache(maxsize=64)
+def _reach(design: FiveRPURDesign) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """A box that holds O' whatever the orientation, rounded outwards to 10 mm."""
+    radius = design.stroke[:, 1] + design.link + np.linalg.norm(design.platform, axis=1)
+    low = (design.base - radius[:, None]).max(axis=0)
+    high = (design.base + radius[:, None]).min(axis=0)
+    # Limbs too far apart to meet: offer what one of them reaches.
+    apart = low >= high
+    low = np.where(apart, (design.base - radius[:, None]).min(axis=0), low)
+    high = np.where(apart, (design.base + radius[:, None]).max(axis=0), high)
+    step = 10.0
+    return (
+        tuple(float(v) for v in np.floor(low / step) * step),
+        tuple(float(v) for v in np.ceil(high / step) * step),
+    )
+
+
+@lru_cache(maxsize=64)
+def _home(design: FiveRPURDesign) -> Posture:
+    """A pose to start from: level if possible, above the base, well within strokes and control.
+
+    Chosen on a grid by the smallest margin of its limbs, among the best the one whose Jacobian
+    is conditioned best; one working mode for all limbs is preferred when it is nearly as roomy.
+    """
+    low, high = (np.array(v) for v in _reach(design))
+    axes = [np.linspace(a, b, 25) for a, b in zip(low, high, strict=True)]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    for phi, theta in ((0.0, 0.0), (0.3, 0.3), (-0.3, 0.3), (0.3, -0.3), (-0.3, -0.3)):
+        poses = np.concatenate([grid, np.full((len(grid), 2), (phi, theta))], axis=1)
+        lengths = inverse.limb_lengths(design, poses)
+        margin = np.minimum(
+            lengths - design.stroke[:, :1], design.stroke[:, 1:] - lengths
+        )  # (N, 5, 2)
+        margin = np.where(np.isfinite(margin), margin, -np.inf)
+        found = _best(design, poses, margin)
+        if found is not None:
+            return found
+    # Nothing is reachable: start from the pose that misses by least.
+    level = np.concatenate([grid, np.zeros((len(grid), 2))], axis=1)
+    postures = [inverse.posture(design, tuple(p), "+" * designs.LIMBS) for p in level[::97]]
+    return max(postures, key=lambda posture: posture.nearest.amount)
+
+
+def _best(design: FiveRPURDesign, poses: Array, margin: Array) -> Posture | None:
+    best_sign = margin.argmax(axis=2)
+    candidates: list[tuple[float, Posture]] = []
+    for signs in (np.zeros(5, int), np.ones(5, int), None):
+        chosen = best_sign if signs is None else np.broadcast_to(signs, best_sign.shape)
+        least = np.take_along_axis(margin, chosen[..., None], axis=2)[..., 0].min(axis=1)
+        # Above the base before below it: that is how these machines are drawn.
+        for n in np.argsort(least - 1e-6 * (poses[:, 2] < 0))[::-1][:40]:
+            if least[n] <= 0:
+                break
+            mode = "".join("+-"[s] for s in chosen[n])
+            condition = float(velocity.condition(design, poses[n], mode))
+            score = float(least[n]) / (1.0 + condition / 20.0) * (0.6 if signs is None else 1.0)
+            score *= 1.0 if poses[n, 2] > 0 else 0.5
+            posture = inverse.posture(design, tuple(float(v) for v in poses[n]), mode)
+            candidates.append((score, posture))
+    return max(candidates, key=lambda c: c[0])[1] if candidates else None
