@@ -1,0 +1,68 @@
+# Needs only make and Python 3.11 or later with venv. Everything else goes into .venv.
+#   make run ARGS="rpur-table2 --port 9000"     make test ARGS="tests/kinematics -x"
+
+.DEFAULT_GOAL := run
+.DELETE_ON_ERROR:
+MAKEFLAGS += --no-print-directory
+
+VENV := .venv
+BIN := $(VENV)/bin
+ARGS ?=
+
+# PYTHON may name any interpreter; left out, the first one on the path that is new enough.
+PYTHON ?= $(shell for python in python3 python3.11 python3.12 python3.13 python3.14 python; do \
+	"$$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
+	&& { echo "$$python"; break; }; done)
+
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+export PIP_NO_INPUT := 1
+export PIP_ROOT_USER_ACTION := ignore
+
+.PHONY: run test check format bench clean
+
+run: $(VENV)/installed
+	@exec $(BIN)/bohemia $(ARGS)
+
+test: $(VENV)/installed-tools
+	@$(BIN)/python -m pytest $(ARGS)
+
+check: $(VENV)/installed-tools
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check .
+	@$(BIN)/mypy
+	@PYTHONPATH=. $(BIN)/lint-imports
+
+format: $(VENV)/installed-tools
+	@$(BIN)/ruff check --fix .
+	@$(BIN)/ruff format .
+
+bench: $(VENV)/installed-tools
+	@for script in tests/benchmarks/bench_*.py; do \
+		echo "== $$script"; $(BIN)/python "$$script" $(ARGS) || exit 1; done
+
+clean:
+	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis \
+		.import_linter_cache
+	find app kinematics tests -name __pycache__ -type d -prune -exec rm -rf {} +
+
+$(VENV)/created:
+	@test -n "$(PYTHON)" || { echo "Bohemia needs Python 3.11 or later, and none was found;" \
+		"install one, or name it: make PYTHON=/path/to/python3.11" >&2; exit 1; }
+	@"$(PYTHON)" -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+		echo "Bohemia needs Python 3.11 or later, and $(PYTHON) is not;" \
+		"name another one: make PYTHON=/path/to/python3.11" >&2; exit 1; }
+	@rm -rf $(VENV)
+	@"$(PYTHON)" -m venv $(VENV) || { rm -rf $(VENV); \
+		echo "$(PYTHON) cannot make a virtual environment;" \
+		"on Debian or Ubuntu: apt install python3-venv" >&2; exit 1; }
+	@touch $@
+
+$(VENV)/installed: $(VENV)/created pyproject.toml
+	@echo "Installing Bohemia into $(VENV); this happens once and takes about half a minute."
+	@$(BIN)/python -m pip install --quiet --editable .
+	@touch $@
+
+$(VENV)/installed-tools: $(VENV)/created pyproject.toml
+	@echo "Installing Bohemia and its test tools into $(VENV); this happens once."
+	@$(BIN)/python -m pip install --quiet --editable '.[test,check]'
+	@touch $(VENV)/installed $@

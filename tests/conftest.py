@@ -1,0 +1,100 @@
+"""What the whole suite shares: the checkout, the command as a process, a browser if there is one."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, settings
+
+ROOT = Path(__file__).resolve().parent.parent
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
+APPLE_BROWSERS = (
+    "/Applications/Chromium.app/Contents/MacOS/Chromium",
+    "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
+)
+
+# No deadline: a busy machine is not a failure. In CI the same examples every time.
+settings.register_profile("local", deadline=None)
+settings.register_profile(
+    "ci", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
+)
+settings.load_profile("ci" if os.environ.get("CI") else "local")
+
+
+@pytest.fixture(scope="session")
+def root() -> Path:
+    """The checkout."""
+    return ROOT
+
+
+@dataclass(frozen=True)
+class Finished:
+    """How a command ended."""
+
+    code: int
+    stdout: str
+    stderr: str
+
+    @property
+    def json(self) -> dict[str, Any]:
+        """The one JSON object on stdout; strict, so NaN and Infinity are refused."""
+        answer = json.loads(self.stdout, parse_constant=_refuse_constant)
+        assert isinstance(answer, dict)
+        return answer
+
+
+def _refuse_constant(name: str) -> None:
+    raise AssertionError(f"{name} is not JSON")
+
+
+def command_environment() -> dict[str, str]:
+    """The environment in which this checkout's `bohemia` runs, whatever is installed."""
+    paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(paths), "PYTHONWARNINGS": "error"}
+
+
+@pytest.fixture
+def bohemia(tmp_path: Path) -> Callable[..., Finished]:
+    """Run `bohemia` with these arguments as a process in an empty folder."""
+
+    def run(*arguments: str | os.PathLike[str]) -> Finished:
+        done = subprocess.run(
+            [sys.executable, "-m", "app", *map(os.fspath, arguments)],
+            cwd=tmp_path,
+            env=command_environment(),
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            encoding="utf-8",
+            timeout=120,
+            check=False,
+        )
+        return Finished(done.returncode, done.stdout, done.stderr)
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def chromium() -> str:
+    """The browser for the page's tests; skipped without one unless BOHEMIA_REQUIRE_BROWSER=1."""
+    named = os.environ.get("BOHEMIA_CHROMIUM")
+    for candidate in [named] if named else [*BROWSERS, *APPLE_BROWSERS]:
+        if found := shutil.which(candidate):
+            return found
+    reason = (
+        f"BOHEMIA_CHROMIUM={named} cannot be run"
+        if named
+        else f"no browser found ({', '.join(BROWSERS)}); name one with BOHEMIA_CHROMIUM"
+    )
+    if os.environ.get("BOHEMIA_REQUIRE_BROWSER") == "1":
+        pytest.fail(f"BOHEMIA_REQUIRE_BROWSER=1, and {reason}")
+    pytest.skip(reason)
