@@ -1,4 +1,4 @@
-"""What the whole suite shares: the checkout, the command as a process, a browser if there is one."""
+"""What the whole suite shares: the checkout, the command as a process, the browser."""
 
 from __future__ import annotations
 
