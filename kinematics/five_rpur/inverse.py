@@ -30,6 +30,7 @@ STROKE_SLACK = 1e-9
 LINK_SLACK = 1e-13
 """Part of l by which rounding may carry |Y| over l."""
 
+_Components = tuple[Array, Array, Array]
 _T = TypeVar("_T", bound=np.generic)
 
 _CHUNK = 4096  # poses at a time, so that the temporaries stay in the cache
@@ -54,7 +55,7 @@ def limb_lengths(design: FiveRPURDesign, poses: ArrayLike) -> Array:
     flat, shape = _flat(poses)
     lengths = np.empty((len(flat), LIMBS, 2))
     for part in _chunks(len(flat)):
-        lengths[part] = _both_lengths(design, flat[part])
+        lengths[part] = _both_lengths(design, _offsets(design, flat[part]))
     return _frozen(lengths.reshape(*shape, LIMBS, 2))
 
 
@@ -70,10 +71,11 @@ def inverse(design: FiveRPURDesign, poses: ArrayLike) -> InverseSolutions:
     within = np.empty((count, len(MODES)), dtype=bool)
     residual = np.empty(count)
     for part in _chunks(count):
-        lengths = _both_lengths(design, flat[part])
+        offsets = _offsets(design, flat[part])
+        lengths = _both_lengths(design, offsets)
         np.take(lengths.reshape(-1, 2 * LIMBS), _PICK, axis=1, out=joints[part], mode="clip")
         within[part] = _all_modes(_within(design, lengths))
-        residual[part] = _worst_residual(design, flat[part], lengths)
+        residual[part] = _worst_residual(design, flat[part], offsets, lengths)
     return InverseSolutions(
         modes=MODES,
         joints=_frozen(joints.reshape(*shape, len(MODES), LIMBS)),
@@ -94,7 +96,7 @@ def inside(
     chosen = None if modes is None else _picks(modes)
     answer = np.empty(len(flat), dtype=bool)
     for part in _chunks(len(flat)):
-        ok = _within(design, _both_lengths(design, flat[part]))
+        ok = _within(design, _both_lengths(design, _offsets(design, flat[part])))
         if chosen is None:
             answer[part] = np.all(np.any(ok, axis=2), axis=1)
         else:
@@ -137,15 +139,18 @@ def posture(design: FiveRPURDesign, pose: Sequence[float] | ArrayLike, mode: str
     if shape != ():
         raise InputError("a posture takes one pose of 5 numbers (x, y, z, φ, θ)")
     sign = signs(mode)
-    x, y, z = _offsets(design, flat)
-    lengths = _lengths(design, x, y, z, sign[:, None])[:, 0]
-    return _describe(design, flat[0], mode, lengths, np.abs(y[:, 0]))
+    offsets = _offsets(design, flat)
+    x, y, z = offsets
+    with np.errstate(invalid="ignore", over="ignore"):
+        lengths = np.hypot(x, z - sign[:, None] * _height(design, y))
+    elbows = _elbows(design, flat, offsets, sign[:, None])
+    residual = _residual(design, flat[:, 4], elbows, _tips(design, flat), lengths)
+    return _describe(design, flat[0], mode, lengths[:, 0], np.abs(y[:, 0]), residual[:, 0])
 
 
 def _describe(
-    design: FiveRPURDesign, pose: Array, mode: str, lengths: Array, offset: Array
+    design: FiveRPURDesign, pose: Array, mode: str, lengths: Array, offset: Array, residual: Array
 ) -> Posture:
-    residual = closure_residual(design, pose, mode, lengths)
     closing = residual[np.isfinite(residual)]
     reasons: list[Reason] = []
     margins: list[Margin] = []
@@ -216,7 +221,8 @@ def joint_points(
         close.
     """
     flat, sigma, shape = _broadcast(poses, modes)
-    elbow, tip = _elbow_and_tip(design, flat, sigma)
+    elbow = _elbows(design, flat, _offsets(design, flat), sigma)
+    tip = _tips(design, flat)
     out = (*shape, LIMBS, 3)
     base = np.broadcast_to(design.base, out).copy()
     return (
@@ -236,7 +242,9 @@ def closure_residual(
     """
     flat, sigma, shape = _broadcast(poses, modes)
     rho = np.broadcast_to(np.asarray(joints, dtype=float), (*shape, LIMBS)).reshape(-1, LIMBS).T
-    return _frozen(_residual(design, flat, sigma, rho).T.reshape(*shape, LIMBS))
+    elbows = _elbows(design, flat, _offsets(design, flat), sigma)
+    residual = _residual(design, flat[:, 4], elbows, _tips(design, flat), rho)
+    return _frozen(residual.T.reshape(*shape, LIMBS))
 
 
 def transform(poses: ArrayLike) -> Array:
@@ -330,7 +338,7 @@ def _chunks(count: int) -> Iterator[slice]:
     return (slice(k, min(k + _CHUNK, count)) for k in range(0, count, _CHUNK))
 
 
-def _offsets(design: FiveRPURDesign, poses: Array) -> tuple[Array, Array, Array]:
+def _offsets(design: FiveRPURDesign, poses: Array) -> _Components:
     """C_i − A_i in the frame turned by R_y(−θ): X, Y, Z, each (5, n), of poses (n, 5)."""
     r = design.base.T[:, :, None]
     s = design.platform.T[:, :, None]
@@ -357,14 +365,9 @@ def _height(design: FiveRPURDesign, y: Array) -> Array:
     return h
 
 
-def _lengths(design: FiveRPURDesign, x: Array, y: Array, z: Array, sigma: Array) -> Array:
-    with np.errstate(invalid="ignore", over="ignore"):
-        return np.hypot(x, z - sigma * _height(design, y))
-
-
-def _both_lengths(design: FiveRPURDesign, poses: Array) -> Array:
-    """(n, 5, 2) of poses (n, 5)."""
-    x, y, z = _offsets(design, poses)
+def _both_lengths(design: FiveRPURDesign, offsets: _Components) -> Array:
+    """(n, 5, 2) from X, Y, Z, each (5, n)."""
+    x, y, z = offsets
     h = _height(design, y)
     lengths = np.empty((2, *x.shape))
     with np.errstate(invalid="ignore", over="ignore"):
@@ -390,45 +393,55 @@ def _broadcast(poses: object, modes: str | ArrayLike) -> tuple[Array, Array, tup
     return flat, np.broadcast_to(sigma, (*shape, LIMBS)).reshape(-1, LIMBS).T, shape
 
 
-_Components = tuple[Array, Array, Array]
-
-
-def _elbow_and_tip(
-    design: FiveRPURDesign, poses: Array, sigma: Array
-) -> tuple[_Components, _Components]:
-    """x, y, z of B_i and of C_i in the base frame, each (5, n); B is NaN where it cannot be."""
-    x, y, z = _offsets(design, poses)
+def _elbows(
+    design: FiveRPURDesign, poses: Array, offsets: _Components, sigma: Array
+) -> _Components:
+    """x, y, z of B_i in the base frame, each (5, n); all NaN where the limb cannot close."""
+    x, y, z = offsets
     w = z - sigma * _height(design, y)
     x = x + 0.0 * w
     c, s = np.cos(poses[:, 4]), np.sin(poses[:, 4])
     r = design.base.T[:, :, None]
-    elbow = (r[0] + c * x + s * w, r[1] + 0.0 * w, r[2] - s * x + c * w)
+    return r[0] + c * x + s * w, r[1] + 0.0 * w, r[2] - s * x + c * w
+
+
+def _tips(design: FiveRPURDesign, poses: Array) -> _Components:
+    """x, y, z of C_i = p + Q s'_i (eq. 6), each (5, n)."""
     q = _platform_rotation(poses).transpose(1, 2, 0)[:, :, None, :]  # (3, 3, 1, n)
     sx, sy, sz = design.platform.T[:, :, None]
-    tip_x, tip_y, tip_z = (
-        poses[:, k] + q[k, 0] * sx + q[k, 1] * sy + q[k, 2] * sz for k in range(3)
-    )
-    return elbow, (tip_x, tip_y, tip_z)
+    x, y, z = (poses[:, k] + q[k, 0] * sx + q[k, 1] * sy + q[k, 2] * sz for k in range(3))
+    return x, y, z
 
 
-def _residual(design: FiveRPURDesign, poses: Array, sigma: Array, rho: Array) -> Array:
-    """`closure_residual` on (n, 5), (5, n) and (5, n); (5, n)."""
-    (bx, by, bz), (cx, cy, cz) = _elbow_and_tip(design, poses, sigma)
+def _residual(
+    design: FiveRPURDesign, theta: Array, elbows: _Components, tips: _Components, rho: Array
+) -> Array:
+    """The largest violation of eqs. 3-5 and of y_B = y_A, (5, n)."""
+    bx, by, bz = elbows
     rx, ry, rz = design.base.T[:, :, None]
-    vx, vy, vz = cx - bx, cy - by, cz - bz
+    vx, vy, vz = (tip - elbow for tip, elbow in zip(tips, elbows, strict=True))
     with np.errstate(over="ignore"):
-        worst: Array = np.abs(np.sqrt((bx - rx) ** 2 + (bz - rz) ** 2) - rho)  # eq. 3
-        link = np.sqrt(vx * vx + vy * vy + vz * vz) - design.link[:, None]  # eq. 4
-    across = vx * np.cos(poses[:, 4]) - vz * np.sin(poses[:, 4])  # eq. 5
+        worst: Array = np.abs(np.sqrt((bx - rx) ** 2 + (bz - rz) ** 2) - rho)
+        link = np.sqrt(vx * vx + vy * vy + vz * vz) - design.link[:, None]
+    across = vx * np.cos(theta) - vz * np.sin(theta)
     for part in (link, across, by - ry):
         np.maximum(worst, np.abs(part), out=worst)
     return worst
 
 
-def _worst_residual(design: FiveRPURDesign, poses: Array, lengths: Array) -> Array:
+def _worst_residual(
+    design: FiveRPURDesign, poses: Array, offsets: _Components, lengths: Array
+) -> Array:
     """(n,) over both modes of all limbs, NaN where a limb, hence every mode, cannot close."""
+    tips = _tips(design, poses)
     plus, minus = (
-        _residual(design, poses, np.full((LIMBS, 1), sign), lengths[..., k].T).max(axis=0)
+        _residual(
+            design,
+            poses[:, 4],
+            _elbows(design, poses, offsets, np.full((LIMBS, 1), sign)),
+            tips,
+            lengths[..., k].T,
+        ).max(axis=0)
         for k, sign in enumerate((1.0, -1.0))
     )
     worst: Array = np.maximum(plus, minus)
