@@ -12,7 +12,7 @@ import json
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from difflib import get_close_matches
 from math import degrees, isfinite, radians
 from pathlib import Path
@@ -258,13 +258,14 @@ def _serve(arguments: argparse.Namespace) -> None:
     from app.server import run
 
     design, _ = _load(arguments.design or DEFAULT_DESIGN)
-    run(
-        design,
-        host=arguments.host,
-        port=arguments.port,
-        session=arguments.session,
-        open_browser=not arguments.no_browser,
-    )
+    with suppress(KeyboardInterrupt):  # the usual way to stop a server
+        run(
+            design,
+            host=arguments.host,
+            port=arguments.port,
+            session=arguments.session,
+            open_browser=not arguments.no_browser,
+        )
 
 
 def _designs(arguments: argparse.Namespace) -> None:

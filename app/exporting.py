@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics.errors import ComputationError, InputError
-from kinematics.mechanism import Coordinate, Design
+from kinematics.mechanism import Coordinate, Design, SolidRequest, mechanism
 
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
     from kinematics.solids import BuiltSolid, SolidMesh
@@ -94,6 +94,16 @@ def solid_file(built: BuiltSolid, placement: ArrayLike, kind: str, *, name: str)
     return ExportedFile(f"{name}{unit}.{kind}", data, MEDIA_TYPES[kind])
 
 
+def build_file(request: SolidRequest, placement: ArrayLike, kind: str, name: str) -> ExportedFile:
+    """Build a solid and make a file of it, in whatever process this is called.
+
+    Raises:
+        InputError, ComputationError: as `solid_bytes`.
+    """
+    built = mechanism(request.mechanism).build_solid(request)
+    return solid_file(built, placement, kind, name=name)
+
+
 def solid_name(
     design: Design,
     key: str,
@@ -119,9 +129,10 @@ def design_file(design: Design) -> ExportedFile:
 
 def sanitized(text: str) -> str:
     """``text`` as a part of a file name on every system: letters, digits and ``. + -``."""
-    plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
-    plain = re.sub(r"[^A-Za-z0-9.+-]+", "-", plain).strip("-.") if not _signs(plain) else plain
-    return plain[:80] or "unnamed"
+    plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()[:80]
+    if not _signs(plain):
+        plain = re.sub(r"[^A-Za-z0-9.+-]+", "-", plain).strip("-.")
+    return plain or "unnamed"
 
 
 def _signs(text: str) -> bool:

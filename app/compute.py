@@ -1,0 +1,214 @@
+"""State → view: everything a page shows of a review, as plain values. Knows no viser."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Literal
+
+from app.state import Review
+from kinematics.mechanism import (
+    RESOLUTIONS,
+    Coordinate,
+    Design,
+    Drawing,
+    Mechanism,
+    Resolution,
+    SolidRequest,
+    SolidSpec,
+    mechanism,
+)
+from kinematics.solutions import Finding, Margin, Posture
+from kinematics.spatial import Array
+
+NEAR = 0.05  # of the stroke: closer to its end than this is "near"
+
+Level = Literal["good", "near", "bad"]
+
+
+@dataclass(frozen=True, slots=True)
+class JointRow:
+    """One actuated joint: where it stands between its bounds, in the page's units."""
+
+    limb: int
+    symbol: str
+    value: float
+    low: float
+    high: float
+    unit: str
+    level: Level
+    note: str
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """The sentence at the top of the page."""
+
+    level: Level
+    text: str
+    remedy: str = ""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SolidWish:
+    """One solid to show: what to compute for it, where to put it, how to draw it."""
+
+    spec: SolidSpec
+    requests: dict[Resolution, SolidRequest]
+    placement: Array
+    opacity: float
+
+    @property
+    def what(self) -> tuple[object, ...]:
+        """Equal while the same solid is wished, at whatever resolution."""
+        return self.requests["preview"].arguments
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class View:
+    """What a page shows; ``platform`` is the 4x4 from platform to base coordinates."""
+
+    review: Review
+    posture: Posture
+    drawing: Drawing
+    platform: Array
+    status: Status
+    joints: tuple[JointRow, ...]
+    wishes: tuple[SolidWish, ...]
+    inside: bool
+    findings: tuple[Finding, ...]
+
+
+def view(review: Review) -> View:
+    """The view of a review; a few milliseconds, no solids."""
+    kind, design = review.mechanism, review.design
+    posture = review.posture
+    rows = joint_rows(kind, design, posture)
+    return View(
+        review=review,
+        posture=posture,
+        drawing=kind.drawing(design, posture),
+        platform=kind.transform(design, review.pose),
+        status=status(review, posture),
+        joints=rows,
+        wishes=wishes(review),
+        inside=kind.inside(design, review.pose, review.solver_modes),
+        findings=findings(design),
+    )
+
+
+def in_page_units(coordinate: Coordinate, value: float) -> float:
+    """mm stay, radians become degrees."""
+    return value if coordinate.unit == "mm" else math.degrees(value)
+
+
+def from_page_units(coordinate: Coordinate, value: float) -> float:
+    """mm stay, degrees become radians."""
+    return value if coordinate.unit == "mm" else math.radians(value)
+
+
+def page_unit(coordinate: Coordinate) -> str:
+    """The unit that stands behind a number on the page."""
+    return "mm" if coordinate.unit == "mm" else "°"
+
+
+def page_mode(mode: str) -> str:
+    """A working mode with a minus sign as long as the plus."""
+    return mode.replace("-", "−")
+
+
+def joint_rows(kind: Mechanism, design: Design, posture: Posture) -> tuple[JointRow, ...]:
+    """The actuated joints with what is worth saying about each."""
+    rows = []
+    for n, (c, value) in enumerate(
+        zip(kind.joint_coordinates(design), posture.joints, strict=True)
+    ):
+        limb = c.limb or n + 1
+        reason = next((r for r in posture.reasons if r.limb == limb), None)
+        margin = min((value - c.lower, c.upper - value)) if math.isfinite(value) else -math.inf
+        level: Level = "good"
+        note = ""
+        if reason is not None:
+            level = "bad"
+            note = (
+                "cannot close"
+                if reason.bound == "link"
+                else f"{reason.amount:.1f} {page_unit(c)} beyond"
+            )
+        elif margin < NEAR * (c.upper - c.lower):
+            level, note = "near", "near its end"
+        rows.append(
+            JointRow(
+                limb,
+                c.symbol,
+                in_page_units(c, value),
+                in_page_units(c, c.lower),
+                in_page_units(c, c.upper),
+                page_unit(c),
+                level,
+                note,
+            )
+        )
+    return tuple(rows)
+
+
+_BOUNDS = {"rho_min": "ρ min", "rho_max": "ρ max", "link": "link"}
+
+
+def _bound(margin: Margin) -> str:
+    return f"limb {margin.limb}, {_BOUNDS.get(margin.bound, margin.bound)}"
+
+
+def status(review: Review, posture: Posture) -> Status:
+    """Reachable or not, in which mode, how far from the nearest limit; and the way out."""
+    mode = f"mode {page_mode(posture.mode)}"
+    if posture.reachable:
+        nearest = posture.nearest
+        text = (
+            f"Reachable · {mode} · {nearest.amount:.1f} mm to the nearest limit ({_bound(nearest)})"
+        )
+        stroke = min(
+            (m.amount for m in posture.margins if m.bound != "link"), default=nearest.amount
+        )
+        span = min(c.upper - c.lower for c in review.mechanism.joint_coordinates(review.design))
+        return Status("near" if stroke < NEAR * span else "good", text)
+    worst = max(posture.reasons, key=lambda r: r.amount)
+    more = len(posture.reasons) - 1
+    text = f"Not reachable · {mode} · {worst.text}"
+    if more:
+        text += f" · and {more} more limit{'s' if more > 1 else ''} exceeded"
+    return Status("bad", text, _other_mode(review, posture))
+
+
+def _other_mode(review: Review, posture: Posture) -> str:
+    answer = review.mechanism.inverse(review.design, posture.pose)
+    able = [m for m, ok in zip(answer.modes, answer.within_stroke, strict=True) if ok]
+    if not able:
+        return "No working mode reaches this pose."
+    nearest = min(able, key=lambda m: sum(a != b for a, b in zip(m, posture.mode, strict=True)))
+    return f"Within reach in mode {page_mode(nearest)}."
+
+
+def wishes(review: Review) -> tuple[SolidWish, ...]:
+    """The solids on display with what each depends on."""
+    kind, design = review.mechanism, review.design
+    specs = {spec.key: spec for spec in kind.solids(design)}
+    return tuple(
+        SolidWish(
+            specs[s.key],
+            {
+                r: kind.solid_request(design, s.key, review.pose, review.solver_modes, r)
+                for r in RESOLUTIONS
+            },
+            kind.solid_placement(design, s.key, review.pose),
+            s.opacity,
+        )
+        for s in review.solids
+    )
+
+
+@lru_cache(maxsize=32)
+def findings(design: Design) -> tuple[Finding, ...]:
+    """What is worth knowing about a design, kept while it is on the page."""
+    return mechanism(design.mechanism).findings(design)

@@ -1,0 +1,442 @@
+"""The one loop of a review: takes what people did, newest first, and brings the page to it.
+
+Widgets and lanes only put things into the inbox; this thread alone changes the state, the scene
+and the panels, so nothing here needs a lock.
+"""
+
+from __future__ import annotations
+
+import logging
+import queue
+import threading
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import viser
+
+from app import compute, session
+from app.exporting import ExportedFile, build_file, solid_name
+from app.panels.design import DesignPanel
+from app.panels.desk import Panel, Save, Sheet, safely
+from app.panels.header import Header
+from app.panels.move import MovePanel
+from app.panels.review import ReviewPanel
+from app.panels.workspace import WorkspacePanel
+from app.scene import Scene, machine_bounds
+from app.state import Change, GoHome, History, Place, Review, SetOption, Show
+from app.worker import Built, Busy, Event, Failed, Worker
+from kinematics.errors import BohemiaError, InputError
+
+log = logging.getLogger(__name__)
+
+TICK = 0.25  # s between looks at the clock while nothing happens
+SETTLED = 0.8  # s without a change before the session is saved
+PANEL_WIDTH = 400  # px
+
+TABS: tuple[tuple[str, Callable[..., Panel]], ...] = (
+    ("Move", MovePanel),
+    ("Workspace", WorkspacePanel),
+    ("Design", DesignPanel),
+    ("Review", ReviewPanel),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class _Asked:
+    """A change, and who asked for it."""
+
+    change: Change
+    client: viser.ClientHandle | None
+
+
+class Page:
+    """A review on a viser server; every method but `run` only puts something into the inbox."""
+
+    def __init__(
+        self, server: viser.ViserServer, review: Review, address: str, session_file: Path | None
+    ) -> None:
+        self.server = server
+        self.gui = server.gui
+        self.address = address
+        self._session_file = session_file
+        self._history = History(review)
+        self._inbox: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self._scene = Scene(server)
+        self._header: Header | None = None
+        self._panels: list[Panel] = []
+        self._built: dict[str, Built] = {}
+        self._busy: dict[str, Busy] = {}
+        self._notes: tuple[str, ...] = ()
+        self._dragging: set[int] = set()
+        self._unsaved = False
+        self._changed_at = 0.0
+        self._kind = ""
+        self._framed: object = None
+        self._dark: bool | None = None
+        self._stopping = threading.Event()
+        self.worker = Worker(self._inbox.put)
+
+    # --- what panels ask for (Desk)
+
+    def send(self, change: Change, client: viser.ClientHandle | None = None) -> None:
+        self._inbox.put(_Asked(change, client))
+
+    def undo(self) -> None:
+        self._inbox.put("undo")
+
+    def redo(self) -> None:
+        self._inbox.put("redo")
+
+    def fit_view(self) -> None:
+        self._inbox.put("fit")
+
+    def cancel(self) -> None:
+        self.worker.cancel()
+
+    def complain(self, text: str, client: viser.ClientHandle | None = None) -> None:
+        """Tell the person who asked, or everybody, what is wrong."""
+        for each in [client] if client is not None else self.server.get_clients().values():
+            each.add_notification("Bohemia", text, color="red", auto_close_seconds=12.0)
+        self._inbox.put("redraw")  # widgets go back to what is true
+
+    def download(self, file: ExportedFile, client: viser.ClientHandle | None) -> None:
+        for each in [client] if client is not None else self.server.get_clients().values():
+            each.send_file_download(file.name, file.data, save_immediately=True)
+
+    def export(self, save: Save) -> None:
+        self._inbox.put(save)
+
+    def picture(self, client: viser.ClientHandle | None) -> None:
+        if client is None:
+            raise InputError("a picture is taken of one browser's view; press the button there")
+        self._apart(client, lambda: self.download(self._picture(client), client))
+
+    def scene_page(self, client: viser.ClientHandle | None) -> None:
+        self._apart(client, lambda: self.download(self._scene_page(), client))
+
+    # --- the loop
+
+    def run(self) -> None:
+        """Serve the review until `stop`."""
+        self.worker.start()
+        self._publish()
+        self._commands()
+        while not self._stopping.is_set():
+            try:
+                items = [self._inbox.get(timeout=TICK)]
+            except queue.Empty:
+                items = []
+            while True:
+                try:
+                    items.append(self._inbox.get_nowait())
+                except queue.Empty:
+                    break
+            try:
+                self._take(items)
+            except Exception:
+                log.exception("the page's loop failed on %s", items)
+                self.complain("Something went wrong in the page itself; the last change was lost.")
+        self._save_session()
+        self.worker.stop()
+
+    def stop(self) -> None:
+        """End `run`; the session is saved on the way out."""
+        self._stopping.set()
+        self._inbox.put("redraw")
+
+    def _take(self, items: Sequence[Any]) -> None:
+        redraw = False
+        for n, item in enumerate(items):
+            match item:
+                case _Asked(change, client):
+                    if not _superseded(item, items[n + 1 :]):
+                        redraw |= self._apply(change, client)
+                case "undo":
+                    self._history, redraw = self._history.undo(), True
+                    self._touched(())
+                case "redo":
+                    self._history, redraw = self._history.redo(), True
+                    self._touched(())
+                case "redraw":
+                    redraw = True
+                case "fit":
+                    self._fit()
+                case Save():
+                    self._export(item)
+                case Built() | Failed() | Busy():
+                    redraw |= self._worked(item)
+                case ("drag", phase, client_id, pose):
+                    redraw |= self._drag(phase, client_id, pose)
+        if redraw:
+            self._publish()
+        self._show_work()
+        if self._unsaved and time.monotonic() - self._changed_at > SETTLED:
+            self._save_session()
+
+    def _apply(self, change: Change, client: viser.ClientHandle | None) -> bool:
+        try:
+            self._history, note = self._history.apply(change, time.monotonic())
+        except InputError as error:
+            self.complain(str(error), client)
+            return True
+        self._touched((note,) if note else ())
+        return True
+
+    def _touched(self, notes: tuple[str, ...]) -> None:
+        self._notes = notes
+        self._unsaved = True
+        self._changed_at = time.monotonic()
+
+    def _worked(self, event: Event) -> bool:
+        """A lane reported; true when the page has to change."""
+        match event:
+            case Busy(lane):
+                self._busy[lane] = event
+                return False
+            case Failed(what, resolution, text):
+                if text:
+                    self.complain(text)
+                if resolution == "preview":  # better no solid than one of another pose
+                    for key in [k for k, b in self._built.items() if b.wish.what != what]:
+                        self._built.pop(key)
+                return bool(text)
+            case Built(wish, resolution):
+                before = self._built.get(wish.spec.key)
+                ranks = ("preview", "normal", "fine")
+                if (
+                    before is not None
+                    and before.wish.what == wish.what
+                    and ranks.index(before.resolution) >= ranks.index(resolution)
+                ):
+                    return False
+                if all(w.what != wish.what for w in compute.wishes(self._history.present)):
+                    return False  # the hand has moved on
+                self._built[wish.spec.key] = event
+                return True
+
+    # --- showing
+
+    def _publish(self) -> None:
+        review = self._history.present
+        view = compute.view(review)
+        self.worker.want(view.wishes)
+        sheet = Sheet(
+            view,
+            dict(self._built),
+            self._notes,
+            bool(self._history.past),
+            bool(self._history.future),
+        )
+        with self.server.atomic():
+            if review.design.mechanism != self._kind:
+                self._assemble(sheet)
+            self._theme(review)
+            self._scene.show(view, dragging=bool(self._dragging))
+            self._show_solids(view)
+            assert self._header is not None
+            self._header.draw(sheet)
+            for panel in self._panels:
+                panel.draw(sheet)
+            if self._framed != review.design:
+                self._framed = review.design
+                self._fit()
+        self.server.flush()
+
+    def _show_solids(self, view: compute.View) -> None:
+        wished = {wish.spec.key: wish for wish in view.wishes}
+        for spec in view.review.mechanism.solids(view.review.design):
+            wish, built = wished.get(spec.key), self._built.get(spec.key)
+            if wish is None:
+                self._scene.hide_solid(spec.key)
+                self._built.pop(spec.key, None)
+            elif built is None:
+                self._scene.hide_solid(spec.key)
+            elif built.wish.what == wish.what and not self._scene.shows(wish, built.solid):
+                self._scene.show_solid(wish, built.solid)
+            else:  # the new solid is on its way; until then the old one stays where it was
+                self._scene.fade_solid(wish)
+
+    def _assemble(self, sheet: Sheet) -> None:
+        """Make the panel and the scene's fixed parts for the mechanism of a review."""
+        review = sheet.view.review
+        self._kind = review.design.mechanism
+        self._built.clear()
+        self.gui.reset()
+        self.gui.main_panel.dock_right()
+        self.gui.main_panel.set_width(PANEL_WIDTH)
+        self.gui.set_panel_label("Bohemia")
+        self._scene.prepare(review.mechanism.solids(review.design), sheet.view.drawing.size)
+        self._header = Header(self, sheet)
+        tabs = self.gui.add_tab_group()
+        self._panels = []
+        for title, panel in TABS:
+            with tabs.add_tab(title):
+                self._panels.append(panel(self, sheet))
+        handle = self._scene.handle
+        assert handle is not None
+
+        async def dragged(event: viser.TransformControlsEvent) -> None:
+            rotation = viser.transforms.SO3(np.array(event.target.wxyz)).as_matrix()
+            placed = np.eye(4)
+            placed[:3, :3], placed[:3, 3] = rotation, event.target.position
+            self._inbox.put(("drag", event.phase, event.client_id, placed))
+
+        handle.on_update(dragged)
+
+    def _drag(self, phase: str, client_id: int | None, placed: np.ndarray) -> bool:
+        who = -1 if client_id is None else client_id
+        if phase == "end":
+            self._dragging.discard(who)
+            self._scene.release_handle()
+            return True
+        self._dragging.add(who)
+        if not np.isfinite(placed).all():
+            return False
+        review = self._history.present
+        pose = review.mechanism.pose_from_transform(review.design, placed)
+        return self._apply(Place(pose), None)
+
+    def _theme(self, review: Review) -> None:
+        if review.options.dark == self._dark:
+            return
+        self._dark = review.options.dark
+        self.gui.configure_theme(
+            dark_mode=self._dark,
+            show_logo=False,
+            show_share_button=False,
+            brand_color=(0, 114, 178),
+        )
+
+    def _show_work(self) -> None:
+        # The coarse lane is too quick to be worth a bar.
+        if self._header is not None:
+            self._header.draw_work(self._busy.get("fine"))
+
+    def _fit(self) -> None:
+        review = self._history.present
+        drawing = review.mechanism.drawing(review.design, review.posture)
+        low, high = machine_bounds(drawing)
+        for built in self._built.values():
+            if built.solid.triangles:
+                placed = built.solid.mesh.vertices @ built.wish.placement[:3, :3].T
+                placed = placed + built.wish.placement[:3, 3]
+                low, high = np.minimum(low, placed.min(0)), np.maximum(high, placed.max(0))
+        position, target = self._scene.frame((low, high))
+        first = self.server.initial_camera
+        first.near, first.far = drawing.size / 100.0, drawing.size * 80.0
+        first.fov = np.radians(38.0)
+        first.position, first.look_at = position, target
+        for client in self.server.get_clients().values():
+            with client.atomic():
+                client.camera.near, client.camera.far = first.near, first.far
+                client.camera.fov = first.fov
+                client.camera.position, client.camera.look_at = position, target
+
+    def _commands(self) -> None:
+        def toggled(name: str) -> Callable[[], None]:
+            return lambda: self.send(
+                SetOption(name, not getattr(self._history.present.options, name))
+            )
+
+        commands: tuple[tuple[str, str, Any, Callable[[], None]], ...] = (
+            ("Undo", "Take back the last change", "Z", self.undo),
+            ("Redo", "Do it again", "Y", self.redo),
+            ("Fit the view", "Show the machine and its solids whole", "F", self.fit_view),
+            ("Home position", "The design's home pose", "H", lambda: self.send(GoHome())),
+            ("Labels", "Show or hide the joints' names", "L", toggled("labels")),
+            ("Axes e₁ and e₂", "Show or hide them", "E", toggled("axes")),
+            ("Machine", "Show or hide it", "M", toggled("machine")),
+            (
+                "Workspace",
+                "Show or hide the workspace solid",
+                "W",
+                lambda: self.send(
+                    Show("workspace", self._history.present.shown("workspace") is None)
+                ),
+            ),
+        )
+        for label, description, hotkey, act in commands:
+            command = self.gui.add_command(label, description=description, hotkey=hotkey)
+
+            def triggered(_: object, act: Callable[[], None] = act) -> None:
+                safely(self, None, act)
+
+            command.on_trigger(triggered)
+
+    # --- files
+
+    def _export(self, save: Save) -> None:
+        review = self._history.present
+        wish = next((w for w in compute.wishes(review) if w.spec.key == save.key), None)
+        if wish is None:
+            self.complain("that solid is not shown any more", save.client)
+            return
+        angles = tuple(
+            (c, v)
+            for c, v in zip(
+                review.mechanism.pose_coordinates(review.design), review.pose, strict=True
+            )
+            if c.unit == "rad"
+        )
+        modes = review.solver_modes if wish.spec.uses_modes else None
+        name = solid_name(review.design, save.key, angles, modes)
+        request = next(r for res, r in wish.requests.items() if res == save.resolution)
+
+        def save_it() -> None:
+            file = self.worker.apart(build_file, request, wish.placement, save.kind, name)
+            self.download(file, save.client)
+
+        self._apart(save.client, save_it)
+
+    def _picture(self, client: viser.ClientHandle) -> ExportedFile:
+        import imageio.v3 as iio
+
+        height, width = client.camera.image_height, client.camera.image_width
+        scale = max(1.0, 1600.0 / max(width, 1))
+        image = client.get_render(int(height * scale), int(width * scale), transport_format="png")
+        name = f"{solid_name(self._history.present.design, 'view', ())}.png"
+        return ExportedFile(name, iio.imwrite("<bytes>", image, extension=".png"), "image/png")
+
+    def _scene_page(self) -> ExportedFile:
+        page = self.server.scene.as_html()
+        name = f"{solid_name(self._history.present.design, 'scene', ())}.html"
+        return ExportedFile(name, page.encode(), "text/html")
+
+    def _apart(self, client: viser.ClientHandle | None, act: Callable[[], None]) -> None:
+        """Do something that takes a while in a thread of its own; its failure is told."""
+
+        def work() -> None:
+            try:
+                act()
+            except BohemiaError as error:
+                self.complain(str(error), client)
+            except Exception as error:
+                log.exception("a file could not be made")
+                self.complain(f"The file could not be made: {error}", client)
+
+        threading.Thread(target=work, daemon=True).start()
+
+    def _save_session(self) -> None:
+        if self._session_file is None or not self._unsaved:
+            self._unsaved = False
+            return
+        self._unsaved = False
+        try:
+            session.save(self._history.present, self._session_file)
+        except InputError as error:
+            self.complain(f"The session could not be saved: {error}")
+
+
+def _superseded(item: _Asked, later: Sequence[Any]) -> bool:
+    """A newer value of the same slider waits already: this one need not be computed."""
+    gesture = item.change.gesture
+    return bool(gesture) and any(
+        isinstance(other, _Asked)
+        and type(other.change) is type(item.change)
+        and other.change.gesture == gesture
+        for other in later
+    )

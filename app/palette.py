@@ -1,0 +1,72 @@
+"""Colours that mean one thing everywhere: scene, tables, plots, legend.
+
+Limbs in five Okabe–Ito colours that colour-blind people can tell apart; red-orange for singular
+and for beyond a limit, nothing else; the workspace a quiet blue-grey.
+"""
+
+from __future__ import annotations
+
+from kinematics.mechanism import Bar, SolidSpec
+
+Rgb = tuple[int, int, int]
+
+
+def rgb(code: str) -> Rgb:
+    """ "#0072B2" as three bytes."""
+    return int(code[1:3], 16), int(code[3:5], 16), int(code[5:7], 16)
+
+
+LIMBS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9")
+BEYOND = "#D55E00"  # singular, or beyond a limit
+NEAR = "#F0E442"  # close to the end of a stroke
+WORKSPACE = "#8397AD"
+STEEL = "#C3C9D1"
+JOINT = "#4B525C"
+BASE = "#9AA1AB"
+PLATFORM = "#5D6B7E"
+INK = "#2E343C"
+INK_DARK = "#D8DEE6"  # ink on a dark page
+
+# Parts of one limb's vertex space: its colour mixed with white (> 0) or black (< 0).
+_PART_TINT = {"body": 0.45, "plus": 0.2, "minus": -0.25, "H1": 0.3, "H2": -0.35, "H3": -0.15}
+
+
+def limb_color(limb: int) -> str:
+    """The colour of a limb, counted from 1."""
+    return LIMBS[(limb - 1) % len(LIMBS)]
+
+
+def bar_color(bar: Bar, level: str) -> str:
+    """A bar's colour; ``level`` is how its limb stands ("good", "near", "bad")."""
+    limb = limb_color(bar.limb) if bar.limb else STEEL
+    match bar.role:
+        case "cylinder":
+            return limb
+        case "link":
+            return mixed(limb, 0.35)
+        case "rail":
+            return mixed(limb, 0.55)
+        case "rod":
+            return {"bad": BEYOND, "near": NEAR}.get(level, STEEL)
+        case "gap":
+            return BEYOND
+        case "joint" | "stop":
+            return JOINT
+        case "platform":
+            return PLATFORM
+        case "base":
+            return BASE
+
+
+def solid_color(spec: SolidSpec) -> str:
+    """The colour of a solid: its limb's, shaded by the part it is."""
+    if spec.limb is None:
+        return WORKSPACE
+    return mixed(limb_color(spec.limb), _PART_TINT.get(spec.key.partition("/")[2], 0.0))
+
+
+def mixed(code: str, tint: float) -> str:
+    """A colour mixed with white (tint up to 1) or black (down to −1)."""
+    target = 255 if tint > 0 else 0
+    parts = (round(c + (target - c) * abs(tint)) for c in rgb(code))
+    return "#" + "".join(f"{p:02X}" for p in parts)

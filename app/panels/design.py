@@ -1,0 +1,193 @@
+"""The Design tab: which design, what is worth knowing about it, and every number of it."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from functools import partial
+from typing import Any
+
+import viser
+
+from app import palette, session
+from app.exporting import design_file
+from app.panels.desk import (
+    Desk,
+    Sheet,
+    answer,
+    box,
+    clicked,
+    esc,
+    explain,
+    put,
+    put_prop,
+    safely,
+    tone,
+)
+from app.state import EditDesign, UseDesign
+from kinematics.designs import load_design, presets, read_design
+from kinematics.errors import InputError
+from kinematics.mechanism import DesignField
+
+OWN = "(a design of your own)"
+MAX_BYTES = 256 * 1024
+
+HELP = """
+A **design** is five limbs: base point rᵢ, platform point s′ᵢ, link length lᵢ and stroke
+ρ min … ρ max. Change any number and everything follows at once; undo takes it back.
+
+Pairs of limbs whose base points share y, whose platform points lie on a line along e₂ and whose
+links are equal form the arrangements A₁, A₂, A₃ (and M_p for a third limb) of the paper's
+section 3; designs made of them have simpler forward kinematics, and some combinations cannot be
+controlled at all. What was found in this design stands above.
+"""
+
+
+class DesignPanel:
+    """Presets, files, findings and the numbers of the design."""
+
+    def __init__(self, desk: Desk, sheet: Sheet) -> None:
+        gui = desk.gui
+        self._desk = desk
+        self._titles = {p.name: p.title for p in presets()}
+        self._choice = gui.add_dropdown(
+            "Design", (*self._titles, OWN), initial_value=_chosen(sheet, self._titles)
+        )
+        answer(desk, self._choice, self._choose)
+        self._about = gui.add_html(_about(sheet))
+        upload = gui.add_upload_button(
+            "Open a design file (TOML)", mime_type=".toml,application/toml,text/plain"
+        )
+        upload.on_upload(self._uploaded)
+        self._trouble = gui.add_html("", visible=False)
+        download = gui.add_button("Save this design as a file")
+        clicked(desk, download, self._download)
+        self._fields: dict[tuple[str | int, ...], Any] = {}
+        for group, rows in _grouped(sheet).items():
+            with gui.add_folder(group, expand_by_default=False):
+                for stem, fields in rows:
+                    self._field(stem, fields)
+        explain(gui, HELP)
+        self._design = sheet.view.review.design
+
+    def draw(self, sheet: Sheet) -> None:
+        design = self._design = sheet.view.review.design
+        put(self._choice, _chosen(sheet, self._titles))
+        put_prop(self._about, "content", _about(sheet))
+        for rows in _grouped(sheet).values():
+            for stem, fields in rows:
+                values = tuple(f.value for f in fields)
+                put(self._fields[stem], values if len(values) > 1 else values[0])
+        _ = design
+
+    def _field(self, stem: tuple[str | int, ...], fields: list[DesignField]) -> None:
+        gui = self._desk.gui
+        label = _label(fields)
+        values = tuple(f.value for f in fields)
+        handle: Any
+        if len(values) == 3:
+            handle = gui.add_vector3(label, values, step=0.1)
+        elif len(values) == 2:
+            handle = gui.add_vector2(label, values, step=0.1)
+        else:
+            handle = gui.add_number(label, values[0], step=0.1)
+        self._fields[stem] = handle
+        answer(self._desk, handle, partial(self._edit, [f.path for f in fields], values))
+
+    def _edit(
+        self,
+        paths: list[tuple[str | int, ...]],
+        _before: tuple[float, ...],
+        value: Any,
+        client: viser.ClientHandle | None,
+    ) -> None:
+        values = value if isinstance(value, tuple) else (value,)
+        edits = tuple((path, float(v)) for path, v in zip(paths, values, strict=True))
+        self._desk.send(EditDesign(edits), client)
+
+    def _choose(self, name: str, client: viser.ClientHandle | None) -> None:
+        if name != OWN:
+            self._desk.send(UseDesign(load_design(name)), client)
+
+    async def _uploaded(self, event: viser.GuiEvent[Any]) -> None:
+        file = event.target.value
+
+        def take() -> None:
+            try:
+                design = read_design(
+                    _text(file.content, file.name), origin=file.name, name=_stem(file.name)
+                )
+            except InputError as error:
+                self._complain(str(error))
+                raise
+            self._complain("")
+            self._desk.send(UseDesign(design), event.client)
+
+        safely(self._desk, event.client, take)
+
+    def _complain(self, text: str) -> None:
+        """What is wrong with an uploaded file stays readable until the next one."""
+        put_prop(
+            self._trouble,
+            "content",
+            box(f'<div style="color:{palette.BEYOND}">{esc(text)}</div>'),
+        )
+        put_prop(self._trouble, "visible", bool(text))
+
+    def _download(self, client: viser.ClientHandle | None) -> None:
+        self._desk.download(design_file(self._design), client)
+
+
+def _text(content: bytes, name: str) -> str:
+    if len(content) > min(MAX_BYTES, session.MAX_BYTES):
+        raise InputError(f"{name}: a design file is smaller than {MAX_BYTES // 1024} kB")
+    try:
+        return content.decode("utf-8")
+    except UnicodeDecodeError:
+        raise InputError(f"{name}: not a design file (it is not UTF-8 text)") from None
+
+
+def _stem(name: str) -> str:
+    return name.rsplit("/", 1)[-1].removesuffix(".toml")[:60] or "design"
+
+
+def _chosen(sheet: Sheet, titles: dict[str, str]) -> str:
+    design = sheet.view.review.design
+    if design.name not in titles:
+        return OWN
+    return design.name if load_design(design.name) == design else OWN
+
+
+def _about(sheet: Sheet) -> str:
+    design = sheet.view.review.design
+    lines = [f"<b>{esc(design.title or design.name)}</b>"]
+    if design.source:
+        lines.append(f'<span style="opacity:0.75">{esc(design.source)}</span>')
+    for finding in sheet.view.findings:
+        color = palette.BEYOND if finding.severity == "warning" else tone("quiet")
+        lines.append(
+            f'<div style="border-left:3px solid {color};padding-left:0.6em;margin-top:0.4em">'
+            f"<b>{esc(finding.title)}</b><br>{esc(finding.text)}</div>"
+        )
+    return box("<br>".join(lines[:2]) + "".join(lines[2:]))
+
+
+def _grouped(sheet: Sheet) -> dict[str, list[tuple[tuple[str | int, ...], list[DesignField]]]]:
+    """The design's numbers by group; the coordinates of one point are one row."""
+    review = sheet.view.review
+    groups: dict[str, dict[tuple[str | int, ...], list[DesignField]]] = defaultdict(dict)
+    for field in review.mechanism.design_fields(review.design):
+        last = field.path[-1]
+        stem = field.path[:-1] if isinstance(last, int) and len(field.path) > 2 else field.path
+        groups[field.group].setdefault(stem, []).append(field)
+    return {group: list(rows.items()) for group, rows in groups.items()}
+
+
+def _label(fields: list[DesignField]) -> str:
+    unit = f" ({fields[0].unit})" if fields[0].unit else ""
+    if len(fields) == 1:
+        return fields[0].label + unit
+    common = fields[0].label
+    while common and not all(f.label.startswith(common) for f in fields):
+        common = common[:-1]
+    common = common.rstrip(" _,′·")
+    return (common or ", ".join(f.label for f in fields)) + unit

@@ -1,0 +1,192 @@
+"""What panels share: the way to send a change, and widgets that never answer themselves."""
+
+from __future__ import annotations
+
+import html
+import logging
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol
+
+import viser
+
+from app import palette
+from app.compute import View
+from app.exporting import ExportedFile
+from app.state import Change
+from app.worker import Built
+from kinematics.errors import InputError
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class Save:
+    """A person asked for a shown solid as a file."""
+
+    key: str
+    kind: str
+    resolution: str
+    client: viser.ClientHandle | None
+
+
+class Desk(Protocol):
+    """What a panel may ask of the server; none of it blocks."""
+
+    @property
+    def gui(self) -> viser.GuiApi: ...
+    @property
+    def address(self) -> str: ...
+    def send(self, change: Change, client: viser.ClientHandle | None = None) -> None: ...
+    def undo(self) -> None: ...
+    def redo(self) -> None: ...
+    def fit_view(self) -> None: ...
+    def cancel(self) -> None: ...
+    def export(self, save: Save) -> None: ...
+    def download(self, file: ExportedFile, client: viser.ClientHandle | None) -> None: ...
+    def picture(self, client: viser.ClientHandle | None) -> None: ...
+    def scene_page(self, client: viser.ClientHandle | None) -> None: ...
+    def complain(self, text: str, client: viser.ClientHandle | None = None) -> None: ...
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Sheet:
+    """What panels draw: the view, and the solids that stand on display."""
+
+    view: View
+    built: dict[str, Built]
+    notes: tuple[str, ...]
+    can_undo: bool
+    can_redo: bool
+
+
+class Panel(Protocol):
+    """One tab: made once for a mechanism, then redrawn."""
+
+    def draw(self, sheet: Sheet) -> None: ...
+
+
+def answer(desk: Desk, handle: Any, act: Callable[[Any, viser.ClientHandle | None], None]) -> None:
+    """Call ``act(value, client)`` when a person, not the program, changes a widget.
+
+    ``act`` runs on the event loop, so it may only pass the value on. What it raises becomes a
+    notification.
+    """
+
+    async def changed(event: Any) -> None:
+        if event.client is not None:
+            safely(desk, event.client, lambda: act(event.target.value, event.client))
+
+    handle.on_update(changed)
+
+
+def clicked(desk: Desk, handle: Any, act: Callable[[viser.ClientHandle | None], None]) -> None:
+    """Call ``act(client)`` when a person presses a button; what it raises is shown to them."""
+
+    async def pressed(event: Any) -> None:
+        safely(desk, event.client, lambda: act(event.client))
+
+    handle.on_click(pressed)
+
+
+def safely(desk: Desk, client: viser.ClientHandle | None, act: Callable[[], None]) -> None:
+    """Do what a person asked for; whatever goes wrong becomes a notification to them."""
+    try:
+        act()
+    except InputError as error:
+        desk.complain(str(error), client)
+    except Exception as error:
+        log.exception("a callback failed")
+        desk.complain(f"Something went wrong in the page itself: {error}", client)
+
+
+def put(handle: Any, value: Any) -> None:
+    """Show a value in a widget, unless it shows it already to the digits that matter."""
+    shown = handle.value
+    if isinstance(value, float) and isinstance(shown, int | float):
+        if math.isfinite(shown) and abs(shown - value) < 1e-7 * max(1.0, abs(value)):
+            return
+    elif isinstance(value, tuple) and isinstance(shown, tuple) and len(value) == len(shown):
+        if all(math.isfinite(a) and abs(a - b) < 1e-7 for a, b in zip(shown, value, strict=True)):
+            return
+    elif shown == value:
+        return
+    handle.value = value
+
+
+def put_prop(handle: Any, name: str, value: Any) -> None:
+    """Assign a property only when it differs: every assignment is a message to every client."""
+    if getattr(handle, name) != value:
+        setattr(handle, name, value)
+
+
+class Slider:
+    """A slider with its number box; a value outside its range stands at its end."""
+
+    def __init__(
+        self,
+        desk: Desk,
+        label: str,
+        low: float,
+        high: float,
+        step: float,
+        value: float,
+        act: Callable[[float, viser.ClientHandle | None], None],
+        hint: str | None = None,
+    ) -> None:
+        self._handle = desk.gui.add_slider(
+            label, low, high, step, min(max(value, low), high), hint=hint
+        )
+        answer(desk, self._handle, act)
+
+    def draw(self, low: float, high: float, value: float) -> None:
+        put_prop(self._handle, "min", low)
+        put_prop(self._handle, "max", high)
+        if math.isfinite(value):
+            put(self._handle, min(max(value, low), high))
+
+
+def explain(gui: viser.GuiApi, text: str) -> None:
+    """The "What am I looking at?" at the foot of a tab."""
+    with gui.add_folder("What am I looking at?", expand_by_default=False):
+        gui.add_markdown(text)
+
+
+# --- small pieces of HTML. Only text that passed `esc` goes in ---------------------------
+
+
+Tone = Literal["good", "near", "bad", "quiet"]
+_TONES = {"good": "#009E73", "near": "#B59B00", "bad": palette.BEYOND, "quiet": "#7A828C"}
+
+
+def esc(text: object) -> str:
+    """Text that may come from a file or a person, harmless in HTML."""
+    return html.escape(str(text))
+
+
+def tone(level: Tone) -> str:
+    """The CSS colour of a level."""
+    return _TONES[level]
+
+
+def box(content: str) -> str:
+    """A block with the margins of the panel's other rows."""
+    return f'<div style="padding:0.3em 0.75em;font-size:0.82em;line-height:1.45">{content}</div>'
+
+
+def chip(color: str) -> str:
+    """A small square of a colour."""
+    return (
+        f'<span style="display:inline-block;width:0.75em;height:0.75em;border-radius:2px;'
+        f'background:{color};margin-right:0.35em;vertical-align:-0.05em"></span>'
+    )
+
+
+def volume_text(mm3: float, error: float | None = None) -> str:
+    """A volume in the unit that reads best, with its error."""
+    unit, scale = ("dm³", 1e-6) if abs(mm3) >= 1e5 else ("cm³", 1e-3)
+    text = f"{mm3 * scale:.4g}" if abs(mm3 * scale) < 1000 else f"{mm3 * scale:,.0f}"
+    if error is not None:
+        text += f" ± {error * scale:.1g}"
+    return f"{text} {unit}"

@@ -1,0 +1,69 @@
+"""The top of the panel, above the tabs: status, legend, progress."""
+
+from __future__ import annotations
+
+import time
+
+from app import palette
+from app.compute import View
+from app.panels.desk import Desk, Sheet, box, chip, clicked, esc, put_prop, tone
+from app.worker import Busy
+
+PATIENCE = 0.6  # s; work that ends sooner is not worth a progress bar
+
+
+class Header:
+    """A line that is always true, what the colours mean, and what is being computed."""
+
+    def __init__(self, desk: Desk, sheet: Sheet) -> None:
+        gui = desk.gui
+        self._status = gui.add_html(_status(sheet))
+        self._legend = gui.add_html(_legend(sheet.view))
+        self._progress = gui.add_progress_bar(0.0, visible=False, animated=True)
+        self._doing = gui.add_html("", visible=False)
+        self._cancel = gui.add_button("Cancel", visible=False, color="gray")
+        clicked(desk, self._cancel, lambda _: desk.cancel())
+
+    def draw(self, sheet: Sheet) -> None:
+        put_prop(self._status, "content", _status(sheet))
+        put_prop(self._legend, "content", _legend(sheet.view))
+
+    def draw_work(self, work: Busy | None) -> None:
+        """Show what takes longer than a moment, with a way to stop it."""
+        waited = 0.0 if work is None else time.monotonic() - work.since
+        show = work is not None and work.title is not None and waited > PATIENCE
+        for part in (self._progress, self._doing, self._cancel):
+            put_prop(part, "visible", show)
+        if show and work is not None:
+            # How long a boolean takes is not known beforehand: approach the end, never reach it.
+            self._progress.value = 100.0 * (1.0 - 1.0 / (1.0 + waited / 1.5))
+            put_prop(self._doing, "content", box(f"Computing {esc(work.title)} · {waited:.0f} s"))
+
+
+def _status(sheet: Sheet) -> str:
+    status = sheet.view.status
+    color = tone(status.level)
+    lines = [
+        f'<div style="border-left:4px solid {color};padding-left:0.6em;font-weight:600">'
+        f"{esc(status.text)}</div>"
+    ]
+    if status.remedy:
+        lines.append(f'<div style="padding-left:calc(0.6em + 4px)">{esc(status.remedy)}</div>')
+    lines += [
+        f'<div style="padding-left:calc(0.6em + 4px);color:{tone("near")}">{esc(note)}</div>'
+        for note in sheet.notes
+    ]
+    # The height is kept so that the tabs below do not jump as the sentence changes.
+    return box(f'<div style="min-height:4.2em">{"".join(lines)}</div>')
+
+
+def _legend(view: View) -> str:
+    limbs = sorted({row.limb for row in view.joints})
+    items = [f"{chip(palette.limb_color(n))}limb {n}" for n in limbs]
+    items.append(f"{chip(palette.NEAR)}near its end")
+    items.append(f"{chip(palette.BEYOND)}beyond a limit")
+    items.append(f"{chip(palette.WORKSPACE)}workspace")
+    spans = "".join(
+        f'<span style="white-space:nowrap;margin-right:0.9em">{i}</span>' for i in items
+    )
+    return box(f'<div style="opacity:0.85">{spans}</div>')

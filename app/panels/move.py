@@ -1,0 +1,180 @@
+"""The Move tab: the pose, the actuators, the working mode."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import viser
+
+from app import palette
+from app.compute import (
+    JointRow,
+    from_page_units,
+    in_page_units,
+    page_mode,
+    page_unit,
+)
+from app.panels.desk import (
+    Desk,
+    Sheet,
+    Slider,
+    answer,
+    box,
+    chip,
+    clicked,
+    esc,
+    explain,
+    put,
+    put_prop,
+    tone,
+)
+from app.state import Drive, Flip, GoHome, Move
+from kinematics.mechanism import Coordinate
+
+STEP = {"mm": 0.1, "rad": 0.1}  # on the page: mm and degrees
+
+HELP = """
+The mechanism at one pose. **Drag the coloured handle** on the platform, or move the **pose**
+sliders: the inverse kinematics gives the five lengths at once. Move an **actuator** slider and the
+platform follows along its present assembly mode; at a parallel singularity or at the end of a
+stroke it stops and says so. It never jumps to another branch.
+
+The **working mode** is the side of the U joint Bᵢ on which the second link stands (the sign of
+σᵢ = C − B along z′). A cylinder's rod turns yellow near the end of its stroke and red-orange
+beyond it; a red-orange bar shows by how much a limb fails to reach its platform point.
+
+Tale Masouleh et al. 2011, Figs. 1 and 2.
+"""
+
+
+class MovePanel:
+    """Sliders for everything that moves, and where each actuator stands in its stroke."""
+
+    def __init__(self, desk: Desk, sheet: Sheet) -> None:
+        gui, view = desk.gui, sheet.view
+        kind, design = view.review.mechanism, view.review.design
+        with gui.add_folder("Pose of the platform"):
+            self._pose = [
+                self._slider(desk, c, partial(self._move, desk, n, c), value)
+                for n, (c, value) in enumerate(
+                    zip(kind.pose_coordinates(design), view.posture.pose, strict=True)
+                )
+            ]
+        with gui.add_folder("Actuators"):
+            self._joints = [
+                self._slider(desk, c, partial(self._drive, desk, n, c), row.value)
+                for n, (c, row) in enumerate(
+                    zip(kind.joint_coordinates(design), view.joints, strict=True)
+                )
+            ]
+            self._table = gui.add_html(_table(view.joints))
+            self._residual = gui.add_html(_residual(sheet))
+        with gui.add_folder("Working mode"):
+            self._modes = [
+                gui.add_checkbox(
+                    f"Limb {n + 1} on the + side",
+                    sign == "+",
+                    hint="On: the second link stands on the +z′ side of its U joint",
+                )
+                for n, sign in enumerate(view.posture.mode)
+            ]
+            for n, switch in enumerate(self._modes):
+                answer(desk, switch, partial(self._flip, desk, n))
+            self._other = gui.add_html(_other_modes(sheet))
+        home = gui.add_button("Home position", hint="Back to the design's home pose (hotkey H)")
+        clicked(desk, home, lambda client: desk.send(GoHome(), client))
+        explain(gui, HELP)
+        self._mode = view.posture.mode
+
+    def draw(self, sheet: Sheet) -> None:
+        view = sheet.view
+        kind, design = view.review.mechanism, view.review.design
+        for slider, c, value in zip(
+            self._pose, kind.pose_coordinates(design), view.posture.pose, strict=True
+        ):
+            slider.draw(
+                in_page_units(c, c.lower), in_page_units(c, c.upper), in_page_units(c, value)
+            )
+        for slider, row in zip(self._joints, view.joints, strict=True):
+            slider.draw(row.low, row.high, row.value)
+        self._mode = view.posture.mode
+        for switch, sign in zip(self._modes, self._mode, strict=True):
+            put(switch, sign == "+")
+        put_prop(self._table, "content", _table(view.joints))
+        put_prop(self._residual, "content", _residual(sheet))
+        put_prop(self._other, "content", _other_modes(sheet))
+
+    @staticmethod
+    def _slider(desk: Desk, c: Coordinate, act: object, value: float) -> Slider:
+        low, high = in_page_units(c, c.lower), in_page_units(c, c.upper)
+        shown = value if c.limb else in_page_units(c, value)
+        return Slider(
+            desk,
+            f"{c.symbol} ({page_unit(c)})",
+            low,
+            high,
+            STEP[c.unit],
+            shown,
+            act,  # type: ignore[arg-type]
+        )
+
+    @staticmethod
+    def _move(
+        desk: Desk, n: int, c: Coordinate, value: float, client: viser.ClientHandle | None
+    ) -> None:
+        desk.send(Move(n, from_page_units(c, value)), client)
+
+    @staticmethod
+    def _drive(
+        desk: Desk, n: int, c: Coordinate, value: float, client: viser.ClientHandle | None
+    ) -> None:
+        desk.send(Drive(n, from_page_units(c, value)), client)
+
+    def _flip(self, desk: Desk, n: int, on: bool, client: viser.ClientHandle | None) -> None:
+        mode = self._mode[:n] + ("+" if on else "-") + self._mode[n + 1 :]
+        self._mode = mode
+        desk.send(Flip(mode), client)
+
+
+def _table(rows: tuple[JointRow, ...]) -> str:
+    body = "".join(_row(row) for row in rows)
+    return box(f'<table style="width:100%;border-spacing:0 2px">{body}</table>')
+
+
+def _row(row: JointRow) -> str:
+    span = row.high - row.low
+    at = min(max((row.value - row.low) / span, 0.0), 1.0) if row.value == row.value else 0.0
+    color = {"good": palette.limb_color(row.limb), "near": palette.NEAR, "bad": palette.BEYOND}[
+        row.level
+    ]
+    bar = (
+        '<div style="position:relative;height:0.55em;border-radius:3px;'
+        'background:rgba(128,138,150,0.25)">'
+        f'<div style="position:absolute;left:0;top:0;bottom:0;width:{100 * at:.1f}%;'
+        f'border-radius:3px;background:{color}"></div></div>'
+    )
+    value = f"{row.value:.1f} {row.unit}" if row.value == row.value else "none"
+    note = f'<span style="color:{tone(row.level)}">{esc(row.note)}</span>'
+    return (
+        f'<tr><td style="white-space:nowrap">{chip(palette.limb_color(row.limb))}'
+        f"{esc(row.symbol)}</td>"
+        '<td style="text-align:right;white-space:nowrap;padding:0 0.6em;'
+        f'font-variant-numeric:tabular-nums">{value}</td><td style="width:38%">{bar}</td>'
+        f'<td style="white-space:nowrap;padding-left:0.6em;width:7.5em">{note}</td></tr>'
+    )
+
+
+def _residual(sheet: Sheet) -> str:
+    return box(
+        f'<span style="opacity:0.75">loop closure to {sheet.view.posture.residual:.0e} mm</span>'
+    )
+
+
+def _other_modes(sheet: Sheet) -> str:
+    view = sheet.view
+    answered = view.review.mechanism.inverse(view.review.design, view.posture.pose)
+    able = [m for m, ok in zip(answered.modes, answered.within_stroke, strict=True) if ok]
+    if not able:
+        return box("No working mode reaches this pose within the strokes.")
+    some = ", ".join(page_mode(m) for m in able[:6]) + (" …" if len(able) > 6 else "")
+    return box(f"{len(able)} of {len(answered.modes)} working modes reach this pose: {some}")

@@ -1,0 +1,129 @@
+"""The Review tab: what leaves the page, and how the page looks."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from functools import partial
+from typing import Any
+
+import viser
+
+from app import session
+from app.exporting import FORMATS, ExportedFile, sanitized
+from app.panels.desk import (
+    Desk,
+    Save,
+    Sheet,
+    answer,
+    box,
+    clicked,
+    esc,
+    explain,
+    put,
+    put_prop,
+    safely,
+)
+from app.state import Options, Restore, SetOption
+from kinematics.errors import InputError
+from kinematics.mechanism import RESOLUTIONS
+
+OPTIONS = {
+    "machine": "Machine",
+    "handle": "Drag handle on the platform",
+    "labels": "Labels of the joints Aᵢ, Bᵢ, Cᵢ",
+    "frames": "Base and platform frames",
+    "axes": "Axes e₁ and e₂",
+    "grid": "Ground grid",
+    "dark": "Dark background",
+}
+
+HELP = """
+**Drag** to turn the view, **right-drag** to shift it, **scroll** to zoom. **Ctrl/Cmd + K** opens
+the command palette with every hotkey: **F** fit the view, **H** home, **Z** undo, **Y** redo,
+**L** labels, **W** workspace.
+
+A solid is saved in the base frame, in mm. A **session file** holds the whole review: design, pose,
+what is shown; a colleague opens it here or with `bohemia serve --session FILE`. The **scene as a
+page** is one HTML file that anyone can open and turn, without Bohemia.
+
+Whoever opens this page's address sees and steers the same review; a reload loses nothing.
+"""
+
+
+class ReviewPanel:
+    """Exports, the session file, undo and redo, and what is drawn."""
+
+    def __init__(self, desk: Desk, sheet: Sheet) -> None:
+        gui = desk.gui
+        self._desk = desk
+        self._undo = gui.add_button("Undo", icon=viser.Icon.ARROW_BACK_UP, disabled=True)
+        self._redo = gui.add_button("Redo", icon=viser.Icon.ARROW_FORWARD_UP, disabled=True)
+        clicked(desk, self._undo, lambda _: desk.undo())
+        clicked(desk, self._redo, lambda _: desk.redo())
+        with gui.add_folder("Save a solid"):
+            self._solid = gui.add_dropdown("Solid", ("none is shown",))
+            self._format = gui.add_dropdown("Format", tuple(f.upper() for f in FORMATS))
+            self._resolution = gui.add_dropdown("Resolution", RESOLUTIONS, initial_value="fine")
+            self._save = gui.add_button("Save", icon=viser.Icon.DOWNLOAD)
+            clicked(desk, self._save, self._export)
+        with gui.add_folder("Save the review"):
+            clicked(desk, gui.add_button("Session file"), self._session)
+            upload = gui.add_upload_button(
+                "Open a session file", mime_type=".json,application/json"
+            )
+            upload.on_upload(self._uploaded)
+            clicked(desk, gui.add_button("Picture of the view (PNG)"), desk.picture)
+            clicked(desk, gui.add_button("Scene as a page (HTML)"), desk.scene_page)
+        with gui.add_folder("What is drawn"):
+            self._options = {
+                name: gui.add_checkbox(title, getattr(sheet.view.review.options, name))
+                for name, title in OPTIONS.items()
+            }
+            for name, switch in self._options.items():
+                answer(desk, switch, partial(self._option, name))
+            clicked(desk, gui.add_button("Fit the view"), lambda _: desk.fit_view())
+        gui.add_html(box(f"This page: <b>{esc(desk.address)}</b>"))
+        explain(gui, HELP)
+        self._keys: dict[str, str] = {}
+        self._review = sheet.view.review
+
+    def draw(self, sheet: Sheet) -> None:
+        self._review = sheet.view.review
+        put_prop(self._undo, "disabled", not sheet.can_undo)
+        put_prop(self._redo, "disabled", not sheet.can_redo)
+        titles = {wish.spec.title: wish.spec.key for wish in sheet.view.wishes}
+        if titles != self._keys or self._solid.options == ("none is shown",):
+            self._keys = titles
+            options = tuple(titles) or ("none is shown",)
+            if tuple(self._solid.options) != options:
+                self._solid.options = options
+        put_prop(self._save, "disabled", not titles)
+        for option in fields(Options):
+            put(self._options[option.name], getattr(self._review.options, option.name))
+
+    def _export(self, client: viser.ClientHandle | None) -> None:
+        key = self._keys.get(self._solid.value)
+        if key is None:
+            raise InputError("no solid is shown; switch one on in the Workspace tab first")
+        self._desk.export(Save(key, self._format.value.lower(), self._resolution.value, client))
+
+    def _session(self, client: viser.ClientHandle | None) -> None:
+        text = session.to_text(self._review)
+        name = f"{sanitized(self._review.design.name)}.bohemia.json"
+        self._desk.download(ExportedFile(name, text.encode(), "application/json"), client)
+
+    async def _uploaded(self, event: viser.GuiEvent[Any]) -> None:
+        file = event.target.value
+
+        def take() -> None:
+            if len(file.content) > session.MAX_BYTES:
+                raise InputError(
+                    f"{file.name}: a session file is smaller than {session.MAX_BYTES >> 10} kB"
+                )
+            text = file.content.decode("utf-8", errors="replace")
+            self._desk.send(Restore(session.from_text(text, origin=file.name)), event.client)
+
+        safely(self._desk, event.client, take)
+
+    def _option(self, name: str, on: bool, client: viser.ClientHandle | None) -> None:
+        self._desk.send(SetOption(name, on), client)

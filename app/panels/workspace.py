@@ -1,0 +1,208 @@
+"""The Workspace tab: the workspace solid and the limbs' vertex spaces."""
+
+from __future__ import annotations
+
+import re
+from functools import partial
+from itertools import product
+
+import viser
+
+from app import palette
+from app.compute import page_mode
+from app.panels.desk import (
+    Desk,
+    Sheet,
+    answer,
+    box,
+    chip,
+    esc,
+    explain,
+    put,
+    put_prop,
+    tone,
+    volume_text,
+)
+from app.state import ChooseModes, Fade, Show
+from app.worker import Built
+from kinematics.errors import InputError
+from kinematics.mechanism import SolidSpec
+
+ALL, CURRENT, CHOSEN = "All working modes together", "The current working mode", "A chosen set"
+
+HELP = """
+The **constant-orientation workspace**: every place the platform's origin O′ can reach while φ and θ
+stay as they are. It is the intersection of the five limbs' **vertex spaces**, Bohemian domes given
+thickness by the actuators' strokes and offset by −sᵢ (Figs. 9 to 15 of Tale Masouleh et al. 2011).
+Each vertex space is its main body (Fig. 12) less the holes H₁, H₂ and H₃ (Figs. 9 to 11), or the
+union of its two halves, one for each side of the U joint.
+
+While a slider moves the solid is coarse, when the hand rests it becomes fine. The volume is that of
+the solid shown, with an estimate of its error; pieces are parts that do not touch.
+"""
+
+
+class WorkspacePanel:
+    """A switch and an opacity for every solid, its volume and its pieces."""
+
+    def __init__(self, desk: Desk, sheet: Sheet) -> None:
+        gui, review = desk.gui, sheet.view.review
+        self._desk = desk
+        self._switches: dict[str, viser.GuiCheckboxHandle] = {}
+        self._opacities: list[tuple[tuple[str, ...], viser.GuiSliderHandle[float]]] = []
+        specs = review.mechanism.solids(review.design)
+        alone = [s for s in specs if s.limb is None]
+        for spec in alone:
+            self._switch(spec, spec.title, sheet)
+        self._opacity(tuple(s.key for s in alone), "Opacity", 0.35)
+        self._choice = gui.add_dropdown(
+            "Of", (ALL, CURRENT, CHOSEN), initial_value=_choice(sheet), hint="Working modes"
+        )
+        answer(desk, self._choice, self._choose)
+        self._set = gui.add_text(
+            "Modes",
+            _set_text(sheet),
+            hint="One sign a limb, ? for either; several separated by commas: +?+++, −−+++",
+            visible=_choice(sheet) == CHOSEN,
+        )
+        answer(desk, self._set, self._choose_set)
+        self._report = gui.add_html(_report(sheet))
+        self._all = gui.add_checkbox("All vertex spaces", False)
+        answer(desk, self._all, partial(self._show_all, specs))
+        self._whole = [s.key for s in specs if s.key.endswith("/whole")]
+        for limb in sorted({s.limb for s in specs if s.limb is not None}):
+            own = [s for s in specs if s.limb == limb]
+            with gui.add_folder(f"Limb {limb}", expand_by_default=False):
+                for spec in own:
+                    title = spec.title.partition(": ")[2]
+                    figure = f" ({spec.figure})" if spec.figure else ""
+                    self._switch(spec, title[:1].upper() + title[1:] + figure, sheet)
+                self._opacity(tuple(s.key for s in own), "Opacity", 0.25)
+        self._parts = gui.add_html(_parts(sheet))
+        explain(gui, HELP)
+
+    def draw(self, sheet: Sheet) -> None:
+        review = sheet.view.review
+        for key, switch in self._switches.items():
+            put(switch, review.shown(key) is not None)
+        for keys, slider in self._opacities:
+            shown = next((s for s in review.solids if s.key in keys), None)
+            if shown is not None:
+                put(slider, shown.opacity)
+        choice = _choice(sheet)
+        if not (self._choice.value == CHOSEN and choice == ALL and self._set.visible):
+            put(self._choice, choice)
+        put_prop(self._set, "visible", self._choice.value == CHOSEN)
+        if choice == CHOSEN:
+            put(self._set, _set_text(sheet))
+        put(self._all, all(review.shown(key) for key in self._whole))
+        put_prop(self._report, "content", _report(sheet))
+        put_prop(self._parts, "content", _parts(sheet))
+
+    def _switch(self, spec: SolidSpec, title: str, sheet: Sheet) -> None:
+        switch = self._desk.gui.add_checkbox(title, sheet.view.review.shown(spec.key) is not None)
+        answer(self._desk, switch, lambda on, client: self._desk.send(Show(spec.key, on), client))
+        self._switches[spec.key] = switch
+
+    def _opacity(self, keys: tuple[str, ...], label: str, value: float) -> None:
+        slider = self._desk.gui.add_slider(label, 0.05, 1.0, 0.05, value)
+        answer(
+            self._desk, slider, lambda opacity, client: self._desk.send(Fade(keys, opacity), client)
+        )
+        self._opacities.append((keys, slider))
+
+    def _choose(self, choice: str, client: viser.ClientHandle | None) -> None:
+        self._set.visible = choice == CHOSEN
+        if choice == CHOSEN:
+            self._choose_set(self._set.value, client)
+        else:
+            self._desk.send(ChooseModes("all" if choice == ALL else "current"), client)
+
+    def _choose_set(self, text: str, client: viser.ClientHandle | None) -> None:
+        self._desk.send(ChooseModes(parse_modes(text, len(self._whole))), client)
+
+    def _show_all(
+        self, specs: tuple[SolidSpec, ...], on: bool, client: viser.ClientHandle | None
+    ) -> None:
+        for key in self._whole:
+            self._desk.send(Show(key, on), client)
+
+
+def parse_modes(text: str, limbs: int) -> tuple[str, ...]:
+    """Working modes as a person types them: "+?+++, −−+++", where ? stands for either sign.
+
+    Raises:
+        InputError: something in it is not a working mode; the message says what.
+    """
+    modes: dict[str, None] = {}
+    for word in re.split(r"[,;\s]+", text.strip()):
+        plain = word.replace("−", "-").replace("–", "-")
+        if len(plain) != limbs or set(plain) - set("+-?"):
+            raise InputError(
+                f"{word!r} is not a working mode; write one sign (+, − or ? for either) for each "
+                f"of the {limbs} limbs, as {'+' * limbs}"
+            )
+        for signs in product(*("+-" if sign == "?" else sign for sign in plain)):
+            modes["".join(signs)] = None
+    return tuple(modes)
+
+
+def _choice(sheet: Sheet) -> str:
+    modes = sheet.view.review.modes
+    return ALL if modes == "all" else CURRENT if modes == "current" else CHOSEN
+
+
+def _set_text(sheet: Sheet) -> str:
+    modes = sheet.view.review.modes
+    chosen = modes if isinstance(modes, tuple) else (sheet.view.posture.mode,)
+    return ", ".join(page_mode(m) for m in chosen)
+
+
+def _report(sheet: Sheet) -> str:
+    view = sheet.view
+    shown = view.review.shown("workspace")
+    where = (
+        f'<b style="color:{tone("good")}">inside</b>'
+        if view.inside
+        else f'<b style="color:{palette.BEYOND}">outside</b>'
+    )
+    lines = [f"The present position is {where} this workspace."]
+    built = sheet.built.get("workspace")
+    if shown is not None and built is not None:
+        solid = built.solid
+        if not solid.pieces:
+            lines.append("At this orientation the workspace is empty.")
+        else:
+            count = len(solid.pieces)
+            lines.append(
+                f'<span style="font-size:1.25em;font-weight:600">'
+                f"{volume_text(solid.volume, solid.volume_error)}</span> in {count} "
+                f"piece{'s' if count > 1 else ''}"
+            )
+            pieces = " · ".join(volume_text(p.volume) for p in solid.pieces[:8])
+            lines.append(pieces + (" · …" if count > 8 else ""))
+        lines.append(_quality(built))
+    return box("<br>".join(lines))
+
+
+def _quality(built: Built) -> str:
+    exact = f"{built.solid.volume:,.0f} mm³".replace(",", " ")
+    return (
+        f'<span style="opacity:0.75">{built.resolution} solid · {exact} · '
+        f"{built.solid.triangles} triangles</span>"
+    )
+
+
+def _parts(sheet: Sheet) -> str:
+    rows = []
+    for key, built in sheet.built.items():
+        spec = built.wish.spec
+        if spec.limb is None or sheet.view.review.shown(key) is None:
+            continue
+        text = (
+            f"{volume_text(built.solid.volume, built.solid.volume_error)}"
+            if built.solid.pieces
+            else "does not exist for this limb"
+        )
+        rows.append(f"{chip(palette.solid_color(spec))}{esc(spec.title)}: {text}")
+    return box("<br>".join(rows)) if rows else ""

@@ -1,0 +1,363 @@
+"""View → scene nodes, created once and updated in place. Lengths in mm, z up."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import viser
+import viser.transforms as tf
+from scipy.spatial import ConvexHull
+
+from app import palette
+from app.compute import SolidWish, View
+from kinematics.mechanism import Bar, Body, Drawing, Mark, SolidSpec
+from kinematics.solids import BuiltSolid
+from kinematics.spatial import Array
+
+# Solids are created from the inside out: with equal origins the browser draws in this order, and
+# a transparent outer solid drawn first would hide the inner one.
+_DRAW_ORDER = ("workspace", "H1", "H2", "H3", "plus", "minus", "whole", "body")
+_NOTHING = np.zeros((3, 3), dtype=np.float32)  # a mesh of no area where there is no solid
+_ONE_FACE = np.array([[0, 1, 2]], dtype=np.uint32)
+GRID = 100.0  # mm
+
+
+@dataclass
+class Scene:
+    """Handles of everything in the scene, and what they show."""
+
+    server: viser.ViserServer
+    _nodes: dict[str, Any] = field(default_factory=dict)
+    _shape: dict[str, tuple[object, ...]] = field(default_factory=dict)
+    _solids: dict[str, viser.MeshHandle] = field(default_factory=dict)
+    _solid_on: dict[str, tuple[object, ...]] = field(default_factory=dict)
+    _drawn: Drawing | None = None
+    handle: viser.TransformControlsHandle | None = None
+
+    def prepare(self, specs: Iterable[SolidSpec], size: float) -> None:
+        """The things that do not depend on the pose: light, solids' nodes, the drag handle."""
+        scene = self.server.scene
+        scene.set_up_direction("+z")
+        scene.configure_default_lights(True, cast_shadow=False)
+        for node in self._solids.values():
+            node.remove()
+        self._solids.clear()
+        self._solid_on.clear()
+        ordered = sorted(specs, key=lambda s: _DRAW_ORDER.index(s.key.partition("/")[2] or s.key))
+        for spec in ordered:
+            self._solids[spec.key] = scene.add_mesh_simple(
+                f"/solids/{spec.key}",
+                _NOTHING,
+                _ONE_FACE,
+                color=palette.rgb(palette.solid_color(spec)),
+                opacity=0.3,
+                side="double",
+                cast_shadow=False,
+                receive_shadow=False,
+                visible=False,
+            )
+        self.handle = scene.add_transform_controls(
+            "/handle", scale=0.42 * size, line_width=3.0, depth_test=False, opacity=0.85
+        )
+
+    # --- the machine
+
+    def show(self, view: View, *, dragging: bool) -> None:
+        """Bring the machine, its frames and marks to a view."""
+        options, drawing = view.review.options, view.drawing
+        levels = {row.limb: row.level for row in view.joints}
+        used: set[str] = set()
+        for bar in drawing.bars:
+            used.add(self._bar(bar, levels.get(bar.limb or 0, "good"), options.machine))
+        for body in drawing.bodies:
+            used.add(self._body(body, view.platform, options.machine))
+        for name, node in self._nodes.items():
+            if name.startswith("/machine/") and name not in used:
+                self._set(name, node, visible=False)
+        self._marks(drawing, options.labels, options.axes, options.dark)
+        self._frames(view, options.frames)
+        self._grid(view, options.grid, options.dark)
+        if self.handle is not None:
+            self._set("/handle", self.handle, visible=options.handle)
+            if not dragging:  # the hand that holds it decides where it is
+                self._pose("/handle", self.handle, view.platform)
+        self._drawn = drawing
+
+    def _bar(self, bar: Bar, level: str, visible: bool) -> str:
+        name = f"/machine/{bar.name}"
+        start, end = np.array(bar.start), np.array(bar.end)
+        along = end - start
+        length = float(np.linalg.norm(along))
+        visible = visible and length > 1e-6
+        color = palette.rgb(palette.bar_color(bar, level))
+        node = self._nodes.get(name)
+        if node is None:
+            vertices, faces = _CYLINDER
+            node = self._nodes[name] = self.server.scene.add_mesh_simple(
+                name, vertices, faces, color=color, scale=(1.0, 1.0, 1.0), visible=visible
+            )
+        self._set(
+            name,
+            node,
+            visible=visible,
+            color=color,
+            scale=(bar.radius, bar.radius, max(length, 1e-6)),
+            position=bar.start,
+            wxyz=_turn_z_to(along / length) if length > 1e-6 else (1.0, 0.0, 0.0, 0.0),
+        )
+        return name
+
+    def _body(self, body: Body, platform: Array, visible: bool) -> str:
+        name = f"/machine/{body.name}"
+        shape = (body.points, body.radius)
+        node = self._nodes.get(name)
+        if node is None or self._shape.get(name) != shape:
+            vertices, faces = _hull(body)
+            if node is None:
+                color = palette.PLATFORM if body.role == "platform" else palette.BASE
+                node = self._nodes[name] = self.server.scene.add_mesh_simple(
+                    name, vertices, faces, color=palette.rgb(color)
+                )
+            else:
+                node.vertices, node.faces = vertices, faces
+            self._shape[name] = shape
+        self._set(name, node, visible=visible)
+        if body.frame == "platform":
+            self._pose(name, node, platform)
+        return name
+
+    def _marks(self, drawing: Drawing, labels: bool, axes: bool, dark: bool) -> None:
+        # Points that coincide (merged joints) share one label.
+        together: dict[tuple[float, ...], list[Mark]] = defaultdict(list)
+        for mark in drawing.points:
+            together[tuple(round(v, 3) for v in mark.position)].append(mark)
+        lift = 0.05 * drawing.size
+        for marks in together.values():
+            text = " ".join(m.text for m in marks)
+            for n, mark in enumerate(marks):
+                x, y, z = mark.position
+                self._label(f"/labels/{mark.name}", text, (x, y, z + lift), labels and n == 0)
+        for mark in drawing.axes:
+            assert mark.direction is not None
+            name = f"/axes/{mark.name}"
+            start = np.array(mark.position)
+            end = start + 0.55 * drawing.size * np.array(mark.direction)
+            points = np.stack([start, end])[None].astype(np.float32)
+            ink = palette.rgb(palette.INK_DARK if dark else palette.INK)
+            node = self._nodes.get(name)
+            if node is None:
+                node = self._nodes[name] = self.server.scene.add_arrows(
+                    name,
+                    points,
+                    ink,
+                    shaft_radius=0.006 * drawing.size,
+                    head_radius=0.018 * drawing.size,
+                    head_length=0.05 * drawing.size,
+                )
+            elif axes:
+                node.points = points
+                node.colors = np.array(ink, dtype=np.uint8)
+            self._set(name, node, visible=axes)
+            tip = end + 0.03 * drawing.size * np.array(mark.direction)
+            self._label(f"/labels/{mark.name}", mark.text, _triple(tip), axes)
+
+    def _label(
+        self, name: str, text: str, position: tuple[float, float, float], visible: bool
+    ) -> None:
+        node = self._nodes.get(name)
+        if node is None:
+            node = self._nodes[name] = self.server.scene.add_label(
+                name, text, position=position, visible=visible, anchor="bottom-center"
+            )
+        self._set(name, node, visible=visible)
+        if visible:
+            self._set(name, node, position=position, text=text)
+
+    def _frames(self, view: View, visible: bool) -> None:
+        size = view.drawing.size
+        for name, at in (("/frames/base", np.eye(4)), ("/frames/platform", view.platform)):
+            node = self._nodes.get(name)
+            if node is None or self._shape.get(name) != (size,):
+                node = self._nodes[name] = self.server.scene.add_frame(
+                    name,
+                    axes_length=0.22 * size,
+                    axes_radius=0.006 * size,
+                    origin_radius=0.014 * size,
+                )
+                self._shape[name] = (size,)
+                self._forget(name)
+            self._set(name, node, visible=visible)
+            self._pose(name, node, at)
+
+    def _grid(self, view: View, visible: bool, dark: bool) -> None:
+        base = next(b for b in view.drawing.bodies if b.name == "base")
+        floor = min(p[2] for p in base.points) - base.radius
+        name = "/grid"
+        shape = (round(floor, 3), view.drawing.size, dark)
+        node = self._nodes.get(name)
+        if node is None or self._shape.get(name) != shape:
+            reach = GRID * math.ceil(6.0 * view.drawing.size / GRID)
+            cell, section = (
+                ((64, 68, 74), (84, 90, 98)) if dark else ((226, 229, 233), (205, 210, 216))
+            )
+            node = self._nodes[name] = self.server.scene.add_grid(
+                name,
+                width=reach,
+                height=reach,
+                cell_size=GRID,
+                section_size=5 * GRID,
+                cell_color=cell,
+                section_color=section,
+                cell_thickness=1.0,
+                section_thickness=1.4,
+                shadow_opacity=0.0,
+                position=(0.0, 0.0, floor),
+            )
+            self._shape[name] = shape
+            self._forget(name)
+            corner = 0.5 * GRID * math.ceil(3.0 * view.drawing.size / GRID)
+            self._label("/labels/grid", f"grid {GRID:.0f} mm", (corner, -corner, floor), visible)
+        self._set(name, node, visible=visible)
+        self._set("/labels/grid", self._nodes["/labels/grid"], visible=visible)
+
+    # --- solids
+
+    def show_solid(self, wish: SolidWish, solid: BuiltSolid) -> None:
+        """Put a solid on display, at the place of ``wish``."""
+        node = self._solids[wish.spec.key]
+        rotation, offset = wish.placement[:3, :3], wish.placement[:3, 3]
+        if solid.triangles:
+            # All solids keep their origin at zero, so that the drawing order above holds.
+            shift = (rotation.T @ offset).astype(np.float32)
+            vertices = solid.shaded.vertices.astype(np.float32, copy=False)
+            node.vertices = vertices + shift if np.any(shift) else vertices
+            node.faces = solid.shaded.faces.astype(np.uint32, copy=False)
+        else:
+            node.vertices, node.faces = _NOTHING, _ONE_FACE
+        name = node.name
+        self._set(
+            name,
+            node,
+            wxyz=_wxyz(rotation),
+            opacity=wish.opacity,
+            visible=bool(solid.triangles),
+        )
+        self._solid_on[wish.spec.key] = (id(solid), wish.placement.tobytes())
+
+    def fade_solid(self, wish: SolidWish) -> None:
+        """Only the opacity of a solid changed."""
+        node = self._solids[wish.spec.key]
+        self._set(node.name, node, opacity=wish.opacity)
+
+    def hide_solid(self, key: str) -> None:
+        """Take a solid off display."""
+        node = self._solids[key]
+        self._set(node.name, node, visible=False)
+        self._solid_on.pop(key, None)
+
+    def shows(self, wish: SolidWish, solid: BuiltSolid) -> bool:
+        """Whether this very solid stands at this very place already."""
+        return self._solid_on.get(wish.spec.key) == (id(solid), wish.placement.tobytes())
+
+    # --- in-place updates that change nothing send nothing
+
+    def _set(self, name: str, node: Any, **values: object) -> None:
+        for key, value in values.items():
+            slot = f"{name}#{key}"
+            if self._shape.get(slot) == (value,):
+                continue
+            setattr(node, key, value)
+            self._shape[slot] = (value,)
+
+    def _pose(self, name: str, node: Any, transform: Array) -> None:
+        self._set(name, node, position=_triple(transform[:3, 3]), wxyz=_wxyz(transform[:3, :3]))
+
+    def _forget(self, name: str) -> None:
+        for slot in [s for s in self._shape if s.startswith(f"{name}#")]:
+            del self._shape[slot]
+
+    def release_handle(self) -> None:
+        """The drag ended: put the handle back where the platform really is."""
+        self._forget("/handle")
+
+    def frame(self, bounds: tuple[Array, Array]) -> tuple[Array, Array]:
+        """Camera position and target that show a box whole, from the front right above."""
+        low, high = bounds
+        centre = 0.5 * (low + high)
+        radius = 0.5 * float(np.linalg.norm(high - low))
+        toward = np.array([0.62, -0.95, 0.5])
+        return centre + 1.75 * radius * toward / np.linalg.norm(toward), centre
+
+
+def machine_bounds(drawing: Drawing) -> tuple[Array, Array]:
+    """The box around a machine, mm."""
+    points = np.array([p for bar in drawing.bars for p in (bar.start, bar.end)])
+    return points.min(axis=0), points.max(axis=0)
+
+
+def _triple(point: Array) -> tuple[float, float, float]:
+    return float(point[0]), float(point[1]), float(point[2])
+
+
+def _wxyz(rotation: Array) -> tuple[float, ...]:
+    return tuple(float(v) for v in tf.SO3.from_matrix(rotation).wxyz)
+
+
+def _turn_z_to(direction: Array) -> tuple[float, ...]:
+    """The shortest rotation that takes +z to a unit direction, as a quaternion."""
+    x, y, z = (float(v) for v in direction)
+    w = 1.0 + z
+    if w < 1e-9:
+        return 0.0, 1.0, 0.0, 0.0
+    n = math.sqrt(w * w + x * x + y * y)
+    return w / n, -y / n, x / n, 0.0
+
+
+def _cylinder(sides: int) -> tuple[np.ndarray, np.ndarray]:
+    """A closed unit cylinder on z from 0 to 1; caps have vertices of their own for crisp edges."""
+    a = 2 * np.pi * np.arange(sides) / sides
+    ring = np.stack([np.cos(a), np.sin(a)], axis=1)
+    low = np.column_stack([ring, np.zeros(sides)])
+    high = np.column_stack([ring, np.ones(sides)])
+    vertices = np.concatenate([low, high, low, high, [[0, 0, 0], [0, 0, 1]]])
+    n = np.arange(sides)
+    m = (n + 1) % sides
+    faces = np.concatenate(
+        [
+            np.stack([n, m, sides + m], axis=1),
+            np.stack([n, sides + m, sides + n], axis=1),
+            np.stack([2 * sides + m, 2 * sides + n, np.full(sides, 4 * sides)], axis=1),
+            np.stack([3 * sides + n, 3 * sides + m, np.full(sides, 4 * sides + 1)], axis=1),
+        ]
+    )
+    return vertices.astype(np.float32), faces.astype(np.uint32)
+
+
+def _ball(rings: int = 6, sides: int = 12) -> Array:
+    polar = np.pi * np.arange(rings + 1) / rings
+    around = 2 * np.pi * np.arange(sides) / sides
+    p, q = np.meshgrid(polar, around, indexing="ij")
+    return np.stack([np.sin(p) * np.cos(q), np.sin(p) * np.sin(q), np.cos(p)], axis=-1).reshape(
+        -1, 3
+    )
+
+
+def _hull(body: Body) -> tuple[np.ndarray, np.ndarray]:
+    """The hull of balls about the body's points, turned outwards."""
+    points = np.array(body.points, dtype=float)
+    cloud = (points[:, None, :] + body.radius * _ball()[None]).reshape(-1, 3)
+    hull = ConvexHull(cloud)
+    corners = cloud[hull.simplices]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    inward = np.einsum("ij,ij->i", normals, hull.equations[:, :3]) < 0
+    faces = np.where(inward[:, None], hull.simplices[:, ::-1], hull.simplices)
+    used, faces = np.unique(faces, return_inverse=True)
+    return cloud[used].astype(np.float32), faces.reshape(-1, 3).astype(np.uint32)
+
+
+_CYLINDER = _cylinder(24)

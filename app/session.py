@@ -1,0 +1,135 @@
+"""A review as one file: what is saved on every settled change, handed to a colleague, reopened."""
+
+from __future__ import annotations
+
+import json
+import math
+import tempfile
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from app.state import Options, Review, Shown, new_review
+from kinematics.designs import read_design, write_design
+from kinematics.errors import InputError
+
+VERSION = 1
+MAX_BYTES = 1 << 20
+
+
+def to_text(review: Review) -> str:
+    """The review as JSON; angles in degrees, the design as it would stand in its own file."""
+    coordinates = review.mechanism.pose_coordinates(review.design)
+    pose = {
+        c.key if c.unit == "mm" else f"{c.key}_deg": v if c.unit == "mm" else math.degrees(v)
+        for c, v in zip(coordinates, review.pose, strict=True)
+    }
+    content = {
+        "bohemia_session": VERSION,
+        "design_name": review.design.name,
+        "design": write_design(review.design),
+        "pose": pose,
+        "working_mode": review.mode,
+        "workspace_modes": review.modes,
+        "solids": {s.key: s.opacity for s in review.solids},
+        "options": {f.name: getattr(review.options, f.name) for f in fields(Options)},
+    }
+    return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+
+
+def from_text(text: str, *, origin: str) -> Review:
+    """The review that `to_text` wrote.
+
+    Raises:
+        InputError: it is not a session file, or something in it cannot be used; one sentence.
+    """
+    if len(text) > MAX_BYTES:
+        raise InputError(f"{origin}: a session file is smaller than {MAX_BYTES // 1024} kB")
+    try:
+        content = json.loads(text)
+    except ValueError as error:
+        raise InputError(f"{origin}: not a session file ({error})") from None
+    if not isinstance(content, dict) or content.get("bohemia_session") != VERSION:
+        raise InputError(
+            f"{origin}: not a session file of this version; it needs 'bohemia_session': {VERSION}"
+        )
+    design_text = _typed(content, "design", str, origin)
+    design = read_design(
+        design_text, origin=origin, name=_typed(content, "design_name", str, origin)
+    )
+    review = new_review(design)
+    kind = review.mechanism
+    pose = _pose(_typed(content, "pose", dict, origin), review, origin)
+    mode = _typed(content, "working_mode", str, origin)
+    modes = content.get("workspace_modes", "all")
+    if isinstance(modes, list):
+        modes = tuple(modes)
+    chosen = modes if isinstance(modes, tuple) else ()
+    if mode not in kind.modes or any(m not in kind.modes for m in chosen):
+        raise InputError(f"{origin}: a working mode is one sign a limb, as {kind.modes[0]!r}")
+    if not isinstance(modes, tuple) and modes not in ("all", "current"):
+        raise InputError(f"{origin}: workspace_modes is 'all', 'current' or a list of modes")
+    known = {spec.key for spec in kind.solids(design)}
+    solids = tuple(
+        Shown(str(key), min(max(_number(value, f"solids: {key}", origin), 0.0), 1.0))
+        for key, value in _typed(content, "solids", dict, origin).items()
+        if key in known
+    )
+    given = _typed(content, "options", dict, origin)
+    options = Options(**{f.name: bool(given.get(f.name, f.default)) for f in fields(Options)})
+    return Review(design, pose, mode, modes, solids, options)
+
+
+def load(path: Path) -> Review:
+    """The review in a file.
+
+    Raises:
+        InputError: it cannot be read, or is not a session file.
+    """
+    try:
+        return from_text(path.read_text(encoding="utf-8"), origin=str(path))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not a session file (it is not text)") from None
+
+
+def save(review: Review, path: Path) -> None:
+    """Write the review so that a crash on the way leaves the old file whole.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    try:
+        with tempfile.NamedTemporaryFile(
+            "w", encoding="utf-8", dir=path.parent, prefix=f".{path.name}.", delete=False
+        ) as file:
+            file.write(to_text(review))
+        Path(file.name).replace(path)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror})") from None
+
+
+def _pose(given: dict[str, Any], review: Review, origin: str) -> tuple[float, ...]:
+    values = []
+    for c in review.mechanism.pose_coordinates(review.design):
+        key = c.key if c.unit == "mm" else f"{c.key}_deg"
+        if key not in given:
+            raise InputError(f"{origin}: pose has no {key}")
+        value = _number(given[key], f"pose: {key}", origin)
+        value = value if c.unit == "mm" else math.radians(value)
+        values.append(min(max(value, c.lower), c.upper))
+    return tuple(values)
+
+
+def _typed(content: dict[str, Any], key: str, kind: type, origin: str) -> Any:
+    value = content.get(key)
+    if not isinstance(value, kind):
+        raise InputError(f"{origin}: {key!r} is missing or not of the right kind")
+    return value
+
+
+def _number(value: Any, what: str, origin: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise InputError(f"{origin}: {what} must be a finite number")
+    return float(value)

@@ -1,0 +1,363 @@
+"""The whole state of a review: one frozen value, and the pure function that changes it.
+
+Lengths in mm and angles in rad; whoever reads a widget converts. Nothing here knows viser.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from kinematics.errors import InputError
+from kinematics.mechanism import Coordinate, Design, Mechanism, mechanism
+from kinematics.solutions import Posture
+
+ModeChoice = Literal["all", "current"]
+QUIET_GAP = 1.0  # s; a gesture that pauses longer than this becomes a step of its own in undo
+MAX_HISTORY = 300
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """What is drawn beside the solids, and how."""
+
+    machine: bool = True
+    labels: bool = False
+    frames: bool = True
+    axes: bool = False
+    grid: bool = True
+    handle: bool = True
+    dark: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """One solid that is on display."""
+
+    key: str
+    opacity: float
+
+
+@dataclass(frozen=True, slots=True)
+class Review:
+    """Everything a review consists of; equal reviews look the same.
+
+    ``modes`` says which working modes the workspace is of: all, the current one, or a set.
+    """
+
+    design: Design
+    pose: tuple[float, ...]
+    mode: str
+    modes: ModeChoice | tuple[str, ...] = "all"
+    solids: tuple[Shown, ...] = (Shown("workspace", 0.35),)
+    options: Options = Options()
+
+    @property
+    def mechanism(self) -> Mechanism:
+        return mechanism(self.design.mechanism)
+
+    @property
+    def posture(self) -> Posture:
+        return self.mechanism.posture(self.design, self.pose, self.mode)
+
+    @property
+    def solver_modes(self) -> tuple[str, ...] | None:
+        """The working modes as solvers take them: None means all together."""
+        if self.modes == "all":
+            return None
+        return (self.mode,) if self.modes == "current" else tuple(self.modes)
+
+    def shown(self, key: str) -> Shown | None:
+        return next((s for s in self.solids if s.key == key), None)
+
+
+def new_review(design: Design) -> Review:
+    """A review of ``design`` at its home posture."""
+    home = mechanism(design.mechanism).home(design)
+    return Review(design, home.pose, home.mode)
+
+
+# --- changes: what a person can do. ``gesture`` joins the steps of one drag for undo --------
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """Set one pose coordinate."""
+
+    index: int
+    value: float
+
+    @property
+    def gesture(self) -> str:
+        return f"move {self.index}"
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Set the whole pose, as when the platform is dragged."""
+
+    pose: tuple[float, ...]
+    gesture: str = "place"
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """Set one actuated joint; the platform follows along its assembly mode."""
+
+    index: int
+    value: float
+
+    @property
+    def gesture(self) -> str:
+        return f"drive {self.index}"
+
+
+@dataclass(frozen=True, slots=True)
+class Flip:
+    """Put the whole machine into a working mode, at the same pose."""
+
+    mode: str
+    gesture: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class GoHome:
+    """Back to the design's home posture."""
+
+    gesture: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class UseDesign:
+    """Review another design, from its home posture."""
+
+    design: Design
+    gesture: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class EditDesign:
+    """Set some numbers of the design; the pose stays."""
+
+    edits: tuple[tuple[tuple[str | int, ...], float], ...]
+
+    @property
+    def gesture(self) -> str:
+        return f"edit {self.edits[0][0][:-1]}"
+
+
+@dataclass(frozen=True, slots=True)
+class Show:
+    """Show or hide a solid."""
+
+    key: str
+    on: bool
+    gesture: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Fade:
+    """Set the opacity of solids, shown or not yet."""
+
+    keys: tuple[str, ...]
+    opacity: float
+
+    @property
+    def gesture(self) -> str:
+        return f"fade {self.keys}"
+
+
+@dataclass(frozen=True, slots=True)
+class ChooseModes:
+    """Which working modes the workspace is of."""
+
+    modes: ModeChoice | tuple[str, ...]
+    gesture: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class SetOption:
+    """Switch something that is drawn."""
+
+    name: str
+    on: bool
+    gesture: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Restore:
+    """Open a saved review."""
+
+    review: Review
+    gesture: str = ""
+
+
+Change = (
+    Move
+    | Place
+    | Drive
+    | Flip
+    | GoHome
+    | UseDesign
+    | EditDesign
+    | Show
+    | Fade
+    | ChooseModes
+    | SetOption
+    | Restore
+)
+
+
+def change(review: Review, what: Change) -> tuple[Review, str]:
+    """The review after ``what``, and a sentence about it for the user ("" when all went well).
+
+    Raises:
+        InputError: the change cannot be taken; the review stays as it is.
+    """
+    match what:
+        case Move(index, value):
+            coordinate = review.mechanism.pose_coordinates(review.design)[index]
+            value, note = _within(coordinate, value)
+            pose = (*review.pose[:index], value, *review.pose[index + 1 :])
+            return replace(review, pose=pose), note
+        case Place(pose):
+            coordinates = review.mechanism.pose_coordinates(review.design)
+            taken = [_within(c, v) for c, v in zip(coordinates, pose, strict=True)]
+            notes = " ".join(note for _, note in taken if note)
+            return replace(review, pose=tuple(value for value, _ in taken)), notes
+        case Drive(index, value):
+            return _drive(review, index, value)
+        case Flip(mode):
+            if mode not in review.mechanism.modes:
+                raise InputError(f"there is no working mode {mode!r}")
+            return replace(review, mode=mode), ""
+        case GoHome():
+            home = review.mechanism.home(review.design)
+            return replace(review, pose=home.pose, mode=home.mode), ""
+        case UseDesign(design):
+            return _use_design(review, design), ""
+        case EditDesign(edits):
+            return _edit(review, edits)
+        case Show(key, on):
+            return _show(review, key, on), ""
+        case Fade(keys, opacity):
+            if not 0.0 <= opacity <= 1.0:
+                raise InputError("an opacity lies between 0 and 1")
+            solids = tuple(Shown(s.key, opacity) if s.key in keys else s for s in review.solids)
+            return replace(review, solids=solids), ""
+        case ChooseModes(modes):
+            return replace(review, modes=modes), ""
+        case SetOption(name, on):
+            return replace(review, options=replace(review.options, **{name: on})), ""
+        case Restore(saved):
+            return saved, ""
+
+
+def _within(coordinate: Coordinate, value: float) -> tuple[float, str]:
+    """A typed number, kept finite and in the range that is offered."""
+    if not math.isfinite(value):
+        raise InputError(f"{coordinate.symbol} must be a finite number")
+    kept = min(max(value, coordinate.lower), coordinate.upper)
+    # A round trip through degrees may leave the range by an ulp; that is not worth a sentence.
+    if abs(kept - value) <= 1e-9 * max(1.0, abs(value)):
+        return kept, ""
+    scale, unit = (1.0, "mm") if coordinate.unit == "mm" else (180.0 / math.pi, "°")
+    return kept, (
+        f"{coordinate.symbol} is kept within {coordinate.lower * scale:g} … "
+        f"{coordinate.upper * scale:g} {unit}."
+    )
+
+
+def _drive(review: Review, index: int, value: float) -> tuple[Review, str]:
+    coordinate = review.mechanism.joint_coordinates(review.design)[index]
+    value, note = _within(coordinate, value)
+    posture = review.posture
+    if not posture.closes:
+        open_limb = next(r.limb for r in posture.reasons if r.bound == "link")
+        raise InputError(
+            f"the actuators cannot move a machine that is not assembled: limb {open_limb} cannot "
+            f"close here; bring the platform back within its reach first"
+        )
+    joints = list(posture.joints)
+    joints[index] = value
+    followed = review.mechanism.follow(review.design, posture, joints)
+    reached = replace(review, pose=followed.posture.pose, mode=followed.posture.mode)
+    return reached, followed.text or note
+
+
+def _use_design(review: Review, design: Design) -> Review:
+    fresh = new_review(design)
+    known = {spec.key for spec in fresh.mechanism.solids(design)}
+    modes = review.modes
+    if isinstance(modes, tuple) and not set(modes) <= set(fresh.mechanism.modes):
+        modes = "all"
+    return replace(
+        fresh,
+        modes=modes,
+        solids=tuple(s for s in review.solids if s.key in known),
+        options=review.options,
+    )
+
+
+def _edit(
+    review: Review, edits: tuple[tuple[tuple[str | int, ...], float], ...]
+) -> tuple[Review, str]:
+    design = review.design
+    for path, value in edits:
+        design = review.mechanism.with_field(design, path, value)
+    coordinates = review.mechanism.pose_coordinates(design)
+    pose = tuple(_within(c, v)[0] for c, v in zip(coordinates, review.pose, strict=True))
+    return replace(review, design=design, pose=pose), ""
+
+
+def _show(review: Review, key: str, on: bool) -> Review:
+    specs = {spec.key: n for n, spec in enumerate(review.mechanism.solids(review.design))}
+    if key not in specs:
+        raise InputError(f"there is no solid {key!r}")
+    kept = [s for s in review.solids if s.key != key]
+    if on:
+        kept.append(review.shown(key) or Shown(key, 0.35 if key == "workspace" else 0.25))
+    return replace(review, solids=tuple(sorted(kept, key=lambda s: specs[s.key])))
+
+
+# --- undo and redo ------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class History:
+    """A review with its past and its undone future."""
+
+    present: Review
+    past: tuple[Review, ...] = ()
+    future: tuple[Review, ...] = ()
+    gesture: str = ""
+    changed_at: float = -math.inf
+
+    def apply(self, what: Change, now: float) -> tuple[History, str]:
+        """The history after a change; the steps of one drag become one step of undo."""
+        present, note = change(self.present, what)
+        if present == self.present:
+            return self, note
+        joined = (
+            bool(what.gesture)
+            and what.gesture == self.gesture
+            and now - self.changed_at < QUIET_GAP
+            and not self.future
+        )
+        past = self.past if joined else (*self.past, self.present)[-MAX_HISTORY:]
+        return History(present, past, (), what.gesture, now), note
+
+    def undo(self) -> History:
+        if not self.past:
+            return self
+        return History(self.past[-1], self.past[:-1], (self.present, *self.future))
+
+    def redo(self) -> History:
+        if not self.future:
+            return self
+        return History(self.future[0], (*self.past, self.present), self.future[1:])
+
+
+Send = Callable[[Change], None]
