@@ -1,0 +1,104 @@
+"""What a person gets: the README's promises, and the wheel's layout with its assets."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import ROOT, Finished
+
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+NOT_READ_AT_RUN_TIME = {"readme"}
+
+
+def _blocks(language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```$", README, re.M | re.S)
+
+
+def _commands() -> list[str]:
+    """The README's `bohemia …` lines, without their comments."""
+    lines = "".join(_blocks("sh")).splitlines()
+    return [line.split("#")[0].strip() for line in lines if line.startswith("bohemia ")]
+
+
+def test_a_wheel_finds_its_assets(tmp_path: Path) -> None:
+    wheel = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["hatch"][
+        "build"
+    ]["targets"]["wheel"]
+    for package in wheel["packages"]:
+        shutil.copytree(ROOT / package, tmp_path / package)
+    for source, target in wheel["force-include"].items():
+        shutil.copytree(ROOT / source, tmp_path / target)
+    done = subprocess.run(
+        [sys.executable, "-m", "app", "designs", "--json"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    names = {design["name"] for design in json.loads(done.stdout)["designs"]}
+    assert names == {path.stem for path in (ROOT / "assets" / "designs").glob("*.toml")}
+    carried = {Path(source).name for source in wheel["force-include"]}
+    folders = {path.name for path in (ROOT / "assets").iterdir() if path.is_dir()}
+    assert folders - NOT_READ_AT_RUN_TIME == carried
+
+
+def test_the_readme_names_the_commands_that_make_knows() -> None:
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    for target in re.findall(r"\bmake ([a-z]+)", README):
+        assert re.search(rf"^{target}:", makefile, re.M), target
+    assert _commands()
+
+
+@pytest.mark.parametrize("command", _commands())
+def test_the_readmes_commands_work(bohemia: Callable[..., Finished], command: str) -> None:
+    done = bohemia(*shlex.split(command)[1:])
+    assert done.code == 0, done.stderr
+    assert done.stderr == ""
+    assert done.stdout
+
+
+def test_the_readmes_python_works() -> None:
+    (code,) = _blocks("python")
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code],
+        env={**os.environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8"},
+        capture_output=True,
+        encoding="utf-8",
+        timeout=120,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    shape, modes, posture, volume = done.stdout.splitlines()
+    assert shape == "(2, 32, 5)"
+    assert re.fullmatch(r"\[ *\d+ +\d+\]", modes)
+    assert posture.startswith(("True []", "False ['"))
+    assert re.fullmatch(r"24\.50 dm³ in \d pieces", volume)
+
+
+def test_the_readmes_design_is_valid(tmp_path: Path) -> None:
+    from kinematics.designs import load_design, read_design
+
+    (text,) = _blocks("toml")
+    head, limb = text.split("[[limb]]")
+    design = read_design(head + 5 * f"[[limb]]{limb}", origin="README")
+    first = load_design("rpur-table1")
+    assert design.limbs[0] == first.limbs[0]  # type: ignore[attr-defined]
+
+
+def test_the_readmes_picture_and_links_exist() -> None:
+    for target in re.findall(r"\]\(([^)#]+)\)", README):
+        if not target.startswith("http"):
+            assert (ROOT / target).is_file(), target
