@@ -258,6 +258,12 @@ def _serve(arguments: argparse.Namespace) -> None:
     from app.server import run
 
     design, _ = _load(arguments.design or DEFAULT_DESIGN)
+    if arguments.design and arguments.session is not None and arguments.session.exists():
+        print(
+            f"bohemia: warning: {arguments.session} holds a review, which is opened instead of "
+            f"{arguments.design}",
+            file=sys.stderr,
+        )
     with suppress(KeyboardInterrupt):  # the usual way to stop a server
         run(
             design,

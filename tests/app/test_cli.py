@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import os
 import re
+import signal
+import socket
 import subprocess
 import sys
-from collections.abc import Callable
+import time
+import urllib.request
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -506,3 +511,84 @@ def test_progress_is_shown_on_a_terminal_only() -> None:
     assert "workspace, normal …" in shown
     assert shown.endswith("\r\x1b[K")
     assert done.stdout.startswith(b"{")
+
+
+# --- serve ---------------------------------------------------------------------------------
+
+
+@contextmanager
+def serving(tmp_path: Path, *arguments: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """`bohemia` with these arguments as a process, and the address that it prints."""
+    log = tmp_path / "serve.log"
+    with log.open("w", encoding="utf-8") as output:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "app", *arguments],
+            cwd=tmp_path,
+            env={**command_environment(), "PYTHONWARNINGS": "default"},
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+    try:
+        while (found := re.search(r"http://\S+", log.read_text(encoding="utf-8"))) is None:
+            assert process.poll() is None, log.read_text(encoding="utf-8")
+            time.sleep(0.05)
+        yield process, found[0]
+    finally:
+        process.kill()
+        process.wait()
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port: int = probe.getsockname()[1]
+        return port
+
+
+@pytest.mark.parametrize("command", [("serve", "rpur-table2"), ()])
+@pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM])
+def test_serve_answers_and_stops(
+    tmp_path: Path, command: tuple[str, ...], stop: signal.Signals
+) -> None:
+    port = free_port()
+    with serving(tmp_path, *command, "--no-browser", "--port", str(port)) as (process, address):
+        assert address == f"http://127.0.0.1:{port}"
+        with urllib.request.urlopen(address, timeout=30) as answer:
+            assert answer.status == 200
+            assert b"<html" in answer.read().lower()
+        process.send_signal(stop)
+        assert process.wait(timeout=30) == 0
+
+
+def test_serve_prints_the_port_that_it_really_has(tmp_path: Path) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        with serving(tmp_path, "--no-browser", "--port", str(port)) as (_, address):
+            assert address != f"http://127.0.0.1:{port}"
+            with urllib.request.urlopen(address, timeout=30) as answer:
+                assert answer.status == 200
+
+
+def test_serve_says_that_a_session_goes_before_a_design(tmp_path: Path) -> None:
+    session = tmp_path / "review.json"
+    session.write_text("not a session", encoding="utf-8")
+    code = (
+        "import sys, types, app.cli\n"
+        "server = types.ModuleType('app.server')\n"
+        "server.run = lambda *arguments, **options: None\n"
+        "sys.modules['app.server'] = server\n"
+        f"app.cli.main(['serve', 'rpur-table2', '--session', {str(session)!r}])"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env=command_environment(),
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60,
+    )
+    assert "review.json holds a review, which is opened instead of rpur-table2" in done.stderr
