@@ -26,7 +26,7 @@ from app.panels.header import Header
 from app.panels.move import MovePanel
 from app.panels.review import ReviewPanel
 from app.panels.workspace import WorkspacePanel
-from app.scene import Scene, machine_bounds
+from app.scene import FIELD_OF_VIEW, Scene, machine_bounds
 from app.state import Change, GoHome, History, Place, Review, SetOption, Show
 from app.worker import Built, Busy, Event, Failed, Worker
 from kinematics.errors import BohemiaError, InputError
@@ -328,7 +328,7 @@ class Page:
         position, target = self._scene.frame((low, high))
         first = self.server.initial_camera
         first.near, first.far = drawing.size / 100.0, drawing.size * 80.0
-        first.fov = np.radians(38.0)
+        first.fov = FIELD_OF_VIEW
         first.position, first.look_at = position, target
         for client in self.server.get_clients().values():
             with client.atomic():

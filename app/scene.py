@@ -6,7 +6,7 @@ import math
 from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import viser
@@ -16,8 +16,10 @@ from scipy.spatial import ConvexHull
 from app import palette
 from app.compute import SolidWish, View
 from kinematics.mechanism import Bar, Body, Drawing, Mark, SolidSpec
-from kinematics.solids import BuiltSolid
 from kinematics.spatial import Array
+
+if TYPE_CHECKING:
+    from kinematics.solids import BuiltSolid
 
 # Solids are created from the inside out: with equal origins the browser draws in this order, and
 # a transparent outer solid drawn first would hide the inner one.
@@ -25,6 +27,7 @@ _DRAW_ORDER = ("workspace", "H1", "H2", "H3", "plus", "minus", "whole", "body")
 _NOTHING = np.zeros((3, 3), dtype=np.float32)  # a mesh of no area where there is no solid
 _ONE_FACE = np.array([[0, 1, 2]], dtype=np.uint32)
 GRID = 100.0  # mm
+FIELD_OF_VIEW = math.radians(38.0)  # vertical; narrow, as engineers draw
 
 
 @dataclass
@@ -185,9 +188,9 @@ class Scene:
             if node is None or self._shape.get(name) != (size,):
                 node = self._nodes[name] = self.server.scene.add_frame(
                     name,
-                    axes_length=0.22 * size,
-                    axes_radius=0.006 * size,
-                    origin_radius=0.014 * size,
+                    axes_length=0.16 * size,
+                    axes_radius=0.004 * size,
+                    origin_radius=0.01 * size,
                 )
                 self._shape[name] = (size,)
                 self._forget(name)
@@ -290,8 +293,9 @@ class Scene:
         low, high = bounds
         centre = 0.5 * (low + high)
         radius = 0.5 * float(np.linalg.norm(high - low))
-        toward = np.array([0.62, -0.95, 0.5])
-        return centre + 1.75 * radius * toward / np.linalg.norm(toward), centre
+        toward = np.array([0.62, -0.95, 0.42])
+        distance = 1.02 * radius / math.sin(0.5 * FIELD_OF_VIEW)
+        return centre + distance * toward / np.linalg.norm(toward), centre
 
 
 def machine_bounds(drawing: Drawing) -> tuple[Array, Array]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import http
 import inspect
+import io
 import logging
 import signal
 import threading
@@ -56,7 +57,8 @@ def run(design: Design, *, host: str, port: int, session: Path | None, open_brow
 
 def make_server(host: str, port: int) -> viser.ViserServer:
     """A viser server that answers only its own page, has no share tunnel and bounds uploads."""
-    with _guarded(host):
+    # viser prints an address of its own, which is not always the one to open.
+    with _guarded(host), contextlib.redirect_stdout(io.StringIO()):
         server = viser.ViserServer(host=host, port=port, verbose=False, label="Bohemia")
     connection = server._websock_server
     connection.unregister_handler(viser._messages.ShareUrlRequest)

@@ -321,4 +321,7 @@ def _serve(pipe: Connection) -> None:
             answer = (str(error), None)
         except Exception as error:  # noqa: BLE001 (the server must hear of it, whatever it was)
             answer = (f"it could not be computed ({type(error).__name__}: {error})", None)
-        pipe.send(answer)
+        try:
+            pipe.send(answer)
+        except OSError:
+            return

@@ -11,11 +11,12 @@ import viser
 from app import palette, session
 from app.exporting import design_file
 from app.panels.desk import (
+    QUIET,
     Desk,
     Sheet,
     answer,
     box,
-    clicked,
+    button,
     esc,
     explain,
     put,
@@ -55,12 +56,14 @@ class DesignPanel:
         answer(desk, self._choice, self._choose)
         self._about = gui.add_html(_about(sheet))
         upload = gui.add_upload_button(
-            "Open a design file (TOML)", mime_type=".toml,application/toml,text/plain"
+            "Open a design file (TOML)",
+            mime_type=".toml,application/toml,text/plain",
+            color=QUIET,
+            icon=viser.Icon.UPLOAD,
         )
         upload.on_upload(self._uploaded)
         self._trouble = gui.add_html("", visible=False)
-        download = gui.add_button("Save this design as a file")
-        clicked(desk, download, self._download)
+        button(desk, "Save this design as a file", self._download, icon=viser.Icon.DOWNLOAD)
         self._fields: dict[tuple[str | int, ...], Any] = {}
         for group, rows in _grouped(sheet).items():
             with gui.add_folder(group, expand_by_default=False):

@@ -20,6 +20,9 @@ from kinematics.errors import InputError
 
 log = logging.getLogger(__name__)
 
+DIGITS = 1  # of mm and of degrees in number boxes
+QUIET = palette.rgb(palette.PLATFORM)  # buttons
+
 
 @dataclass(frozen=True, slots=True)
 class Save:
@@ -104,15 +107,18 @@ def safely(desk: Desk, client: viser.ClientHandle | None, act: Callable[[], None
 def put(handle: Any, value: Any) -> None:
     """Show a value in a widget, unless it shows it already to the digits that matter."""
     shown = handle.value
-    if isinstance(value, float) and isinstance(shown, int | float):
-        if math.isfinite(shown) and abs(shown - value) < 1e-7 * max(1.0, abs(value)):
-            return
-    elif isinstance(value, tuple) and isinstance(shown, tuple) and len(value) == len(shown):
-        if all(math.isfinite(a) and abs(a - b) < 1e-7 for a, b in zip(shown, value, strict=True)):
-            return
-    elif shown == value:
-        return
-    handle.value = value
+    if isinstance(value, float):
+        if not _close(shown, value):
+            handle.value = value
+    elif isinstance(value, tuple) and len(value) == len(shown):
+        if not all(_close(a, b) for a, b in zip(shown, value, strict=True)):
+            handle.value = value
+    elif shown != value:
+        handle.value = value
+
+
+def _close(shown: float, value: float) -> bool:
+    return math.isfinite(shown) and abs(shown - value) < 1e-7 * max(1.0, abs(value))
 
 
 def put_prop(handle: Any, name: str, value: Any) -> None:
@@ -136,15 +142,33 @@ class Slider:
         hint: str | None = None,
     ) -> None:
         self._handle = desk.gui.add_slider(
-            label, low, high, step, min(max(value, low), high), hint=hint
+            label, low, high, step, round(min(max(value, low), high), DIGITS), hint=hint
         )
         answer(desk, self._handle, act)
 
     def draw(self, low: float, high: float, value: float) -> None:
         put_prop(self._handle, "min", low)
         put_prop(self._handle, "max", high)
-        if math.isfinite(value):
-            put(self._handle, min(max(value, low), high))
+        if not math.isfinite(value):
+            return
+        value = min(max(value, low), high)
+        # What was typed stays as it was typed; what was computed shows the digits that fit.
+        if not _close(self._handle.value, value):
+            put(self._handle, round(value, DIGITS))
+
+
+def button(
+    desk: Desk,
+    label: str,
+    act: Callable[[viser.ClientHandle | None], None],
+    *,
+    icon: Any = None,
+    hint: str | None = None,
+) -> viser.GuiButtonHandle:
+    """A quiet button."""
+    made = desk.gui.add_button(label, icon=icon, hint=hint, color=QUIET)
+    clicked(desk, made, act)
+    return made
 
 
 def explain(gui: viser.GuiApi, text: str) -> None:

@@ -36,7 +36,7 @@ class Header:
             put_prop(part, "visible", show)
         if show and work is not None:
             # How long a boolean takes is not known beforehand: approach the end, never reach it.
-            self._progress.value = 100.0 * (1.0 - 1.0 / (1.0 + waited / 1.5))
+            put_prop(self._progress, "value", round(100.0 * waited / (waited + 1.5)))
             put_prop(self._doing, "content", box(f"Computing {esc(work.title)} · {waited:.0f} s"))
 
 

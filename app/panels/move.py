@@ -20,8 +20,8 @@ from app.panels.desk import (
     Slider,
     answer,
     box,
+    button,
     chip,
-    clicked,
     esc,
     explain,
     put,
@@ -72,7 +72,7 @@ class MovePanel:
         with gui.add_folder("Working mode"):
             self._modes = [
                 gui.add_checkbox(
-                    f"Limb {n + 1} on the + side",
+                    f"Limb {n + 1} on +",
                     sign == "+",
                     hint="On: the second link stands on the +z′ side of its U joint",
                 )
@@ -81,8 +81,12 @@ class MovePanel:
             for n, switch in enumerate(self._modes):
                 answer(desk, switch, partial(self._flip, desk, n))
             self._other = gui.add_html(_other_modes(sheet))
-        home = gui.add_button("Home position", hint="Back to the design's home pose (hotkey H)")
-        clicked(desk, home, lambda client: desk.send(GoHome(), client))
+        button(
+            desk,
+            "Home position",
+            lambda client: desk.send(GoHome(), client),
+            hint="Back to the design's home pose (hotkey H)",
+        )
         explain(gui, HELP)
         self._mode = view.posture.mode
 

@@ -11,12 +11,13 @@ import viser
 from app import session
 from app.exporting import FORMATS, ExportedFile, sanitized
 from app.panels.desk import (
+    QUIET,
     Desk,
     Save,
     Sheet,
     answer,
     box,
-    clicked,
+    button,
     esc,
     explain,
     put,
@@ -29,12 +30,12 @@ from kinematics.mechanism import RESOLUTIONS
 
 OPTIONS = {
     "machine": "Machine",
-    "handle": "Drag handle on the platform",
-    "labels": "Labels of the joints Aᵢ, Bᵢ, Cᵢ",
-    "frames": "Base and platform frames",
-    "axes": "Axes e₁ and e₂",
+    "handle": "Drag handle",
+    "labels": "Joint names",
+    "frames": "Frames",
+    "axes": "Axes e₁, e₂",
     "grid": "Ground grid",
-    "dark": "Dark background",
+    "dark": "Dark page",
 }
 
 HELP = """
@@ -56,24 +57,24 @@ class ReviewPanel:
     def __init__(self, desk: Desk, sheet: Sheet) -> None:
         gui = desk.gui
         self._desk = desk
-        self._undo = gui.add_button("Undo", icon=viser.Icon.ARROW_BACK_UP, disabled=True)
-        self._redo = gui.add_button("Redo", icon=viser.Icon.ARROW_FORWARD_UP, disabled=True)
-        clicked(desk, self._undo, lambda _: desk.undo())
-        clicked(desk, self._redo, lambda _: desk.redo())
+        self._undo = button(desk, "Undo", lambda _: desk.undo(), icon=viser.Icon.ARROW_BACK_UP)
+        self._redo = button(desk, "Redo", lambda _: desk.redo(), icon=viser.Icon.ARROW_FORWARD_UP)
         with gui.add_folder("Save a solid"):
             self._solid = gui.add_dropdown("Solid", ("none is shown",))
             self._format = gui.add_dropdown("Format", tuple(f.upper() for f in FORMATS))
             self._resolution = gui.add_dropdown("Resolution", RESOLUTIONS, initial_value="fine")
-            self._save = gui.add_button("Save", icon=viser.Icon.DOWNLOAD)
-            clicked(desk, self._save, self._export)
+            self._save = button(desk, "Save", self._export, icon=viser.Icon.DOWNLOAD)
         with gui.add_folder("Save the review"):
-            clicked(desk, gui.add_button("Session file"), self._session)
+            button(desk, "Session file", self._session, icon=viser.Icon.DOWNLOAD)
+            button(desk, "Picture of the view (PNG)", desk.picture, icon=viser.Icon.CAMERA)
+            button(desk, "Scene as a page (HTML)", desk.scene_page, icon=viser.Icon.WORLD)
             upload = gui.add_upload_button(
-                "Open a session file", mime_type=".json,application/json"
+                "Open a session file",
+                mime_type=".json,application/json",
+                color=QUIET,
+                icon=viser.Icon.UPLOAD,
             )
             upload.on_upload(self._uploaded)
-            clicked(desk, gui.add_button("Picture of the view (PNG)"), desk.picture)
-            clicked(desk, gui.add_button("Scene as a page (HTML)"), desk.scene_page)
         with gui.add_folder("What is drawn"):
             self._options = {
                 name: gui.add_checkbox(title, getattr(sheet.view.review.options, name))
@@ -81,7 +82,7 @@ class ReviewPanel:
             }
             for name, switch in self._options.items():
                 answer(desk, switch, partial(self._option, name))
-            clicked(desk, gui.add_button("Fit the view"), lambda _: desk.fit_view())
+            button(desk, "Fit the view", lambda _: desk.fit_view(), icon=viser.Icon.MAXIMIZE)
         gui.add_html(box(f"This page: <b>{esc(desk.address)}</b>"))
         explain(gui, HELP)
         self._keys: dict[str, str] = {}

@@ -53,7 +53,8 @@ class WorkspacePanel:
         specs = review.mechanism.solids(review.design)
         alone = [s for s in specs if s.limb is None]
         for spec in alone:
-            self._switch(spec, spec.title, sheet)
+            gui.add_html(box(f"<b>{esc(spec.title)}</b>"))
+            self._switch(spec, "Show", sheet)
         self._opacity(tuple(s.key for s in alone), "Opacity", 0.35)
         self._choice = gui.add_dropdown(
             "Of", (ALL, CURRENT, CHOSEN), initial_value=_choice(sheet), hint="Working modes"
@@ -67,7 +68,8 @@ class WorkspacePanel:
         )
         answer(desk, self._set, self._choose_set)
         self._report = gui.add_html(_report(sheet))
-        self._all = gui.add_checkbox("All vertex spaces", False)
+        gui.add_html(box("<b>Vertex spaces of the limbs</b>"))
+        self._all = gui.add_checkbox("All limbs", False)
         answer(desk, self._all, partial(self._show_all, specs))
         self._whole = [s.key for s in specs if s.key.endswith("/whole")]
         for limb in sorted({s.limb for s in specs if s.limb is not None}):

@@ -50,7 +50,9 @@ def drawing(design: FiveRPURDesign, posture: Posture) -> Drawing:
         ),
         points=tuple(points),
         axes=(
-            Mark("e1", "e₁", _t(design.base.mean(axis=0) * [1, 1, 0] + [0, 0, floor]), None, _t(E1)),
+            Mark(
+                "e1", "e₁", _t(design.base.mean(axis=0) * [1, 1, 0] + [0, 0, floor]), None, _t(E1)
+            ),
             Mark("e2", "e₂", _t(centre), None, _t(e2)),
         ),
         size=size,
@@ -70,7 +72,7 @@ def _limb(
     along = b - a
     length = float(np.hypot(along[0], along[2]))
     unit = along / length if length > 1e-9 * size else np.array([0.0, 0.0, 1.0])
-    thick = 0.032 * size
+    thick = 0.026 * size
     # A real cylinder is as long as the shortest actuator; with ρ_min = 0 a third of the longest.
     barrel = min(length, 0.92 * low if low > 0.25 * high else 0.33 * high)
     yield Bar(f"{name}/cylinder", _t(a), _t(a + barrel * unit), thick, "cylinder", limb)
@@ -85,7 +87,12 @@ def _limb(
     for key, at, axis in (("R_A", a, E1), ("U_B1", b, E1), ("U_B2", b, e2), ("R_C", c, e2)):
         reach = (1.5 if key == "R_A" else 1.15) * thick
         yield Bar(
-            f"{name}/{key}", _t(at - reach * axis), _t(at + reach * axis), 0.62 * thick, "joint", limb
+            f"{name}/{key}",
+            _t(at - reach * axis),
+            _t(at + reach * axis),
+            0.62 * thick,
+            "joint",
+            limb,
         )
 
 
@@ -108,7 +115,9 @@ def _pedestals(design: FiveRPURDesign, size: float) -> Iterator[Bar]:
         yield Bar(f"limb{i + 1}/pedestal", _t(foot), _t(a), 0.03 * size, "base")
 
 
-def _slab(design: FiveRPURDesign, floor: float, size: float) -> tuple[tuple[float, float, float], ...]:
+def _slab(
+    design: FiveRPURDesign, floor: float, size: float
+) -> tuple[tuple[float, float, float], ...]:
     reach = 0.12 * size
     corners = [
         (x + dx, y + dy, floor)

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
-from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics.errors import InputError
-from kinematics.five_rpur import arrangements, design as designs, drawing, forward, inverse, velocity
+from kinematics.five_rpur import arrangements, drawing, forward, home, inverse
+from kinematics.five_rpur import design as designs
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanism import (
     Coordinate,
@@ -43,7 +42,7 @@ class FiveRPUR:
 
     kind = "five_rpur"
     title = "5-RPUR (3T2R)"
-    modes = tuple("".join(signs) for signs in product("+-", repeat=designs.LIMBS))
+    modes = inverse.MODES
 
     # --- designs
 
@@ -67,7 +66,7 @@ class FiveRPUR:
     # --- coordinates
 
     def pose_coordinates(self, design: FiveRPURDesign) -> tuple[Coordinate, ...]:
-        low, high = _reach(design)
+        low, high = home.reach(design)
         xyz = (Coordinate(k, k, "mm", low[n], high[n]) for n, k in enumerate("xyz"))
         half_turn = float(np.pi)
         return (
@@ -85,7 +84,7 @@ class FiveRPUR:
     # --- kinematics
 
     def home(self, design: FiveRPURDesign) -> Posture:
-        return _home(design)
+        return home.home(design)
 
     def posture(self, design: FiveRPURDesign, pose: Sequence[float], mode: str) -> Posture:
         return inverse.posture(design, pose, mode)
@@ -93,9 +92,7 @@ class FiveRPUR:
     def inverse(self, design: FiveRPURDesign, poses: ArrayLike) -> InverseSolutions:
         return inverse.inverse(design, poses)
 
-    def follow(
-        self, design: FiveRPURDesign, posture: Posture, joints: Sequence[float]
-    ) -> Followed:
+    def follow(self, design: FiveRPURDesign, posture: Posture, joints: Sequence[float]) -> Followed:
         return forward.follow(design, posture, joints)
 
     def transform(self, design: FiveRPURDesign, poses: ArrayLike) -> Array:
@@ -137,9 +134,7 @@ class FiveRPUR:
             arguments = ("part", limb.link, *limb.stroke, part)
         return SolidRequest(self.kind, arguments, resolution)
 
-    def solid_placement(
-        self, design: FiveRPURDesign, key: str, pose: Sequence[float]
-    ) -> Array:
+    def solid_placement(self, design: FiveRPURDesign, key: str, pose: Sequence[float]) -> Array:
         """4x4 from the frame in which the solid is built to the base frame.
 
         The workspace is built in x'y'z' (paper, section 4), a vertex space in the same frame
@@ -193,65 +188,3 @@ def _limb_part(key: str) -> tuple[int, str]:
             f"and PART one of {', '.join(_PARTS)}"
         )
     return int(number) - 1, part
-
-
-@lru_cache(maxsize=64)
-def _reach(design: FiveRPURDesign) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """A box that holds O' whatever the orientation, rounded outwards to 10 mm."""
-    radius = design.stroke[:, 1] + design.link + np.linalg.norm(design.platform, axis=1)
-    low = (design.base - radius[:, None]).max(axis=0)
-    high = (design.base + radius[:, None]).min(axis=0)
-    # Limbs too far apart to meet: offer what one of them reaches.
-    apart = low >= high
-    low = np.where(apart, (design.base - radius[:, None]).min(axis=0), low)
-    high = np.where(apart, (design.base + radius[:, None]).max(axis=0), high)
-    step = 10.0
-    return (
-        tuple(float(v) for v in np.floor(low / step) * step),
-        tuple(float(v) for v in np.ceil(high / step) * step),
-    )
-
-
-@lru_cache(maxsize=64)
-def _home(design: FiveRPURDesign) -> Posture:
-    """A pose to start from: level if possible, above the base, well within strokes and control.
-
-    Chosen on a grid by the smallest margin of its limbs, among the best the one whose Jacobian
-    is conditioned best; one working mode for all limbs is preferred when it is nearly as roomy.
-    """
-    low, high = (np.array(v) for v in _reach(design))
-    axes = [np.linspace(a, b, 25) for a, b in zip(low, high, strict=True)]
-    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-    for phi, theta in ((0.0, 0.0), (0.3, 0.3), (-0.3, 0.3), (0.3, -0.3), (-0.3, -0.3)):
-        poses = np.concatenate([grid, np.full((len(grid), 2), (phi, theta))], axis=1)
-        lengths = inverse.limb_lengths(design, poses)
-        margin = np.minimum(
-            lengths - design.stroke[:, :1], design.stroke[:, 1:] - lengths
-        )  # (N, 5, 2)
-        margin = np.where(np.isfinite(margin), margin, -np.inf)
-        found = _best(design, poses, margin)
-        if found is not None:
-            return found
-    # Nothing is reachable: start from the pose that misses by least.
-    level = np.concatenate([grid, np.zeros((len(grid), 2))], axis=1)
-    postures = [inverse.posture(design, tuple(p), "+" * designs.LIMBS) for p in level[::97]]
-    return max(postures, key=lambda posture: posture.nearest.amount)
-
-
-def _best(design: FiveRPURDesign, poses: Array, margin: Array) -> Posture | None:
-    best_sign = margin.argmax(axis=2)
-    candidates: list[tuple[float, Posture]] = []
-    for signs in (np.zeros(5, int), np.ones(5, int), None):
-        chosen = best_sign if signs is None else np.broadcast_to(signs, best_sign.shape)
-        least = np.take_along_axis(margin, chosen[..., None], axis=2)[..., 0].min(axis=1)
-        # Above the base before below it: that is how these machines are drawn.
-        for n in np.argsort(least - 1e-6 * (poses[:, 2] < 0))[::-1][:40]:
-            if least[n] <= 0:
-                break
-            mode = "".join("+-"[s] for s in chosen[n])
-            condition = float(velocity.condition(design, poses[n], mode))
-            score = float(least[n]) / (1.0 + condition / 20.0) * (0.6 if signs is None else 1.0)
-            score *= 1.0 if poses[n, 2] > 0 else 0.5
-            posture = inverse.posture(design, tuple(float(v) for v in poses[n]), mode)
-            candidates.append((score, posture))
-    return max(candidates, key=lambda c: c[0])[1] if candidates else None

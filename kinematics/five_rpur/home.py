@@ -1,0 +1,106 @@
+"""The posture that a review of a design starts from."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from itertools import product
+
+import numpy as np
+
+from kinematics.five_rpur import inverse, velocity
+from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
+from kinematics.solutions import Posture
+from kinematics.spatial import Array
+
+GRID = 15  # positions tried along each axis
+ROUNDS = 12  # halvings of the step while the best position of a mode is improved
+ORIENTATIONS = ((0.0, 0.0), (0.3, 0.3), (-0.3, 0.3), (0.3, -0.3), (-0.3, -0.3))
+
+_SIGNS = np.array([inverse.signs(mode) for mode in inverse.MODES])
+_NEIGHBOURS = np.array(list(product((-1.0, 0.0, 1.0), repeat=3)))
+
+
+@lru_cache(maxsize=64)
+def reach(design: FiveRPURDesign) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """A box that holds O' whatever the orientation, rounded outwards to 10 mm: lows and highs."""
+    radius = design.stroke[:, 1] + design.link + np.linalg.norm(design.platform, axis=1)
+    low = (design.base - radius[:, None]).max(axis=0)
+    high = (design.base + radius[:, None]).min(axis=0)
+    # Limbs too far apart to meet: offer what one of them reaches.
+    apart = low >= high
+    low = np.where(apart, (design.base - radius[:, None]).min(axis=0), low)
+    high = np.where(apart, (design.base + radius[:, None]).max(axis=0), high)
+    step = 10.0
+    return (
+        tuple(float(v) for v in np.floor(low / step) * step),
+        tuple(float(v) for v in np.ceil(high / step) * step),
+    )
+
+
+@lru_cache(maxsize=64)
+def home(design: FiveRPURDesign) -> Posture:
+    """A posture to start from: level if possible, roomy, well under control, above the base.
+
+    For every working mode the position with the largest smallest margin is found, on a grid and
+    then by halving steps; among these 32 the best compromise of margin and conditioning is taken,
+    with a preference for one sign in all limbs. Where nothing is reachable, the posture that
+    misses by least.
+    """
+    best: tuple[float, Array, str] | None = None
+    # Below its base a machine would stand in its own floor: only where there is nothing above.
+    for above, (phi, theta) in product((True, False), ORIENTATIONS):
+        positions, margins = _roomiest(design, phi, theta, above=above)
+        for position, margin, mode in zip(positions, margins, inverse.MODES, strict=True):
+            score = _score(design, (*position, phi, theta), float(margin), mode)
+            if best is None or score > best[0]:
+                best = score, np.array([*position, phi, theta]), mode
+        if best is not None and best[0] > 0:
+            break
+    assert best is not None
+    _, pose, mode = best
+    return inverse.posture(design, tuple(float(v) for v in pose), mode)
+
+
+def _roomiest(
+    design: FiveRPURDesign, phi: float, theta: float, *, above: bool
+) -> tuple[Array, Array]:
+    """For each working mode its roomiest position (32, 3) and the margin there (32,), mm."""
+    low, high = (np.array(v) for v in reach(design))
+    if above:
+        low[2] = np.clip(design.base[:, 2].max(), low[2], 0.5 * (low[2] + high[2]))
+    axes = [np.linspace(a, b, GRID) for a, b in zip(low, high, strict=True)]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    margins = _margins(design, grid, phi, theta)  # (N, 32)
+    positions = grid[margins.argmax(axis=0)]
+    step = (high - low) / (GRID - 1)
+    modes = np.arange(len(inverse.MODES))
+    for _ in range(ROUNDS):
+        around = positions[:, None, :] + 0.5 * step * _NEIGHBOURS  # (32, 27, 3)
+        tried = _margins(design, around, phi, theta)[modes, :, modes]  # (32, 27)
+        positions = np.maximum(around[modes, tried.argmax(axis=1)], low)
+        step = 0.7 * step
+    positions = np.round(positions)  # a home in whole millimetres is easier to talk about
+    return positions, _margins(design, positions, phi, theta)[modes, modes]
+
+
+def _margins(design: FiveRPURDesign, positions: Array, phi: float, theta: float) -> Array:
+    """The smallest margin of all limbs in each of the 32 modes, (..., 32) mm; −inf: no closure."""
+    angles = np.broadcast_to((phi, theta), (*positions.shape[:-1], 2))
+    poses = np.concatenate([positions, angles], axis=-1)
+    lengths = inverse.limb_lengths(design, poses)  # (..., 5, 2)
+    stroke = np.minimum(lengths - design.stroke[:, :1], design.stroke[:, 1:] - lengths)
+    turned = np.cos(phi) * design.platform[:, 1] - np.sin(phi) * design.platform[:, 2]
+    link = design.link - np.abs(positions[..., 1:2] + turned - design.base[:, 1])
+    both = np.where(np.isfinite(stroke), np.minimum(stroke, link[..., None]), -np.inf)
+    plus, minus = both[..., 0], both[..., 1]
+    each = np.where(_SIGNS > 0, plus[..., None, :], minus[..., None, :])  # (..., 32, 5)
+    least: Array = each.min(axis=-1)
+    return least
+
+
+def _score(design: FiveRPURDesign, pose: tuple[float, ...], margin: float, mode: str) -> float:
+    if margin <= 0:
+        return margin if np.isfinite(margin) else -1e300
+    condition = float(velocity.condition(design, pose, mode))
+    score = margin / (1.0 + condition / 20.0)
+    return score * (1.0 if mode == "+" * LIMBS else 0.9 if mode == "-" * LIMBS else 0.6)
