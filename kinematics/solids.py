@@ -1,1 +1,561 @@
-"""Solids by manifold3d and their files by trimesh; the only module that imports either."""
+"""Solids by manifold3d and their files by trimesh; the only module that imports either.
+
+A `Solid` remembers from which named surface each of its faces stems, through Booleans and moves
+(`Solid.traced`): that tells where to crease a shaded mesh, and how far each face is from the
+curved surface that it stands for. Lengths in mm.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from manifold3d import Error, Manifold, Mesh64, OpType  # type: ignore[import-not-found]
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from kinematics.errors import ComputationError, InputError
+from kinematics.spatial import Array
+
+Bounds = tuple[tuple[float, float, float], tuple[float, float, float]]
+
+KINDS = ("stl", "3mf", "ply", "glb", "obj")
+
+# A shell thinner than this part of the solid's size, or smaller than this part of its volume,
+# is what rounding leaves where faces coincide, and is dropped.
+SLIVER_THICKNESS = 1e-6
+SLIVER_VOLUME = 1e-8
+
+# In `face_id`, 32 bits inside manifold3d, the patch stands above these bits and the plane below.
+_PLANE_BITS = 24
+
+
+@dataclass(frozen=True, eq=False)
+class SolidMesh:
+    """Triangles, counter-clockwise seen from outside; the arrays are read-only.
+
+    Attributes:
+        vertices: (V, 3) mm.
+        faces: (F, 3) indices into ``vertices``.
+    """
+
+    vertices: NDArray[Any]
+    faces: NDArray[Any]
+
+    def __post_init__(self) -> None:
+        self.vertices.setflags(write=False)
+        self.faces.setflags(write=False)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.__post_init__()  # unpickled arrays are writeable
+
+
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """A named surface where it now stands: ``tag`` as given to `Solid.from_mesh`, moved by
+    ``transform`` (3, 4).
+    """
+
+    tag: Hashable
+    transform: Array
+
+
+@dataclass(frozen=True, eq=False)
+class TracedMesh:
+    """A mesh of which every face knows its origin: ``patches[patch_of[f]]``, patch_of (F,)."""
+
+    mesh: SolidMesh
+    patches: tuple[Patch, ...]
+    patch_of: NDArray[np.intp]
+
+
+class Solid:
+    """A closed, oriented solid. Immutable; an empty one is a solid like any other.
+
+    Every operation asks manifold3d for its status and raises `ComputationError` when it has
+    not led to a valid solid.
+    """
+
+    __slots__ = ("_manifold", "_tags")
+
+    def __init__(self, manifold: Manifold, tags: Mapping[int, tuple[Hashable, ...]]) -> None:
+        status = manifold.status()
+        if status != Error.NoError:
+            raise ComputationError(f"the solid could not be built: {_STATUS.get(status, status)}")
+        self._manifold = manifold
+        self._tags = tags
+
+    @classmethod
+    def from_mesh(
+        cls,
+        vertices: ArrayLike,
+        faces: ArrayLike,
+        *,
+        patch: ArrayLike = 0,
+        plane: ArrayLike | None = None,
+        tags: Sequence[Hashable] = (None,),
+    ) -> Solid:
+        """A solid from a closed mesh.
+
+        Args:
+            vertices: (V, 3) mm.
+            faces: (F, 3) indices, counter-clockwise seen from outside.
+            patch: (F,) which of ``tags`` each face belongs to.
+            plane: (F,) the same number for faces in one plane; these may be retriangulated.
+            tags: names of the surfaces, kept through every later operation.
+
+        Raises:
+            ComputationError: NaN, or not a closed oriented manifold.
+        """
+        v = np.array(vertices, dtype=float, order="C")
+        f = np.array(faces, dtype=np.uint64, order="C").reshape(-1, 3)
+        if not len(f):
+            return cls(Manifold(), {})
+        planes = np.arange(len(f)) if plane is None else np.asarray(plane)
+        face_id = (np.asarray(patch, dtype=np.uint64) << np.uint64(_PLANE_BITS)) + planes.astype(
+            np.uint64
+        )
+        source = Manifold.reserve_ids(1)
+        mesh = Mesh64(
+            v,
+            f,
+            run_index=np.array([0, f.size], dtype=np.uint64),
+            run_original_id=np.array([source], dtype=np.uint32),
+            face_id=face_id,
+        )
+        return cls(Manifold(mesh), {source: tuple(tags)})
+
+    # --- operations
+
+    @staticmethod
+    def union(solids: Iterable[Solid]) -> Solid:
+        """What lies in any of them; the empty solid of none."""
+        return Solid._batch(tuple(solids), OpType.Add)
+
+    @staticmethod
+    def intersection(solids: Iterable[Solid]) -> Solid:
+        """What lies in all of them.
+
+        Raises:
+            InputError: there is none to intersect.
+        """
+        operands = tuple(solids)
+        if not operands:
+            raise InputError("an intersection needs at least one solid")
+        return Solid._batch(operands, OpType.Intersect)
+
+    def difference(self, others: Iterable[Solid]) -> Solid:
+        """What lies in this and in none of ``others``."""
+        return Solid._batch((self, *others), OpType.Subtract)
+
+    @staticmethod
+    def _batch(solids: tuple[Solid, ...], operation: OpType) -> Solid:
+        tags: dict[int, tuple[Hashable, ...]] = {}
+        for solid in solids:
+            tags.update(solid._tags)  # noqa: SLF001
+        manifolds = [solid._manifold for solid in solids]  # noqa: SLF001
+        return Solid(Manifold.batch_boolean(manifolds, operation), tags)
+
+    def translated(self, offset: ArrayLike) -> Solid:
+        """Moved by ``offset`` (3,) mm."""
+        x, y, z = (float(v) for v in np.asarray(offset, dtype=float))
+        return Solid(self._manifold.translate((x, y, z)), self._tags)
+
+    def transformed(self, matrix: ArrayLike) -> Solid:
+        """Moved by a rotation (3, 3) or a rigid motion (3, 4) or (4, 4)."""
+        m = np.zeros((3, 4))
+        given = np.asarray(matrix, dtype=float)[:3]
+        m[:, : given.shape[1]] = given
+        return Solid(self._manifold.transform(m), self._tags)
+
+    def simplified(self, tolerance: float) -> Solid:
+        """Without edges shorter than ``tolerance`` mm; no surface moves further than that."""
+        return Solid(self._manifold.simplify(tolerance), self._tags)
+
+    # --- measures
+
+    @property
+    def volume(self) -> float:
+        """mm³."""
+        return float(self._manifold.volume())
+
+    @property
+    def area(self) -> float:
+        """mm²."""
+        return float(self._manifold.surface_area())
+
+    @property
+    def bounds(self) -> Bounds | None:
+        """The lowest and the highest corner, mm; None of an empty solid."""
+        if self.is_empty:
+            return None
+        x0, y0, z0, x1, y1, z1 = (float(v) for v in self._manifold.bounding_box())
+        return (x0, y0, z0), (x1, y1, z1)
+
+    @property
+    def is_empty(self) -> bool:
+        return bool(self._manifold.is_empty())
+
+    @property
+    def triangles(self) -> int:
+        return int(self._manifold.num_tri())
+
+    def shells(self) -> tuple[Solid, ...]:
+        """The connected surfaces, each as a solid; one with negative volume bounds a void."""
+        return tuple(Solid(shell, self._tags) for shell in self._manifold.decompose())
+
+    # --- meshes
+
+    def mesh(self) -> SolidMesh:
+        """The surface: float64 vertices, int32 faces."""
+        return _mesh(self._manifold.to_mesh64())
+
+    def traced(self) -> TracedMesh:
+        """The surface, with the patch and the placement of every face."""
+        raw = self._manifold.to_mesh64()
+        mesh = _mesh(raw)
+        label = np.array(raw.face_id, dtype=np.int64) >> _PLANE_BITS
+        ends = np.array(raw.run_index, dtype=np.int64) // 3
+        run = np.repeat(np.arange(len(ends) - 1), np.diff(ends))
+        # Patches are numbered densely: (run, label) -> position among those that occur.
+        stride = int(label.max(initial=0)) + 1
+        keys, patch_of = np.unique(run * stride + label, return_inverse=True)
+        patches = []
+        for key in keys:
+            r, number = divmod(int(key), stride)
+            tag = self._tags[int(raw.run_original_id[r])][number]
+            patches.append(Patch(tag, np.array(raw.run_transform[r]).T))
+        return TracedMesh(mesh, tuple(patches), patch_of)
+
+
+def _mesh(raw: Mesh64) -> SolidMesh:
+    return SolidMesh(
+        np.array(raw.vert_properties[:, :3], dtype=np.float64),
+        np.array(raw.tri_verts, dtype=np.int32),
+    )
+
+
+_STATUS = {
+    Error.NonFiniteVertex: "a vertex is NaN or infinite",
+    Error.NotManifold: "its surface is not closed",
+    Error.VertexOutOfBounds: "a face names a vertex that does not exist",
+    Error.ResultTooLarge: "it has too many triangles",
+}
+
+
+# --- a solid made ready to show and to export ------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Piece:
+    """One connected part of a solid, with its voids.
+
+    Attributes:
+        volume: mm³.
+        centroid: of the volume, mm.
+        bounds: the lowest and the highest corner, mm.
+    """
+
+    volume: float
+    centroid: tuple[float, float, float]
+    bounds: Bounds
+
+
+@dataclass(frozen=True, eq=False)
+class BuiltSolid:
+    """A finished solid: plain arrays and numbers, ready to cross to another process.
+
+    Attributes:
+        mesh: the closed surface in the solid's own frame, float64 (every coordinate is also a
+            float32, so that no file format moves a vertex) and int32.
+        shaded: the same surface for display, float32 and uint32; a vertex is repeated where
+            surfaces meet, so that normals averaged per vertex keep the creases sharp.
+        volume: of ``mesh``, mm³.
+        volume_error: an estimate from above of |volume − true volume|, mm³.
+        area: of ``mesh``, mm².
+        pieces: the connected parts, the largest first; none of an empty solid. Slivers
+            (`SLIVER_THICKNESS`, `SLIVER_VOLUME`) are neither here nor in ``mesh``.
+        watertight: the surface is closed, also when its vertices are known by position only.
+        triangles: number of faces.
+    """
+
+    mesh: SolidMesh
+    shaded: SolidMesh
+    volume: float
+    volume_error: float
+    area: float
+    pieces: tuple[Piece, ...]
+    watertight: bool
+    triangles: int
+
+
+def finish(solid: Solid, error: Callable[[TracedMesh], float]) -> BuiltSolid:
+    """Slivers dropped, coordinates rounded to float32, pieces found, creases split.
+
+    ``error`` estimates |mesh volume − true volume| of a traced mesh, mm³.
+    """
+    traced, dropped = _without_slivers(solid.traced())
+    traced, separate = _rounded(solid, traced)
+    v, f = traced.mesh.vertices, traced.mesh.faces
+    if not len(f):
+        empty = SolidMesh(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.uint32))
+        estimate = error(traced) + dropped
+        return BuiltSolid(traced.mesh, empty, 0.0, estimate, 0.0, (), True, 0)
+    six, twice, moments = _parts(v, f)
+    volume = float(six.sum()) / 6.0
+    area = float(twice.sum()) / 2.0
+    rounding = area * float(np.spacing(np.float32(np.abs(v).max())))
+    return BuiltSolid(
+        mesh=traced.mesh,
+        shaded=_shaded(traced),
+        volume=volume,
+        volume_error=error(traced) + dropped + rounding,
+        area=area,
+        pieces=_pieces(v, f, six, moments),
+        watertight=separate or _closed_by_position(v, f),
+        triangles=len(f),
+    )
+
+
+def _parts(v: Array, f: NDArray[Any]) -> tuple[Array, Array, Array]:
+    """Of each face: 6 × its cone's volume, 2 × its area, and its first moments (F, 3) × 24."""
+    middle = (v.min(axis=0) + v.max(axis=0)) / 2.0
+    a, b, c = (v[f[:, n]] - middle for n in range(3))
+    normal = np.cross(b - a, c - a)
+    six = np.einsum("ij,ij->i", a, normal)
+    twice = np.sqrt(np.einsum("ij,ij->i", normal, normal))
+    return six, twice, six[:, None] * (a + b + c + 4.0 * middle)
+
+
+def _shells(vertices: int, f: NDArray[Any]) -> tuple[int, NDArray[np.intp]]:
+    """How many connected surfaces there are, and to which each face belongs (F,)."""
+    row = np.concatenate([f[:, 0], f[:, 1]])
+    column = np.concatenate([f[:, 1], f[:, 2]])
+    graph = coo_array((np.ones(len(row), bool), (row, column)), shape=(vertices, vertices))
+    _, of_vertex = connected_components(graph, directed=False)
+    present, of_face = np.unique(of_vertex[f[:, 0]], return_inverse=True)
+    return len(present), of_face
+
+
+def _without_slivers(traced: TracedMesh) -> tuple[TracedMesh, float]:
+    """The mesh without slivers, and the volume that went with them, mm³."""
+    v, f = traced.mesh.vertices, traced.mesh.faces
+    if not len(f):
+        return traced, 0.0
+    six, twice, _ = _parts(v, f)
+    count, shell = _shells(len(v), f)
+    volume = np.abs(np.bincount(shell, six, count)) / 6.0
+    area = np.bincount(shell, twice, count) / 2.0
+    size = float(np.linalg.norm(np.ptp(v, axis=0)))
+    thin = volume <= SLIVER_THICKNESS * size * area / 2.0
+    sliver = thin | (volume <= SLIVER_VOLUME * volume.max())
+    if not sliver.any():
+        return traced, 0.0
+    return _selected(traced, ~sliver[shell]), float(volume[sliver].sum())
+
+
+def _selected(traced: TracedMesh, keep: NDArray[np.bool_]) -> TracedMesh:
+    f = traced.mesh.faces[keep]
+    used, packed = np.unique(f, return_inverse=True)
+    mesh = SolidMesh(traced.mesh.vertices[used], packed.reshape(-1, 3).astype(np.int32))
+    return TracedMesh(mesh, traced.patches, traced.patch_of[keep])
+
+
+# --- float32 positions: a file such as STL knows its vertices by nothing else ------------------
+
+
+def _rounded(solid: Solid, traced: TracedMesh) -> tuple[TracedMesh, bool]:
+    """Every coordinate a float32 and, if that can be had, every vertex at a place of its own.
+
+    Vertices that fall together are mostly ends of an edge too short for a float32: collapse it.
+    What remains are surfaces that touch: move them apart by some units in the last place.
+    """
+    result = _in_float32(traced)
+    if not len(_shared(result.mesh.vertices)):
+        return result, True
+    unit = float(np.spacing(np.float32(np.abs(traced.mesh.vertices).max())))
+    for tolerance in (4.0 * unit, 32.0 * unit):
+        simpler, _ = _without_slivers(solid.simplified(tolerance).traced())
+        result = _in_float32(simpler)
+        if not len(_shared(result.mesh.vertices)):
+            return result, True
+    for reach in (4.0, 16.0, 64.0, 256.0):
+        result = _parted(result, reach * unit)
+        if not len(_shared(result.mesh.vertices)):
+            return result, True
+    return result, False
+
+
+def _in_float32(traced: TracedMesh, vertices: Array | None = None) -> TracedMesh:
+    v = traced.mesh.vertices if vertices is None else vertices
+    rounded = v.astype(np.float32).astype(np.float64) + 0.0  # no negative zeros
+    return TracedMesh(SolidMesh(rounded, traced.mesh.faces), traced.patches, traced.patch_of)
+
+
+def _shared(v: Array) -> NDArray[np.intp]:
+    """The vertices that stand where another one stands."""
+    order = np.lexsort(v.T)
+    same = (v[order[1:]] == v[order[:-1]]).all(axis=1)
+    found = np.zeros(len(v), bool)
+    found[order[1:][same]] = True
+    found[order[:-1][same]] = True
+    return np.flatnonzero(found)
+
+
+def _parted(traced: TracedMesh, reach: float) -> TracedMesh:
+    """Vertices at a shared place moved inwards, each by another part of ``reach`` mm."""
+    v, f = traced.mesh.vertices.copy(), traced.mesh.faces
+    shared = _shared(v)
+    a, b, c = (v[f[:, n]] for n in range(3))
+    faces = np.cross(b - a, c - a)
+    normal = np.zeros_like(v)
+    for n in range(3):
+        np.add.at(normal, f[:, n], faces)
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+    part = reach * (1.0 + np.arange(len(shared)) % 7) / 7.0
+    v[shared] -= part[:, None] * normal[shared]
+    return _in_float32(traced, v)
+
+
+def _closed_by_position(v: Array, f: NDArray[Any]) -> bool:
+    """Every directed edge meets exactly one opposite edge when equal places are one vertex."""
+    _, place = np.unique(v, axis=0, return_inverse=True)
+    welded = place.reshape(-1)[f]
+    start = welded.ravel()
+    end = np.roll(welded, -1, axis=1).ravel()
+    forth = np.sort(start * len(v) + end)
+    back = np.sort(end * len(v) + start)
+    once = bool((np.diff(forth) > 0).all())
+    return once and bool((forth == back).all()) and bool((start != end).all())
+
+
+# --- display -----------------------------------------------------------------------------------
+
+
+def _shaded(traced: TracedMesh) -> SolidMesh:
+    """Vertices repeated once for each patch that meets in them."""
+    v, f = traced.mesh.vertices, traced.mesh.faces
+    corner = f.ravel().astype(np.int64)
+    patch = np.repeat(traced.patch_of, 3)
+    first = np.zeros(len(v), dtype=np.int64)
+    first[corner[::-1]] = patch[::-1]
+    other = patch != first[corner]
+    count = len(traced.patches)
+    keys, which = np.unique(corner[other] * count + patch[other], return_inverse=True)
+    corner[other] = len(v) + which
+    return SolidMesh(
+        np.concatenate([v, v[keys // count]]).astype(np.float32),
+        corner.reshape(-1, 3).astype(np.uint32),
+    )
+
+
+# --- pieces ------------------------------------------------------------------------------------
+
+
+def _pieces(v: Array, f: NDArray[Any], six: Array, moments: Array) -> tuple[Piece, ...]:
+    count, shell = _shells(len(v), f)
+    volume = np.bincount(shell, six, count) / 6.0
+    moment = np.stack([np.bincount(shell, moments[:, n], count) for n in range(3)], axis=1) / 24.0
+    low = np.full((count, 3), np.inf)
+    high = np.full((count, 3), -np.inf)
+    for n in range(3):
+        np.minimum.at(low, shell, v[f[:, n]])
+        np.maximum.at(high, shell, v[f[:, n]])
+    solid = np.flatnonzero(volume > 0)
+    for void in np.flatnonzero(volume <= 0):
+        point = v[f[shell == void][0, 0]]
+        around = [s for s in solid if (low[s] <= point).all() and (point <= high[s]).all()]
+        around.sort(key=lambda s: float(volume[s]))
+        owner = next((s for s in around if _encloses(v, f[shell == s], point)), None)
+        if owner is not None:
+            volume[owner] += volume[void]
+            moment[owner] += moment[void]
+    pieces = [
+        Piece(float(volume[s]), _triple(moment[s] / volume[s]), (_triple(low[s]), _triple(high[s])))
+        for s in solid
+    ]
+    return tuple(sorted(pieces, key=lambda p: (-p.volume, p.bounds)))
+
+
+def _triple(values: Array) -> tuple[float, float, float]:
+    x, y, z = (float(value) for value in values)
+    return x, y, z
+
+
+def _encloses(v: Array, f: NDArray[Any], point: Array) -> bool:
+    """Whether a closed surface goes round a point: its solid angle seen from there is 4π."""
+    a, b, c = (v[f[:, n]] - point for n in range(3))
+    la, lb, lc = (np.linalg.norm(side, axis=1) for side in (a, b, c))
+    triple = np.einsum("ij,ij->i", a, np.cross(b, c))
+    dots = [np.einsum("ij,ij->i", p, q) for p, q in ((a, b), (b, c), (c, a))]
+    angle = np.arctan2(triple, la * lb * lc + dots[0] * lc + dots[1] * la + dots[2] * lb)
+    return bool(abs(2.0 * angle.sum()) > 2.0 * np.pi)
+
+
+# --- files -------------------------------------------------------------------------------------
+
+
+def encode(mesh: SolidMesh, kind: str) -> bytes:
+    """The bytes of a file of ``kind``, one of `KINDS`.
+
+    Coordinates are mm in every format. 3MF says so in its unit, STL in its header, PLY and OBJ
+    in a comment, GLB in ``asset.extras``: glTF means metres, but a designer who loads the same
+    solid from two files wants the same numbers.
+
+    Raises:
+        InputError: there is no such kind, or the mesh has no faces.
+        ComputationError: the mesh is not a closed surface of finite numbers.
+    """
+    if kind not in KINDS:
+        raise InputError(f"there is no export as {kind!r}; use one of {', '.join(KINDS)}")
+    if not len(mesh.faces):
+        raise InputError("the solid is empty, there is nothing to export")
+    Solid.from_mesh(mesh.vertices, mesh.faces)  # raises on NaN and on an open surface
+    import trimesh  # slow to import, and only exports need it
+
+    surface = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
+    return _ENCODERS[kind](surface)
+
+
+def _stl(surface: Any) -> bytes:
+    data: bytes = surface.export(file_type="stl")
+    return b"Bohemia: binary STL, unit mm".ljust(80) + data[80:]
+
+
+def _3mf(surface: Any) -> bytes:
+    surface.units = "mm"
+    data: bytes = surface.export(file_type="3mf")
+    return data
+
+
+def _ply(surface: Any) -> bytes:
+    data: bytes = surface.export(file_type="ply")
+    first, rest = data.split(b"\n", 2)[:2], data.split(b"\n", 2)[2]
+    return b"\n".join([*first, b"comment Bohemia, unit mm", rest])
+
+
+def _glb(surface: Any) -> bytes:
+    def stated(tree: dict[str, Any]) -> None:
+        tree["asset"]["extras"] = {"unit": "mm"}
+
+    scene = surface.scene()
+    data: bytes = scene.export(file_type="glb", tree_postprocessor=stated)
+    return data
+
+
+def _obj(surface: Any) -> bytes:
+    text: str = surface.export(file_type="obj", header="Bohemia, unit mm", digits=9)
+    return text.encode()
+
+
+_ENCODERS: dict[str, Callable[[Any], bytes]] = {
+    "stl": _stl,
+    "3mf": _3mf,
+    "ply": _ply,
+    "glb": _glb,
+    "obj": _obj,
+}

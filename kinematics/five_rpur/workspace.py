@@ -1,0 +1,223 @@
+"""The constant-orientation workspace as a solid, for all working modes or for any set of them.
+
+In the turned frame, p' = R_y(−θ) p lies in the workspace iff p' − w'_i ∈ B_i for all limbs,
+w'_i = R_y(−θ) r_i − R_x(φ) s'_i (Tale Masouleh et al. 2011, eq. 27): five solids that never
+change, moved and intersected. Lengths mm, angles rad.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise, product
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kinematics.errors import InputError
+from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
+from kinematics.five_rpur.vertex_space import Part, Surface, limb_solid, shear
+from kinematics.mechanism import Resolution
+from kinematics.solids import BuiltSolid, Solid, TracedMesh, finish
+from kinematics.spatial import Array, finite, rotation_x, rotation_y
+
+# Offsets that differ by less than this part of a limb's size are made equal: limbs that coincide
+# but for rounding would otherwise enclose films of air between them.
+_SAME = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class _Operand:
+    """One limb's solid where it stands: all that the intersection depends on."""
+
+    link: float
+    rho_min: float
+    rho_max: float
+    part: Part
+    offset: tuple[float, float, float]
+
+
+def offset_points(design: FiveRPURDesign, phi: ArrayLike, theta: ArrayLike) -> Array:
+    """w'_i of eq. 27: where each limb's vertex space stands in x'y'z'.
+
+    ``phi`` and ``theta`` (...,) rad, broadcast together; returns (..., 5, 3) mm.
+    """
+    phi, theta = np.broadcast_arrays(finite(phi, name="phi"), finite(theta, name="theta"))
+    base = design.base @ np.swapaxes(rotation_y(-theta), -1, -2)
+    platform = design.platform @ np.swapaxes(rotation_x(phi), -1, -2)
+    return np.asarray(base - platform)
+
+
+def workspace(
+    design: FiveRPURDesign,
+    phi: float,
+    theta: float,
+    modes: Iterable[str] | None = None,
+    resolution: Resolution = "normal",
+) -> BuiltSolid:
+    """The constant-orientation workspace in x'y'z' (turn it by R_y(θ) for the base frame).
+
+    Args:
+        design: the machine.
+        phi: φ, rad.
+        theta: θ, rad.
+        modes: working modes as "+-+++", of which any will do; None for all 32, ∩ B_i.
+        resolution: "preview", "normal" or "fine".
+
+    Raises:
+        InputError: an angle that is not finite, or a mode that is not five signs.
+        ComputationError: manifold3d gave up.
+    """
+    offsets = offset_points(design, phi, theta)
+    if offsets.shape != (LIMBS, 3):
+        raise InputError("phi and theta must be one number each")
+    placed = _aligned(offsets, _SAME * float((design.link + design.stroke[:, 1]).min()))
+    solids = []
+    for choice in _products(modes):
+        operands = [
+            _Operand(limb.link, *limb.stroke, _CHOICE[sign], (x, y, z))
+            for limb, sign, (x, y, z) in zip(design.limbs, choice, placed.tolist(), strict=True)
+        ]
+        solids.append(_intersection(operands, resolution))
+    whole = solids[0] if len(solids) == 1 else Solid.union(solids)
+    return finish(whole, volume_error)
+
+
+def limb_part(
+    design: FiveRPURDesign, limb: int, part: str, resolution: Resolution = "normal"
+) -> BuiltSolid:
+    """The vertex space of a limb, or a part of it, about A_i in x'y'z'.
+
+    It stands in the base frame by R_y(θ) · translation(w'_i).
+
+    Args:
+        design: the machine.
+        limb: 1 to 5.
+        part: one of `vertex_space.PARTS`.
+        resolution: "preview", "normal" or "fine".
+
+    Raises:
+        InputError: there is no such limb, part or resolution.
+    """
+    if limb not in range(1, LIMBS + 1):
+        raise InputError(f"there is no limb {limb}; limbs are counted from 1 to {LIMBS}")
+    chosen = design.limbs[limb - 1]
+    return _built_part(chosen.link, *chosen.stroke, part, resolution)
+
+
+@lru_cache(maxsize=64)
+def _built_part(
+    link: float, rho_min: float, rho_max: float, part: str, resolution: Resolution
+) -> BuiltSolid:
+    return finish(limb_solid(link, rho_min, rho_max, part, resolution), volume_error)
+
+
+# --- Booleans ----------------------------------------------------------------------------------
+
+_CHOICE: dict[str, Part] = {"+": "plus", "-": "minus", "*": "whole"}
+
+
+def _aligned(offsets: Array, step: float) -> Array:
+    """Each coordinate of the limbs' offsets, with those that differ by rounding made equal."""
+    result = offsets.copy()
+    for column in result.T:
+        order = np.argsort(column, kind="stable")
+        for last, this in pairwise(order):
+            if column[this] - column[last] <= step:
+                column[this] = column[last]
+    return result
+
+
+def _intersection(operands: list[_Operand], resolution: Resolution) -> Solid:
+    unique = dict.fromkeys(operands)
+    # B ∩ B^σ = B^σ: where one limb stands in another, the whole adds nothing to the half.
+    for one in list(unique):
+        if one.part != "whole" and unique.keys() & {_with(one, "whole")}:
+            del unique[_with(one, "whole")]
+    return Solid.intersection(
+        limb_solid(o.link, o.rho_min, o.rho_max, o.part, resolution).translated(o.offset)
+        for o in unique
+    )
+
+
+def _with(operand: _Operand, part: Part) -> _Operand:
+    return _Operand(operand.link, operand.rho_min, operand.rho_max, part, operand.offset)
+
+
+def _products(modes: Iterable[str] | None) -> list[str]:
+    """A set of modes as few products of choices a limb: "+", "-" or, for either, "*".
+
+    The union over the modes is the union over these, each one intersection.
+    """
+    if modes is None:
+        return ["*" * LIMBS]
+    wanted = frozenset(modes)
+    for mode in wanted:
+        if len(mode) != LIMBS or set(mode) - set("+-"):
+            raise InputError(
+                f"a working mode is {LIMBS} signs such as '+-+++', one a limb, got {mode!r}"
+            )
+    # The largest products first; each must bring a mode that is still missing.
+    chosen, missing = [], set(wanted)
+    for choice in sorted(product("*+-", repeat=LIMBS), key=lambda c: -c.count("*")):
+        if not missing:
+            break
+        members = {"".join(m) for m in product(*("+-" if c == "*" else c for c in choice))}
+        if members <= wanted and members & missing:
+            chosen.append("".join(choice))
+            missing -= members
+    return chosen
+
+
+# --- the error of volume -------------------------------------------------------------------------
+
+# Points and weights on a triangle, exact for polynomials of degree 4 (Dunavant 1985).
+_A, _B = 0.445948490915965, 0.091576213509771
+_POINTS = np.array(
+    [
+        *((1 - 2 * t, t, t) for t in (_A, _B)),
+        *((t, 1 - 2 * t, t) for t in (_A, _B)),
+        *((t, t, 1 - 2 * t) for t in (_A, _B)),
+    ]
+)
+_WEIGHTS = np.array([0.223381589678011, 0.109951743655322] * 3)
+
+
+def _gaps(traced: TracedMesh) -> tuple[float, float, float]:
+    """What lies between a mesh and the surfaces that it stands for.
+
+    At constant y a face is moved along the radius of its circle onto that circle; the volume
+    that it sweeps is ∫ (r − |q|) n·q/|q| dA, q = (x, z − σ h(y)) about the circle's centre.
+
+    Returns:
+        the sum with signs (true volume − mesh volume, to first order), the sum of the absolute
+        values of the faces, and the sum of the squares of ``(r − |q|)`` over r, all mm³.
+    """
+    corners = traced.mesh.vertices[traced.mesh.faces]
+    signed = absolute = squared = 0.0
+    for number, patch in enumerate(traced.patches):
+        surface = patch.tag
+        if not isinstance(surface, Surface) or surface.kind == "end":
+            continue
+        own = corners[traced.patch_of == number] - patch.transform[:, 3]
+        normal = np.cross(own[:, 1] - own[:, 0], own[:, 2] - own[:, 0]) / 2.0
+        points = _POINTS @ own  # (f, 6, 3)
+        x, z = points[..., 0], points[..., 2]
+        if surface.kind == "side":
+            z = np.zeros_like(z)
+        else:
+            z = z - surface.sign * shear(points[..., 1], surface.link)
+        distance = np.maximum(np.hypot(x, z), 1e-300)
+        across = (normal[:, :1] * x + normal[:, 2:] * z) / distance
+        gap = surface.radius - distance
+        swept = (gap * across) @ _WEIGHTS
+        signed += float(swept.sum())
+        absolute += float(np.abs(swept).sum())
+        squared += float(((gap * gap * np.abs(across)) @ _WEIGHTS).sum()) / surface.radius
+    return signed, absolute, squared
+
+
+def volume_error(traced: TracedMesh) -> float:
+    signed, _, squared = _gaps(traced)
+    return 1.5 * abs(signed) + 2.0 * squared
