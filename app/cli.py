@@ -23,7 +23,7 @@ from kinematics.errors import BohemiaError, ComputationError, InputError
 if TYPE_CHECKING:
     from kinematics.mechanism import Coordinate, Design, Mechanism
     from kinematics.solids import BuiltSolid
-    from kinematics.solutions import Posture
+    from kinematics.solutions import Posture, Reason
 
 DEFAULT_DESIGN = "rpur-table1"
 
@@ -495,11 +495,12 @@ def _print_ik(
     if closing:
         print()
         header = ["mode", *(f"{j.symbol} ({_unit(j)})" for j in joints), "within its stroke"]
+        symbols = {joint.limb: joint.symbol for joint in joints}
         rows = [
             (
                 posture.mode,
                 *(f"{joint:.4f}" for joint in _outer(posture.joints, joints)),
-                "yes" if posture.reachable else "; ".join(r.text for r in posture.reasons),
+                ", ".join(_beyond(reason, symbols) for reason in posture.reasons) or "yes",
             )
             for posture in closing
         ]
@@ -513,6 +514,12 @@ def _print_ik(
     print(f"Not reachable in any working mode.{where}")
     for reason in nearest.reasons:
         print(f"  {reason.text}")
+
+
+def _beyond(reason: Reason, symbols: dict[int | None, str]) -> str:
+    """A reason short enough for a table: "ρ₃ 40.3 too long"."""
+    direction = "too short" if reason.bound == "rho_min" else "too long"
+    return f"{symbols.get(reason.limb, f'limb {reason.limb}')} {reason.amount:.1f} {direction}"
 
 
 def _print_solid(

@@ -1,7 +1,7 @@
 """Files that leave Bohemia: pure functions from results to a file name and its bytes.
 
-Solids leave in base coordinates. Lengths are mm; STL, PLY and OBJ cannot state a unit that every
-reader honours, so their names end in ``_mm``.
+Solids leave in base coordinates. Lengths are mm; only 3MF states a unit that every reader honours,
+so the names of the others end in ``_mm``.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
     from kinematics.solids import BuiltSolid, SolidMesh
 
 FORMATS: tuple[str, ...] = ("stl", "3mf", "ply", "glb", "obj")
-UNITLESS = frozenset({"stl", "ply", "obj"})
+WITH_UNIT = frozenset({"3mf"})
 MEDIA_TYPES = {
     "stl": "model/stl",
     "3mf": "model/3mf",
@@ -90,7 +90,7 @@ def solid_file(built: BuiltSolid, placement: ArrayLike, kind: str, *, name: str)
         InputError, ComputationError: as `solid_bytes`.
     """
     data = solid_bytes(built, placement, kind)
-    unit = "_mm" if kind in UNITLESS else ""
+    unit = "" if kind in WITH_UNIT else "_mm"
     return ExportedFile(f"{name}{unit}.{kind}", data, MEDIA_TYPES[kind])
 
 

@@ -26,7 +26,7 @@ from tests.conftest import ROOT, Finished, command_environment
 
 Run = Callable[..., Finished]
 
-POSE = "-10,20,500,5,-3"  # within reach of Table 1
+POSE = "-10,100,450,5,-3"  # within reach of Table 1
 
 
 def refused(done: Finished, code: int = 2) -> str:
@@ -206,7 +206,7 @@ def _limb_lengths(pose: tuple[float, ...], mode: str) -> list[float]:
 
 def test_ik_gives_all_working_modes(bohemia: Run) -> None:
     answer = answered(bohemia("ik", "rpur-table1", "--pose", POSE, "--json"))
-    assert answer["pose"] == {"x": -10, "y": 20, "z": 500, "phi_deg": 5, "theta_deg": -3}
+    assert answer["pose"] == {"x": -10, "y": 100, "z": 450, "phi_deg": 5, "theta_deg": -3}
     assert answer["reachable"] is True
     assert answer["reasons"] == []
     solutions = answer["solutions"]
