@@ -70,6 +70,23 @@ class _Parser(argparse.ArgumentParser):
         raise InputError(f"{message} (see {self.prog} --help)")
 
 
+class _Version(argparse.Action):
+    """Looks the version up only when it is asked for: that takes longer than --help."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(nargs=0, **options)
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
+        from importlib.metadata import PackageNotFoundError, version
+
+        try:
+            found = version("bohemia")
+        except PackageNotFoundError:
+            found = "(not installed)"
+        print(f"bohemia {found}")
+        parser.exit()
+
+
 def _parser() -> tuple[argparse.ArgumentParser, tuple[str, ...]]:
     """The parser, and the names of its commands."""
     parser = _Parser(
@@ -80,7 +97,7 @@ def _parser() -> tuple[argparse.ArgumentParser, tuple[str, ...]]:
         "path of a design file.",
         allow_abbrev=False,
     )
-    parser.add_argument("--version", action="version", version=f"bohemia {_version()}")
+    parser.add_argument("--version", action=_Version, help="show the version and exit")
     commands = parser.add_subparsers(metavar="COMMAND", required=True, title="commands")
 
     def command(name: str, run: Any, summary: str) -> argparse.ArgumentParser:
@@ -181,15 +198,6 @@ def _joined(argv: list[str]) -> list[str]:
         value = next(words, None) if word in SIGNED_OPTIONS else None
         joined.append(word if value is None else f"{word}={value}")
     return joined
-
-
-def _version() -> str:
-    from importlib.metadata import PackageNotFoundError, version
-
-    try:
-        return version("bohemia")
-    except PackageNotFoundError:
-        return "(not installed)"
 
 
 def _port(text: str) -> int:

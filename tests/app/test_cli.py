@@ -20,6 +20,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from app import cli
 from kinematics.designs import load_design
 from kinematics.mechanism import mechanism
 from tests.conftest import ROOT, Finished, command_environment
@@ -44,6 +45,20 @@ def answered(done: Finished) -> dict[str, Any]:
     assert done.code == 0, done.stderr
     assert done.stderr == ""
     return done.json
+
+
+@pytest.fixture
+def here(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> Run:
+    """As `bohemia`, but in this process: for long tables of mistakes."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments: str) -> Finished:
+        code = cli.main(arguments)
+        return Finished(code, *capsys.readouterr())
+
+    return run
 
 
 # --- the command itself --------------------------------------------------------------------
@@ -119,6 +134,10 @@ def test_version(bohemia: Run) -> None:
         (["workspace", "rpur-table1", "--theta", "-inf"], "--theta: .* finite number, got -inf"),
         (["workspace", "rpur-table1", "--phi", "1e300"], "--phi: .* within ±1e.09"),
         (["workspace", "rpur-table1", "--phi", "steep"], "must be a number, got 'steep'"),
+        (["workspace", "rpur-table1", "--modes", "--++"], r"'--\+\+' is not a working mode"),
+        (["workspace", "rpur-table1", "-o", "a.step"], "a.step"),
+        (["ik", "rpur-table1", "--pose", "-1,2"], "needs 5 numbers"),
+        (["vertex-space", "rpur-table1", "--limb", "6"], "--limb must be one of"),
     ],
 )
 def test_usage_mistakes_are_one_sentence(bohemia: Run, arguments: list[str], said: str) -> None:
@@ -284,8 +303,8 @@ def test_ik_table_is_readable(bohemia: Run) -> None:
         ("1,2,3,4,1e200", r"θ must lie within ±1e\+09"),
     ],
 )
-def test_broken_poses(bohemia: Run, pose: str, said: str) -> None:
-    assert re.search(said, refused(bohemia("ik", "rpur-table1", "--pose", pose)))
+def test_broken_poses(here: Run, pose: str, said: str) -> None:
+    assert re.search(said, refused(here("ik", "rpur-table1", "--pose", pose)))
 
 
 # --- solids --------------------------------------------------------------------------------
@@ -375,8 +394,8 @@ def test_modes_are_said(bohemia: Run) -> None:
 
 
 @pytest.mark.parametrize("modes", ["+-++", "+-++++", "+-+x+", "", "+-+++,", "none"])
-def test_broken_modes(bohemia: Run, modes: str) -> None:
-    said = refused(bohemia("workspace", "rpur-table1", "--modes", modes))
+def test_broken_modes(here: Run, modes: str) -> None:
+    said = refused(here("workspace", "rpur-table1", "--modes", modes))
     assert "is not a working mode" in said
     assert "5 limbs" in said
 
@@ -437,9 +456,9 @@ def test_a_bad_but_valid_design_warns_on_stderr_only(bohemia: Run, tmp_path: Pat
         ("folder.stl", "it is a folder"),
     ],
 )
-def test_unwritable_files(bohemia: Run, tmp_path: Path, output: str, said: str) -> None:
+def test_unwritable_files(here: Run, tmp_path: Path, output: str, said: str) -> None:
     (tmp_path / "folder.stl").mkdir()
-    assert re.search(said, refused(bohemia("workspace", "rpur-table1", "-o", output)))
+    assert re.search(said, refused(here("workspace", "rpur-table1", "-o", output)))
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
@@ -488,8 +507,8 @@ def test_vertex_space_stands_about_its_limb(bohemia: Run, tmp_path: Path) -> Non
         ([], "required: --limb"),
     ],
 )
-def test_broken_limbs_and_parts(bohemia: Run, arguments: list[str], said: str) -> None:
-    assert said in refused(bohemia("vertex-space", "rpur-table1", *arguments))
+def test_broken_limbs_and_parts(here: Run, arguments: list[str], said: str) -> None:
+    assert said in refused(here("vertex-space", "rpur-table1", *arguments))
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs a pseudo-terminal")
