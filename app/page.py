@@ -66,6 +66,7 @@ class Page:
         self._history = History(review)
         self._inbox: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self._scene = Scene(server)
+        self._view: compute.View | None = None
         self._header: Header | None = None
         self._panels: list[Panel] = []
         self._built: dict[str, Built] = {}
@@ -76,6 +77,7 @@ class Page:
         self._changed_at = 0.0
         self._kind = ""
         self._framed: object = None
+        self._framed_with_solids = False
         self._dark: bool | None = None
         self._stopping = threading.Event()
         self.worker = Worker(self._inbox.put)
@@ -149,7 +151,7 @@ class Page:
         self._inbox.put("redraw")
 
     def _take(self, items: Sequence[Any]) -> None:
-        redraw = False
+        redraw = solids = False
         for n, item in enumerate(items):
             match item:
                 case _Asked(change, client):
@@ -168,11 +170,13 @@ class Page:
                 case Save():
                     self._export(item)
                 case Built() | Failed() | Busy():
-                    redraw |= self._worked(item)
+                    solids |= self._worked(item)
                 case ("drag", phase, client_id, pose):
                     redraw |= self._drag(phase, client_id, pose)
         if redraw:
             self._publish()
+        elif solids:
+            self._publish_solids()
         self._show_work()
         if self._unsaved and time.monotonic() - self._changed_at > SETTLED:
             self._save_session()
@@ -200,6 +204,7 @@ class Page:
             case Failed(what, resolution, text):
                 if text:
                     self.complain(text)
+                    self._notes = (text,)  # whoever opens the page later reads it too
                 if resolution == "preview":  # better no solid than one of another pose
                     for key in [k for k, b in self._built.items() if b.wish.what != what]:
                         self._built.pop(key)
@@ -216,35 +221,55 @@ class Page:
                 if all(w.what != wish.what for w in compute.wishes(self._history.present)):
                     return False  # the hand has moved on
                 self._built[wish.spec.key] = event
+                if not self._framed_with_solids:
+                    self._framed_with_solids = True
+                    self._fit()
                 return True
 
     # --- showing
 
     def _publish(self) -> None:
+        """Bring everything to the present review."""
         review = self._history.present
-        view = compute.view(review)
+        view = self._view = compute.view(review)
         self.worker.want(view.wishes)
-        sheet = Sheet(
-            view,
+        with self.server.atomic():
+            if review.design.mechanism != self._kind:
+                self._assemble(self._sheet())
+            self._theme(review)
+            self._scene.show(view, dragging=bool(self._dragging))
+            self._show_solids(view)
+            self._draw_panels()
+            if self._framed != review.design:
+                # Again when the first solid is there: it is larger than the machine.
+                self._framed, self._framed_with_solids = review.design, not view.wishes
+                self._fit()
+        self.server.flush()
+
+    def _publish_solids(self) -> None:
+        """Only solids came: the machine stands as it stood."""
+        assert self._view is not None
+        with self.server.atomic():
+            self._show_solids(self._view)
+            self._draw_panels()
+        self.server.flush()
+
+    def _sheet(self) -> Sheet:
+        assert self._view is not None
+        return Sheet(
+            self._view,
             dict(self._built),
             self._notes,
             bool(self._history.past),
             bool(self._history.future),
         )
-        with self.server.atomic():
-            if review.design.mechanism != self._kind:
-                self._assemble(sheet)
-            self._theme(review)
-            self._scene.show(view, dragging=bool(self._dragging))
-            self._show_solids(view)
-            assert self._header is not None
-            self._header.draw(sheet)
-            for panel in self._panels:
-                panel.draw(sheet)
-            if self._framed != review.design:
-                self._framed = review.design
-                self._fit()
-        self.server.flush()
+
+    def _draw_panels(self) -> None:
+        sheet = self._sheet()
+        assert self._header is not None
+        self._header.draw(sheet)
+        for panel in self._panels:
+            panel.draw(sheet)
 
     def _show_solids(self, view: compute.View) -> None:
         wished = {wish.spec.key: wish for wish in view.wishes}

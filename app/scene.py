@@ -204,9 +204,9 @@ class Scene:
         shape = (round(floor, 3), view.drawing.size, dark)
         node = self._nodes.get(name)
         if node is None or self._shape.get(name) != shape:
-            reach = GRID * math.ceil(6.0 * view.drawing.size / GRID)
+            reach = GRID * math.ceil(4.0 * view.drawing.size / GRID)
             cell, section = (
-                ((64, 68, 74), (84, 90, 98)) if dark else ((226, 229, 233), (205, 210, 216))
+                ((64, 68, 74), (84, 90, 98)) if dark else ((214, 218, 224), (188, 194, 202))
             )
             node = self._nodes[name] = self.server.scene.add_grid(
                 name,
@@ -219,11 +219,12 @@ class Scene:
                 cell_thickness=1.0,
                 section_thickness=1.4,
                 shadow_opacity=0.0,
+                fade_distance=20.0 * view.drawing.size,
                 position=(0.0, 0.0, floor),
             )
             self._shape[name] = shape
             self._forget(name)
-            corner = 0.5 * GRID * math.ceil(3.0 * view.drawing.size / GRID)
+            corner = 0.5 * reach
             self._label("/labels/grid", f"grid {GRID:.0f} mm", (corner, -corner, floor), visible)
         self._set(name, node, visible=visible)
         self._set("/labels/grid", self._nodes["/labels/grid"], visible=visible)

@@ -208,9 +208,11 @@ def chip(color: str) -> str:
 
 
 def volume_text(mm3: float, error: float | None = None) -> str:
-    """A volume in the unit that reads best, with its error."""
+    """A volume in the unit that reads best; with an error to the digits that it leaves."""
     unit, scale = ("dm³", 1e-6) if abs(mm3) >= 1e5 else ("cm³", 1e-3)
-    text = f"{mm3 * scale:.4g}" if abs(mm3 * scale) < 1000 else f"{mm3 * scale:,.0f}"
-    if error is not None:
-        text += f" ± {error * scale:.1g}"
-    return f"{text} {unit}"
+    value = mm3 * scale
+    if error is None or error <= 0:
+        return f"{value:.4g} {unit}" if abs(value) < 1000 else f"{value:,.0f} {unit}"
+    decimals = min(max(0, math.ceil(-math.log10(error * scale))), 9)
+    shown = math.ceil(error * scale * 10**decimals) / 10**decimals  # never less than it is
+    return f"{value:,.{decimals}f} ± {shown:.{decimals}f} {unit}"

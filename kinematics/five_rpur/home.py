@@ -7,13 +7,14 @@ from itertools import product
 
 import numpy as np
 
-from kinematics.five_rpur import inverse, velocity
-from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
+from kinematics.five_rpur import forward, inverse
+from kinematics.five_rpur.design import FiveRPURDesign
 from kinematics.solutions import Posture
 from kinematics.spatial import Array
 
 GRID = 15  # positions tried along each axis
 ROUNDS = 12  # halvings of the step while the best position of a mode is improved
+TRAVEL = 0.3  # of the stroke
 ORIENTATIONS = ((0.0, 0.0), (0.3, 0.3), (-0.3, 0.3), (0.3, -0.3), (-0.3, -0.3))
 
 _SIGNS = np.array([inverse.signs(mode) for mode in inverse.MODES])
@@ -42,23 +43,50 @@ def home(design: FiveRPURDesign) -> Posture:
     """A posture to start from: level if possible, roomy, well under control, above the base.
 
     For every working mode the position with the largest smallest margin is found, on a grid and
-    then by halving steps; among these 32 the best compromise of margin and conditioning is taken,
-    with a preference for one sign in all limbs. Where nothing is reachable, the posture that
-    misses by least.
+    then by halving steps. Of these the one is taken from which every actuator alone can be moved
+    furthest, in and out, before a singularity or a limit stops it: a margin in space says nothing
+    about how near a parallel singularity is. Where nothing is reachable, the posture that misses
+    by least.
     """
-    best: tuple[float, Array, str] | None = None
+    fallback: tuple[float, Posture] | None = None
     # Below its base a machine would stand in its own floor: only where there is nothing above.
     for above, (phi, theta) in product((True, False), ORIENTATIONS):
         positions, margins = _roomiest(design, phi, theta, above=above)
-        for position, margin, mode in zip(positions, margins, inverse.MODES, strict=True):
-            score = _score(design, (*position, phi, theta), float(margin), mode)
-            if best is None or score > best[0]:
-                best = score, np.array([*position, phi, theta]), mode
-        if best is not None and best[0] > 0:
-            break
-    assert best is not None
-    _, pose, mode = best
-    return inverse.posture(design, tuple(float(v) for v in pose), mode)
+        best, found = 0.0, None
+        for n in np.argsort(-margins):
+            if margins[n] <= best:
+                break  # no actuator can be moved further than the nearest stroke end
+            pose = (*(float(v) for v in positions[n]), phi, theta)
+            posture = inverse.posture(design, pose, inverse.MODES[n])
+            travel = _least_travel(design, posture, best)
+            if travel > best:
+                best, found = travel, posture
+        if found is not None:
+            return found
+        n = int(margins.argmax())
+        if fallback is None or margins[n] > fallback[0]:
+            pose = (*(float(v) for v in positions[n]), phi, theta)
+            fallback = float(margins[n]), inverse.posture(design, pose, inverse.MODES[n])
+    assert fallback is not None
+    return fallback[1]
+
+
+def _least_travel(design: FiveRPURDesign, posture: Posture, enough: float) -> float:
+    """How far the least movable actuator can be driven alone, mm; stops looking below ``enough``.
+
+    Looked at up to `TRAVEL` of the stroke, since more makes no better start.
+    """
+    least = np.inf
+    for i, (low, high) in enumerate(design.stroke):
+        for direction in (-1.0, 1.0):
+            goal = posture.joints[i] + direction * TRAVEL * (high - low)
+            joints = list(posture.joints)
+            joints[i] = float(np.clip(goal, low, high))
+            reached = forward.follow(design, posture, joints).posture.joints[i]
+            least = min(least, abs(reached - posture.joints[i]))
+            if least <= enough:
+                return least
+    return least
 
 
 def _roomiest(
@@ -96,11 +124,3 @@ def _margins(design: FiveRPURDesign, positions: Array, phi: float, theta: float)
     each = np.where(_SIGNS > 0, plus[..., None, :], minus[..., None, :])  # (..., 32, 5)
     least: Array = each.min(axis=-1)
     return least
-
-
-def _score(design: FiveRPURDesign, pose: tuple[float, ...], margin: float, mode: str) -> float:
-    if margin <= 0:
-        return margin if np.isfinite(margin) else -1e300
-    condition = float(velocity.condition(design, pose, mode))
-    score = margin / (1.0 + condition / 20.0)
-    return score * (1.0 if mode == "+" * LIMBS else 0.9 if mode == "-" * LIMBS else 0.6)

@@ -1,0 +1,106 @@
+"""A review as a file: round trips, and one sentence for everything that is wrong."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app import session
+from app.state import Options, Review, Shown, new_review
+from kinematics.designs import load_design, presets
+from kinematics.errors import InputError
+
+
+@pytest.fixture(scope="module")
+def review() -> Review:
+    fresh = new_review(load_design("rpur-table2"))
+    return replace(
+        fresh,
+        pose=(12.25, -7.5, 301.0, 0.2, -0.4),
+        mode="+-+-+",
+        modes=("+-+-+", "-----"),
+        solids=(Shown("workspace", 0.5), Shown("limb3/H2", 0.25)),
+        options=Options(labels=True, grid=False),
+    )
+
+
+def test_what_is_written_reads_back(review: Review) -> None:
+    again = session.from_text(session.to_text(review), origin="x")
+    assert again.pose == pytest.approx(review.pose, abs=1e-12)
+    assert replace(again, pose=review.pose) == review
+
+
+@pytest.mark.parametrize("name", [p.name for p in presets()])
+def test_every_preset_survives(name: str) -> None:
+    fresh = new_review(load_design(name))
+    again = session.from_text(session.to_text(fresh), origin="x")
+    assert again.design == fresh.design
+    assert again.posture.mode == fresh.posture.mode
+
+
+def test_files_are_replaced_whole(review: Review, tmp_path: Path) -> None:
+    path = tmp_path / "review.json"
+    session.save(review, path)
+    session.save(replace(review, mode="-----"), path)
+    assert session.load(path).mode == "-----"
+    assert [p.name for p in tmp_path.iterdir()] == ["review.json"]
+
+
+def test_a_folder_that_is_not_there(review: Review, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="cannot be written"):
+        session.save(review, tmp_path / "none" / "x.json")
+    with pytest.raises(InputError, match="cannot be read"):
+        session.load(tmp_path / "none.json")
+
+
+def test_not_text(tmp_path: Path) -> None:
+    path = tmp_path / "x.json"
+    path.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(InputError, match="not text"):
+        session.load(path)
+
+
+@pytest.mark.parametrize(
+    ("edit", "message"),
+    [
+        ({"bohemia_session": 99}, "version"),
+        ({"design": 3}, "design"),
+        ({"design": "mechanism = 'none'"}, "mechanism"),
+        ({"pose": {"x": 1.0}}, "pose has no y"),
+        ({"pose": {"x": "a", "y": 0, "z": 0, "phi_deg": 0, "theta_deg": 0}}, "finite number"),
+        ({"working_mode": "++"}, "working mode"),
+        ({"workspace_modes": ["+-"]}, "working mode"),
+        ({"workspace_modes": "some"}, "workspace_modes"),
+        ({"workspace_modes": [["+"]]}, "working mode"),
+        ({"solids": {"workspace": "much"}}, "finite number"),
+        ({"options": []}, "options"),
+    ],
+)
+def test_each_fault_is_named(review: Review, edit: dict, message: str) -> None:
+    content = json.loads(session.to_text(review)) | edit
+    with pytest.raises(InputError, match=message) as caught:
+        session.from_text(json.dumps(content), origin="a.json")
+    assert str(caught.value).startswith("a.json: ")
+
+
+def test_nan_in_a_pose_is_refused(review: Review) -> None:
+    content = json.loads(session.to_text(review))
+    content["pose"]["x"] = float("nan")
+    with pytest.raises(InputError, match="finite"):
+        session.from_text(json.dumps(content), origin="x")
+
+
+@given(st.text(max_size=200))
+def test_any_text_is_answered(text: str) -> None:
+    with pytest.raises(InputError):
+        session.from_text(text, origin="x")
+
+
+def test_what_is_too_large_is_refused() -> None:
+    with pytest.raises(InputError, match="smaller"):
+        session.from_text(" " * (session.MAX_BYTES + 1), origin="x")

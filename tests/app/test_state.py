@@ -1,0 +1,223 @@
+"""The state of a review: every change, what it refuses, undo and redo."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from app.state import (
+    ChooseModes,
+    Drive,
+    EditDesign,
+    Fade,
+    Flip,
+    GoHome,
+    History,
+    Move,
+    Place,
+    Review,
+    SetOption,
+    Show,
+    UseDesign,
+    change,
+    new_review,
+)
+from kinematics.designs import load_design
+from kinematics.errors import InputError
+
+
+@pytest.fixture(scope="module")
+def review() -> Review:
+    return new_review(load_design("rpur-table1"))
+
+
+def test_a_new_review_stands_at_a_reachable_home(review: Review) -> None:
+    assert review.posture.reachable
+    assert review.posture.nearest.amount > 5.0
+    assert review.shown("workspace") is not None
+
+
+def test_moving_a_coordinate_changes_only_that_one(review: Review) -> None:
+    moved, note = change(review, Move(0, review.pose[0] + 12.5))
+    assert note == ""
+    assert moved.pose[0] == review.pose[0] + 12.5
+    assert moved.pose[1:] == review.pose[1:]
+    assert moved.mode == review.mode
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+def test_numbers_that_are_none_are_refused(review: Review, bad: float) -> None:
+    for what in (
+        Move(2, bad),
+        Drive(1, bad),
+        Place((0.0, bad, 300.0, 0.0, 0.0)),
+        EditDesign(((("limb", 0, "link"), bad),)),
+    ):
+        with pytest.raises(InputError):
+            change(review, what)
+
+
+def test_numbers_out_of_range_stop_at_the_range_and_say_so(review: Review) -> None:
+    coordinate = review.mechanism.pose_coordinates(review.design)[0]
+    moved, note = change(review, Move(0, 1e12))
+    assert moved.pose[0] == coordinate.upper
+    assert f"{coordinate.upper:g} mm" in note
+    turned, note = change(review, Move(3, 40.0))
+    assert turned.pose[3] == pytest.approx(math.pi)
+    assert "180 °" in note
+
+
+def test_half_a_turn_in_degrees_is_not_worth_a_note(review: Review) -> None:
+    _, note = change(review, Move(3, math.radians(180.0) * (1 + 1e-15)))
+    assert note == ""
+
+
+def test_driving_an_actuator_moves_the_platform_and_keeps_the_others(review: Review) -> None:
+    before = review.posture.joints
+    moved, note = change(review, Drive(0, before[0] + 3.0))
+    assert note == ""
+    after = moved.posture.joints
+    assert after[0] == pytest.approx(before[0] + 3.0, abs=1e-9)
+    assert after[1:] == pytest.approx(before[1:], abs=1e-9)
+    assert moved.pose != review.pose
+    back, _ = change(moved, Drive(0, before[0]))
+    assert back.pose == pytest.approx(review.pose, abs=1e-8)
+
+
+def test_a_machine_that_is_not_assembled_cannot_be_driven(review: Review) -> None:
+    y = review.mechanism.pose_coordinates(review.design)[1].upper
+    away, _ = change(review, Move(1, y))
+    assert not away.posture.closes
+    with pytest.raises(InputError, match=r"limb \d cannot close"):
+        change(away, Drive(0, 300.0))
+
+
+def test_a_drive_that_cannot_be_finished_says_why_and_stays_on_its_branch(review: Review) -> None:
+    low, high = review.design.limbs[0].stroke  # type: ignore[attr-defined]
+    stops = []
+    for goal in (low, high):
+        reached, note = change(review, Drive(0, goal))
+        joints = reached.posture.joints
+        short = abs(joints[0] - goal)
+        others = np.abs(np.subtract(joints[1:], review.posture.joints[1:])).max()
+        if short > 1e-6:
+            assert note
+        assert others < 1e-6 or note
+        stops.append(short)
+    assert min(stops) >= 0.0
+
+
+def test_flip_takes_only_working_modes(review: Review) -> None:
+    flipped, _ = change(review, Flip("-----"))
+    assert flipped.mode == "-----"
+    assert flipped.pose == review.pose
+    with pytest.raises(InputError, match="working mode"):
+        change(review, Flip("++++"))
+
+
+def test_another_design_keeps_what_is_shown(review: Review) -> None:
+    shown, _ = change(review, Show("limb2/H1", True))
+    other, _ = change(shown, UseDesign(load_design("rpur-table2")))
+    assert [s.key for s in other.solids] == ["workspace", "limb2/H1"]
+    assert other.posture.reachable
+    assert other.design.name == "rpur-table2"
+
+
+def test_an_edit_is_checked_as_a_file_would_be(review: Review) -> None:
+    edited, _ = change(review, EditDesign(((("limb", 0, "link"), 175.0),)))
+    assert edited.design.limbs[0].link == 175.0  # type: ignore[attr-defined]
+    assert edited.pose == review.pose
+    with pytest.raises(InputError, match="link"):
+        change(review, EditDesign(((("limb", 0, "link"), -1.0),)))
+
+
+def test_show_keeps_the_order_and_refuses_the_unknown(review: Review) -> None:
+    some, _ = change(review, Show("limb3/whole", True))
+    some, _ = change(some, Show("limb1/H2", True))
+    assert [s.key for s in some.solids] == ["workspace", "limb1/H2", "limb3/whole"]
+    none, _ = change(some, Show("limb1/H2", False))
+    assert none.shown("limb1/H2") is None
+    with pytest.raises(InputError):
+        change(review, Show("limb9/whole", True))
+
+
+def test_fading_changes_only_the_named(review: Review) -> None:
+    some, _ = change(review, Show("limb1/whole", True))
+    faded, _ = change(some, Fade(("limb1/whole",), 0.6))
+    assert faded.shown("limb1/whole").opacity == 0.6  # type: ignore[union-attr]
+    assert faded.shown("workspace") == review.shown("workspace")
+    with pytest.raises(InputError):
+        change(review, Fade(("workspace",), 2.0))
+
+
+def test_modes_of_the_workspace(review: Review) -> None:
+    assert review.solver_modes is None
+    current, _ = change(review, ChooseModes("current"))
+    assert current.solver_modes == (review.mode,)
+    chosen, _ = change(review, ChooseModes(("+-+-+", "-----")))
+    assert chosen.solver_modes == ("+-+-+", "-----")
+
+
+# --- history ------------------------------------------------------------------------------
+
+
+def test_undo_and_redo_walk_the_same_way(review: Review) -> None:
+    history = History(review)
+    steps: tuple = (
+        Move(0, 5.0),
+        Flip("-----"),
+        SetOption("labels", True),
+        Show("limb1/H1", True),
+        EditDesign(((("limb", 1, "link"), 160.0),)),
+        GoHome(),
+    )
+    seen = [history.present]
+    for n, step in enumerate(steps):
+        history, _ = history.apply(step, 10.0 * n)
+        seen.append(history.present)
+    for expected in reversed(seen[:-1]):
+        history = history.undo()
+        assert history.present == expected
+    assert history.undo() is history
+    for expected in seen[1:]:
+        history = history.redo()
+        assert history.present == expected
+    assert history.redo() is history
+
+
+def test_a_drag_is_one_step(review: Review) -> None:
+    history = History(review)
+    for n in range(20):
+        history, _ = history.apply(Move(0, float(n)), 0.05 * n)
+    assert history.undo().present == review
+    assert len(history.past) == 1
+
+
+def test_a_pause_or_another_slider_begins_a_new_step(review: Review) -> None:
+    history = History(review)
+    history, _ = history.apply(Move(0, 1.0), 0.0)
+    history, _ = history.apply(Move(1, 1.0), 0.1)
+    history, _ = history.apply(Move(1, 2.0), 5.0)
+    assert len(history.past) == 3
+
+
+def test_a_change_after_undo_forgets_the_undone(review: Review) -> None:
+    history = History(review)
+    history, _ = history.apply(Move(0, 1.0), 0.0)
+    history = history.undo()
+    history, _ = history.apply(Move(0, 2.0), 0.1)
+    assert history.future == ()
+    assert history.undo().present == review
+
+
+def test_what_changes_nothing_is_no_step(review: Review) -> None:
+    history, _ = History(review).apply(Move(0, review.pose[0]), 0.0)
+    assert history.past == ()
+
+
+def test_reviews_are_values(review: Review) -> None:
+    assert hash(review) == hash(replace(review))
+    assert replace(review, mode="-----") != review
