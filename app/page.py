@@ -21,7 +21,7 @@ import viser
 from app import compute, session
 from app.exporting import ExportedFile, build_file, solid_name
 from app.panels.design import DesignPanel
-from app.panels.desk import Panel, Save, Sheet, safely
+from app.panels.desk import Hands, Panel, Save, Sheet, safely
 from app.panels.header import Header
 from app.panels.move import MovePanel
 from app.panels.review import ReviewPanel
@@ -34,6 +34,7 @@ from kinematics.errors import BohemiaError, InputError
 log = logging.getLogger(__name__)
 
 TICK = 0.25  # s between looks at the clock while nothing happens
+MOMENT = 0.03  # s, the same while a widget waits to be brought up to date
 SETTLED = 0.8  # s without a change before the session is saved
 PANEL_WIDTH = 400  # px
 
@@ -62,6 +63,7 @@ class Page:
         self.server = server
         self.gui = server.gui
         self.address = address
+        self.hands = Hands()
         self._session_file = session_file
         self._history = History(review)
         self._inbox: queue.SimpleQueue[Any] = queue.SimpleQueue()
@@ -129,9 +131,10 @@ class Page:
         self._commands()
         while not self._stopping.is_set():
             try:
-                items = [self._inbox.get(timeout=TICK)]
+                items = [self._inbox.get(timeout=MOMENT if self.hands.owed else TICK)]
             except queue.Empty:
-                items = []
+                items = ["redraw"] if self.hands.owed else []
+            self.hands.look()
             while True:
                 try:
                     items.append(self._inbox.get_nowait())

@@ -55,7 +55,7 @@ def from_text(text: str, *, origin: str) -> Review:
         )
     design_text = _typed(content, "design", str, origin)
     design = read_design(
-        design_text, origin=origin, name=_typed(content, "design_name", str, origin)
+        design_text, origin=f"{origin}, design", name=_typed(content, "design_name", str, origin)
     )
     review = new_review(design)
     kind = review.mechanism

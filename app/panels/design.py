@@ -65,7 +65,8 @@ class DesignPanel:
         self._trouble = gui.add_html("", visible=False)
         button(desk, "Save this design as a file", self._download, icon=viser.Icon.DOWNLOAD)
         self._fields: dict[tuple[str | int, ...], Any] = {}
-        for group, rows in _grouped(sheet).items():
+        self._groups = _grouped(sheet)
+        for group, rows in self._groups.items():
             with gui.add_folder(group, expand_by_default=False):
                 for stem, fields in rows:
                     self._field(stem, fields)
@@ -73,14 +74,15 @@ class DesignPanel:
         self._design = sheet.view.review.design
 
     def draw(self, sheet: Sheet) -> None:
-        design = self._design = sheet.view.review.design
-        put(self._choice, _chosen(sheet, self._titles))
+        if self._design != sheet.view.review.design:
+            self._design = sheet.view.review.design
+            self._groups = _grouped(sheet)
+        put(self._desk, self._choice, _chosen(sheet, self._titles))
         put_prop(self._about, "content", _about(sheet))
-        for rows in _grouped(sheet).values():
+        for rows in self._groups.values():
             for stem, fields in rows:
                 values = tuple(f.value for f in fields)
-                put(self._fields[stem], values if len(values) > 1 else values[0])
-        _ = design
+                put(self._desk, self._fields[stem], values if len(values) > 1 else values[0])
 
     def _field(self, stem: tuple[str | int, ...], fields: list[DesignField]) -> None:
         gui = self._desk.gui

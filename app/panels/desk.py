@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import logging
 import math
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
@@ -34,6 +35,34 @@ class Save:
     client: viser.ClientHandle | None
 
 
+class Hands:
+    """Which widgets a person has touched since the loop last looked into its inbox.
+
+    Writing the state into a slider whose newer value still waits in the inbox would pull it out
+    of the hand that drags it; such a widget is left alone until its own change has been taken.
+    """
+
+    def __init__(self) -> None:
+        self._touched: dict[int, float] = {}
+        self._looked = 0.0
+        self.owed = False  # a widget was left alone, so the panels must be drawn again
+
+    def touch(self, handle: object) -> None:
+        """A person changed this widget; called on the event loop before the change is sent."""
+        self._touched[id(handle)] = time.monotonic()
+
+    def look(self) -> None:
+        """The loop is about to empty its inbox."""
+        self._looked = time.monotonic() - 0.005  # between touching and sending
+        self.owed = False
+
+    def hold(self, handle: object) -> bool:
+        """Whether a person's newer value for this widget is still to be taken."""
+        held = self._touched.get(id(handle), -math.inf) > self._looked
+        self.owed |= held
+        return held
+
+
 class Desk(Protocol):
     """What a panel may ask of the server; none of it blocks."""
 
@@ -41,6 +70,8 @@ class Desk(Protocol):
     def gui(self) -> viser.GuiApi: ...
     @property
     def address(self) -> str: ...
+    @property
+    def hands(self) -> Hands: ...
     def send(self, change: Change, client: viser.ClientHandle | None = None) -> None: ...
     def undo(self) -> None: ...
     def redo(self) -> None: ...
@@ -79,6 +110,7 @@ def answer(desk: Desk, handle: Any, act: Callable[[Any, viser.ClientHandle | Non
 
     async def changed(event: Any) -> None:
         if event.client is not None:
+            desk.hands.touch(event.target)
             safely(desk, event.client, lambda: act(event.target.value, event.client))
 
     handle.on_update(changed)
@@ -104,8 +136,10 @@ def safely(desk: Desk, client: viser.ClientHandle | None, act: Callable[[], None
         desk.complain(f"Something went wrong in the page itself: {error}", client)
 
 
-def put(handle: Any, value: Any) -> None:
+def put(desk: Desk, handle: Any, value: Any) -> None:
     """Show a value in a widget, unless it shows it already to the digits that matter."""
+    if desk.hands.hold(handle):
+        return
     shown = handle.value
     if isinstance(value, float):
         if not _close(shown, value):
@@ -141,6 +175,7 @@ class Slider:
         act: Callable[[float, viser.ClientHandle | None], None],
         hint: str | None = None,
     ) -> None:
+        self._desk = desk
         self._handle = desk.gui.add_slider(
             label, low, high, step, round(min(max(value, low), high), DIGITS), hint=hint
         )
@@ -154,7 +189,7 @@ class Slider:
         value = min(max(value, low), high)
         # What was typed stays as it was typed; what was computed shows the digits that fit.
         if not _close(self._handle.value, value):
-            put(self._handle, round(value, DIGITS))
+            put(self._desk, self._handle, round(value, DIGITS))
 
 
 def button(

@@ -52,6 +52,7 @@ class MovePanel:
 
     def __init__(self, desk: Desk, sheet: Sheet) -> None:
         gui, view = desk.gui, sheet.view
+        self._desk = desk
         kind, design = view.review.mechanism, view.review.design
         with gui.add_folder("Pose of the platform"):
             self._pose = [
@@ -103,7 +104,7 @@ class MovePanel:
             slider.draw(row.low, row.high, row.value)
         self._mode = view.posture.mode
         for switch, sign in zip(self._modes, self._mode, strict=True):
-            put(switch, sign == "+")
+            put(self._desk, switch, sign == "+")
         put_prop(self._table, "content", _table(view.joints))
         put_prop(self._residual, "content", _residual(sheet))
         put_prop(self._other, "content", _other_modes(sheet))

@@ -100,7 +100,7 @@ class ReviewPanel:
                 self._solid.options = options
         put_prop(self._save, "disabled", not titles)
         for option in fields(Options):
-            put(self._options[option.name], getattr(self._review.options, option.name))
+            put(self._desk, self._options[option.name], getattr(self._review.options, option.name))
 
     def _export(self, client: viser.ClientHandle | None) -> None:
         key = self._keys.get(self._solid.value)

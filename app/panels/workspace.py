@@ -86,18 +86,18 @@ class WorkspacePanel:
     def draw(self, sheet: Sheet) -> None:
         review = sheet.view.review
         for key, switch in self._switches.items():
-            put(switch, review.shown(key) is not None)
+            put(self._desk, switch, review.shown(key) is not None)
         for keys, slider in self._opacities:
             shown = next((s for s in review.solids if s.key in keys), None)
             if shown is not None:
-                put(slider, shown.opacity)
+                put(self._desk, slider, shown.opacity)
         choice = _choice(sheet)
         if not (self._choice.value == CHOSEN and choice == ALL and self._set.visible):
-            put(self._choice, choice)
+            put(self._desk, self._choice, choice)
         put_prop(self._set, "visible", self._choice.value == CHOSEN)
         if choice == CHOSEN:
-            put(self._set, _set_text(sheet))
-        put(self._all, all(review.shown(key) for key in self._whole))
+            put(self._desk, self._set, _set_text(sheet))
+        put(self._desk, self._all, all(review.shown(key) for key in self._whole))
         put_prop(self._report, "content", _report(sheet))
         put_prop(self._parts, "content", _parts(sheet))
 

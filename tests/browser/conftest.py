@@ -1,0 +1,231 @@
+"""The page as a person meets it: `bohemia serve` as a process, a headless Chromium before it."""
+
+from __future__ import annotations
+
+import os
+import queue
+import re
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.conftest import command_environment
+
+PATIENCE = 60.0  # s; only a hang is caught by it
+
+ARGUMENTS = [
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--ignore-gpu-blocklist",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+    "--disable-dev-shm-usage",
+    "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
+]
+
+
+class Served:
+    """A running `bohemia serve`."""
+
+    def __init__(self, *arguments: str, folder: Path) -> None:
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "app", "serve", "--no-browser", "--port", "0", *arguments],
+            cwd=folder,
+            env=command_environment() | {"PYTHONUNBUFFERED": "1"},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            encoding="utf-8",
+        )
+        self.lines: queue.Queue[str] = queue.Queue()
+        self.log: list[str] = []
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+        self.address = self._wait_for_address()
+
+    def _read(self) -> None:
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self.log.append(line)
+            self.lines.put(line)
+
+    def _wait_for_address(self) -> str:
+        end = time.monotonic() + PATIENCE
+        while time.monotonic() < end:
+            try:
+                line = self.lines.get(timeout=0.2)
+            except queue.Empty:
+                assert self.process.poll() is None, "".join(self.log)
+                continue
+            if found := re.search(r"http://[\w.:\[\]]+", line):
+                return found[0]
+        raise AssertionError("no address was printed: " + "".join(self.log))
+
+    def stop(self) -> int:
+        if self.process.poll() is None:
+            self.process.terminate()
+        code = self.process.wait(timeout=20)
+        self._reader.join(timeout=10)
+        assert self.process.stdout is not None
+        self.process.stdout.close()
+        return code
+
+
+@pytest.fixture(scope="session")
+def browser(chromium: str) -> Iterator[Any]:
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=chromium, headless=True, args=ARGUMENTS)
+        yield opened
+        opened.close()
+
+
+@pytest.fixture
+def serve(tmp_path: Path) -> Iterator[Callable[..., Served]]:
+    running: list[Served] = []
+
+    def start(*arguments: str) -> Served:
+        running.append(Served(*arguments, folder=tmp_path))
+        return running[-1]
+
+    yield start
+    for served in running:
+        served.stop()
+        assert not [line for line in served.log if "Traceback" in line], "".join(served.log)
+
+
+class Tab:
+    """A browser tab on the page, with what a person can do and see."""
+
+    def __init__(self, browser: Any, address: str, shots: Path) -> None:
+        self.context = browser.new_context(
+            viewport={"width": 1280, "height": 800}, accept_downloads=True
+        )
+        self.page = self.context.new_page()
+        self.shots = shots
+        self.faults: list[str] = []
+        self.page.on("pageerror", lambda error: self.faults.append(f"page error: {error}"))
+        self.page.on("console", self._console)
+        self.page.on("request", self._request)
+        self.page.goto(address)
+        self.page.wait_for_function(
+            "() => window.__viserSceneTree && '/solids/workspace' in"
+            " window.__viserSceneTree.getState()",
+            timeout=PATIENCE * 1000,
+        )
+        toast = self.page.locator("#webgl-software-rendering button")
+        if toast.count():
+            toast.first.click()
+        self.page.get_by_text("mode ").first.wait_for(timeout=PATIENCE * 1000)
+
+    def _console(self, message: Any) -> None:
+        if message.type == "error":
+            self.faults.append(f"console: {message.text}")
+
+    def _request(self, request: Any) -> None:
+        if not re.match(r"(https?|wss?)://127\.0\.0\.1[:/]|data:|blob:", request.url):
+            self.faults.append(f"request to {request.url}")
+
+    # --- seeing
+
+    def props(self, node: str) -> dict[str, Any]:
+        """What a scene node was last told, without its large arrays."""
+        return self.page.evaluate(
+            """(node) => {
+                const found = window.__viserSceneTree.getState()[node];
+                if (!found) return {};
+                const props = found.message.props, out = {};
+                for (const key of Object.keys(props)) {
+                    const value = props[key];
+                    out[key] = ArrayBuffer.isView(value) ? value.byteLength : value;
+                }
+                return {...out, position: found.position, wxyz: found.wxyz,
+                        visible: found.visibility ?? found.visible};
+            }""",
+            node,
+        )
+
+    def text(self) -> str:
+        """All the text on the page."""
+        return self.page.locator("body").inner_text()
+
+    def wait(self, condition: Callable[[], bool], what: str) -> None:
+        """Poll until something holds."""
+        end = time.monotonic() + PATIENCE
+        while not condition():
+            if time.monotonic() > end:
+                self.shot("timeout")
+                raise AssertionError(f"waited in vain: {what}\n{self.text()[:3000]}")
+            self.page.wait_for_timeout(50)
+
+    def wait_for_text(self, pattern: str) -> str:
+        """Poll until the page's text matches; the match."""
+        self.wait(lambda: re.search(pattern, self.text()) is not None, pattern)
+        found = re.search(pattern, self.text())
+        assert found is not None
+        return found[0]
+
+    def shot(self, name: str) -> Path:
+        path = self.shots / f"{name}.png"
+        self.page.screenshot(path=path)
+        return path
+
+    # --- doing
+
+    def open_tab(self, name: str) -> None:
+        self.page.get_by_role("tab", name=name, exact=True).click()
+
+    def field(self, label: str, index: int = 0) -> Any:
+        """The number or text box that belongs to a label."""
+        row = self.page.get_by_text(label, exact=True).locator("visible=true").nth(index)
+        return row.locator("xpath=ancestor::div[contains(@class,'mantine-Flex-root')][1]").locator(
+            "input"
+        )
+
+    def type_into(self, label: str, value: float | str, index: int = 0) -> None:
+        box = self.field(label, index).last
+        box.fill(str(value))
+        box.press("Enter")
+
+    def value(self, label: str) -> float:
+        return float(self.field(label).last.input_value())
+
+    def close(self) -> None:
+        self.context.close()
+
+
+@pytest.fixture
+def shots(tmp_path: Path) -> Path:
+    """Where screenshots go; BOHEMIA_SHOTS keeps them."""
+    kept = os.environ.get("BOHEMIA_SHOTS")
+    folder = Path(kept) if kept else tmp_path
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+@pytest.fixture
+def open_tab(
+    browser: Any, shots: Path, request: pytest.FixtureRequest
+) -> Iterator[Callable[[Served], Tab]]:
+    tabs: list[Tab] = []
+
+    def start(served: Served) -> Tab:
+        tabs.append(Tab(browser, served.address, shots))
+        return tabs[-1]
+
+    yield start
+    for n, tab in enumerate(tabs):
+        tab.shot(f"{request.node.name}-{n}")
+        tab.close()
+        assert tab.faults == []

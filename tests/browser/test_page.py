@@ -1,0 +1,263 @@
+"""The page, used as a person uses it, in a headless Chromium."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+
+from tests.browser.conftest import Served, Tab
+
+pytestmark = pytest.mark.browser
+
+Serve = Callable[..., Served]
+Open = Callable[[Served], Tab]
+
+VOLUME = r"[\d.,]+ ± [\d.,]+ (?:dm³|cm³)"
+
+
+def _wait_for_solid(tab: Tab, resolution: str = "fine") -> str:
+    """The volume that the page states once the solid has this resolution."""
+    tab.open_tab("Workspace")
+    tab.wait_for_text(rf"{resolution} solid")
+    return tab.wait_for_text(VOLUME)
+
+
+def test_load_turn_and_watch_the_solid_change(serve: Serve, open_tab: Open) -> None:
+    tab = open_tab(serve())
+    before = _wait_for_solid(tab)
+    shape = tab.props("/solids/workspace")
+    assert shape["visible"]
+    tab.open_tab("Move")
+    tab.type_into("φ (°)", 25)
+    after = ""
+
+    def changed() -> bool:
+        nonlocal after
+        after = _wait_for_solid(tab)
+        return after != before
+
+    tab.wait(changed, "another volume")
+    turned = tab.props("/solids/workspace")
+    assert turned["vertices"] != shape["vertices"]
+    assert float(after.split()[0]) < float(before.split()[0])
+
+
+def test_an_actuator_moves_the_platform(serve: Serve, open_tab: Open) -> None:
+    tab = open_tab(serve())
+    tab.wait_for_text("Reachable")
+    before = tab.props("/machine/platform")
+    rho = tab.value("ρ₁ (mm)")
+    others = [tab.value(f"ρ{s} (mm)") for s in "₂₃₄₅"]
+    slider = tab.page.get_by_role("slider").nth(5)
+    slider.focus()
+    for _ in range(20):
+        slider.press("ArrowRight")
+    tab.wait(lambda: tab.value("ρ₁ (mm)") == pytest.approx(rho + 2.0, abs=0.051), "ρ₁ + 2 mm")
+    tab.wait(
+        lambda: tab.props("/machine/platform")["position"] != before["position"], "a new position"
+    )
+    assert [tab.value(f"ρ{s} (mm)") for s in "₂₃₄₅"] == pytest.approx(others, abs=1e-9)
+    assert "Reachable" in tab.text()
+
+
+def test_a_drive_to_the_very_end_stops_and_says_why(serve: Serve, open_tab: Open) -> None:
+    tab = open_tab(serve())
+    tab.type_into("ρ₁ (mm)", 400)
+    tab.page.wait_for_timeout(500)
+    if tab.value("ρ₁ (mm)") < 399.9:
+        tab.wait_for_text("(?i)stopped at a parallel singularity")
+    tab.type_into("ρ₁ (mm)", 9999)
+    tab.wait_for_text("(?i)kept within|stopped")
+    assert tab.value("ρ₁ (mm)") <= 400.0
+
+
+def test_dragging_the_handle_moves_the_machine(serve: Serve, open_tab: Open) -> None:
+    tab = open_tab(serve())
+    _wait_for_solid(tab)
+    before = tab.props("/machine/platform")
+    # The handle's first axis is the only thing on the canvas in this red.
+    picture = np.asarray(Image.open(tab.shot("handle")).convert("RGB")).astype(int)[:, :860]
+    red = (picture[..., 0] > 235) & (picture[..., 1] < 80) & (picture[..., 2] > 60)
+    ys, xs = np.nonzero(red)
+    assert len(xs) > 50, "the handle is not in sight"
+    x, y = int(xs[len(xs) // 2]), int(ys[len(xs) // 2])
+    mouse = tab.page.mouse
+    mouse.move(x, y)
+    mouse.down()
+    for step in range(1, 16):
+        mouse.move(x + 3 * step, y + 2 * step)
+        tab.page.wait_for_timeout(30)
+
+    def moved() -> bool:
+        now = tab.props("/machine/platform")
+        return now["position"] != before["position"] or now["wxyz"] != before["wxyz"]
+
+    tab.wait(moved, "the platform follows the hand")
+    mouse.up()
+    tab.open_tab("Move")
+    tab.wait_for_text("eachable · mode")
+
+
+def test_an_export_reloads_watertight_with_the_stated_volume(
+    serve: Serve, open_tab: Open, tmp_path: Path
+) -> None:
+    tab = open_tab(serve())
+    _wait_for_solid(tab)
+    text = tab.wait_for_text(r"fine solid · [\d ]+ mm³")
+    stated = float(re.sub(r"\D", "", text.split("·")[1].replace("mm³", "")))
+    tab.open_tab("Review")
+    with tab.page.expect_download(timeout=60_000) as started:
+        tab.page.get_by_role("button", name="Save", exact=True).click()
+    name = started.value.suggested_filename
+    path = tmp_path / name
+    started.value.save_as(path)
+    assert name == "rpur-table1_workspace_phi0_theta0_mm.stl"
+    solid = trimesh.load(path)
+    assert solid.is_watertight
+    assert solid.volume == pytest.approx(stated, rel=1e-4)
+    assert solid.volume == pytest.approx(24_501_399, rel=1e-4)
+
+
+def test_a_broken_design_file_is_told_and_nothing_is_lost(
+    serve: Serve, open_tab: Open, tmp_path: Path
+) -> None:
+    tab = open_tab(serve())
+    volume = _wait_for_solid(tab)
+    tab.open_tab("Design")
+    broken = tmp_path / "mine.toml"
+    broken.write_text('mechanism = "five_rpur"\n[[limb]]\nbase = [0, 0]\n')
+    tab.page.locator("input[type=file]").first.set_input_files(broken)
+    tab.wait_for_text(r"mine\.toml.*")
+    shown = tab.wait_for_text(r"mine\.toml[^\n]*")
+    assert "Traceback" not in tab.text()
+    assert "limb" in shown
+    assert _wait_for_solid(tab) == volume
+
+
+def test_a_design_file_is_opened_edited_and_taken_back(
+    serve: Serve, open_tab: Open, tmp_path: Path, root: Path
+) -> None:
+    tab = open_tab(serve())
+    volume = _wait_for_solid(tab)
+    own = tmp_path / "own.toml"
+    text = (root / "assets/designs/rpur-table1.toml").read_text(encoding="utf-8")
+    own.write_text(text.replace("link = 150.0", "link = 170.0", 1), encoding="utf-8")
+    tab.open_tab("Design")
+    tab.page.locator("input[type=file]").first.set_input_files(own)
+    tab.wait(lambda: _wait_for_solid(tab) != volume, "the volume of the uploaded design")
+    tab.page.keyboard.press("Escape")
+    tab.open_tab("Review")
+    tab.page.get_by_role("button", name="Undo").click()
+    tab.wait(lambda: _wait_for_solid(tab) == volume, "the volume of Table 1 again")
+
+
+def test_two_tabs_agree_and_a_reload_loses_nothing(serve: Serve, open_tab: Open) -> None:
+    served = serve()
+    one, two = open_tab(served), open_tab(served)
+    one.type_into("x (mm)", 300.5)
+    two.wait(lambda: two.value("x (mm)") == 300.5, "the other tab's x")
+    two.type_into("φ (°)", 12)
+    one.wait(lambda: one.value("φ (°)") == 12, "the other tab's φ")
+    one.wait(
+        lambda: (
+            one.props("/machine/platform")["position"] == two.props("/machine/platform")["position"]
+        ),
+        "the same platform in both tabs",
+    )
+    one.page.reload()
+    one.wait(lambda: "φ (°)" in one.text() and one.value("φ (°)") == 12, "the same φ after reload")
+    assert one.value("x (mm)") == 300.5
+
+
+def test_an_unreachable_pose_is_told_with_limb_and_amount(serve: Serve, open_tab: Open) -> None:
+    tab = open_tab(serve())
+    tab.type_into("y (mm)", 600)
+    tab.wait_for_text(r"Not reachable · mode [+−]+ · limb \d")
+    tab.wait_for_text("cannot close")
+    tab.wait_for_text("No working mode reaches this pose|Within reach in mode")
+    assert any(tab.props(f"/machine/limb{n}/gap").get("visible") for n in range(1, 6))
+    tab.page.get_by_role("button", name="Home position").click()
+    tab.wait_for_text("Reachable · mode")
+
+
+@pytest.mark.parametrize("typed", ["1e999", "99999999", "-5000"])
+def test_numbers_out_of_range_never_reach_the_machine(
+    serve: Serve, open_tab: Open, typed: str
+) -> None:
+    tab = open_tab(serve())
+    tab.wait_for_text("Reachable")
+    tab.type_into("z (mm)", typed)
+    tab.page.wait_for_timeout(600)
+    assert abs(tab.value("z (mm)")) < 2000
+    tab.type_into("z (mm)", 200)
+    tab.wait(lambda: tab.value("z (mm)") == 200, "the next number works")
+
+
+def test_vertex_spaces_and_holes_have_switches(serve: Serve, open_tab: Open) -> None:
+    tab = open_tab(serve())
+    tab.open_tab("Workspace")
+    tab.page.get_by_text("All limbs", exact=True).locator(
+        "xpath=ancestor::div[contains(@class,'mantine-Flex-root')][1]"
+    ).get_by_role("checkbox").click()
+    for n in range(1, 6):
+        tab.wait(lambda n=n: bool(tab.props(f"/solids/limb{n}/whole").get("visible")), f"limb {n}")
+    tab.wait_for_text("Limb 5: vertex space: ")
+    tab.page.get_by_text("Limb 2", exact=True).locator("visible=true").first.click()
+    tab.page.get_by_text("Hole H₂ (Fig. 10)", exact=True).locator("visible=true").locator(
+        "xpath=ancestor::div[contains(@class,'mantine-Flex-root')][1]"
+    ).get_by_role("checkbox").click()
+    tab.wait(lambda: bool(tab.props("/solids/limb2/H2").get("visible")), "hole H2 of limb 2")
+
+
+def test_undo_and_redo_by_hotkey(serve: Serve, open_tab: Open) -> None:
+    tab = open_tab(serve())
+    x = tab.value("x (mm)")
+    tab.type_into("x (mm)", x + 10)
+    tab.wait(lambda: tab.value("x (mm)") == x + 10, "x + 10")
+    tab.page.wait_for_timeout(300)
+    tab.page.locator("canvas").first.click(position={"x": 5, "y": 300})
+    tab.page.keyboard.press("z")
+    tab.wait(lambda: tab.value("x (mm)") == x, "x again")
+    tab.page.keyboard.press("y")
+    tab.wait(lambda: tab.value("x (mm)") == x + 10, "x + 10 again")
+
+
+def test_the_death_of_the_solids_process_is_survived(serve: Serve, open_tab: Open) -> None:
+    served = serve()
+    tab = open_tab(served)
+    before = _wait_for_solid(tab)
+    children = subprocess.run(
+        ["ps", "--ppid", str(served.process.pid), "-o", "pid=,args="],
+        capture_output=True,
+        encoding="utf-8",
+        check=True,
+    ).stdout
+    solids = [int(line.split()[0]) for line in children.splitlines() if "spawn_main" in line]
+    assert solids
+    for pid in solids:
+        os.kill(pid, signal.SIGKILL)
+    tab.open_tab("Move")
+    tab.type_into("θ (°)", 20)
+    tab.wait(lambda: _wait_for_solid(tab) != before, "a solid from a new process")
+
+
+def test_a_session_file_opens_as_it_was_left(serve: Serve, open_tab: Open, tmp_path: Path) -> None:
+    file = tmp_path / "review.json"
+    served = serve("rpur-table2", "--session", str(file))
+    tab = open_tab(served)
+    tab.type_into("φ (°)", 7)
+    tab.wait(lambda: file.exists() and '"phi_deg": 7' in file.read_text(), "the saved session")
+    served.stop()
+    again = open_tab(serve("--session", str(file)))
+    assert again.value("φ (°)") == 7
+    again.open_tab("Design")
+    assert "Table 2" in again.text()
