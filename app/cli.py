@@ -263,9 +263,9 @@ def _matches(mode: str, pattern: str) -> bool:
 
 
 def _serve(arguments: argparse.Namespace) -> None:
+    design, _ = _load(arguments.design or DEFAULT_DESIGN)
     from app.server import run
 
-    design, _ = _load(arguments.design or DEFAULT_DESIGN)
     if arguments.design and arguments.session is not None and arguments.session.exists():
         print(
             f"bohemia: warning: {arguments.session} holds a review, which is opened instead of "

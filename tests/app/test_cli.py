@@ -51,7 +51,7 @@ def answered(done: Finished) -> dict[str, Any]:
 def here(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> Run:
-    """As `bohemia`, but in this process: for long tables of mistakes."""
+    """As `bohemia`, but in this process: for long tables, each kind of which is a process once."""
     monkeypatch.chdir(tmp_path)
 
     def run(*arguments: str) -> Finished:
@@ -175,31 +175,31 @@ def test_designs_lists_every_preset(bohemia: Run) -> None:
     assert all(re.search(rf"^{name} ", table, re.M) for name in files)
 
 
-def test_a_design_may_be_a_file(bohemia: Run, tmp_path: Path) -> None:
+def test_a_design_may_be_a_file(here: Run, tmp_path: Path) -> None:
     text = (ROOT / "assets" / "designs" / "rpur-table1.toml").read_text(encoding="utf-8")
     (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
-    mine = answered(bohemia("ik", "mine.toml", "--pose", POSE, "--json"))
-    preset = answered(bohemia("ik", "rpur-table1", "--pose", POSE, "--json"))
+    mine = answered(here("ik", "mine.toml", "--pose", POSE, "--json"))
+    preset = answered(here("ik", "rpur-table1", "--pose", POSE, "--json"))
     assert mine["design"] == "mine"
     assert mine["solutions"] == preset["solutions"]
 
 
-def test_broken_designs_are_one_sentence(bohemia: Run, tmp_path: Path) -> None:
-    said = refused(bohemia("ik", "rpur-tabel1", "--pose", POSE))
+def test_broken_designs_are_one_sentence(here: Run, tmp_path: Path) -> None:
+    said = refused(here("ik", "rpur-tabel1", "--pose", POSE))
     assert "'rpur-tabel1'" in said
     assert "rpur-table1" in said
 
     text = (ROOT / "assets" / "designs" / "rpur-table1.toml").read_text(encoding="utf-8")
     broken = tmp_path / "broken.toml"
     broken.write_text(text.replace("link = 150.0", "link = -150.0", 1), encoding="utf-8")
-    said = refused(bohemia("workspace", "broken.toml"))
+    said = refused(here("workspace", "broken.toml"))
     assert "broken.toml" in said
     assert "limb 1" in said
     assert "link" in said
 
     broken.write_bytes(b"\xff\xfe\x00")
-    assert "broken.toml" in refused(bohemia("ik", "broken.toml", "--pose", POSE))
-    assert "folder" in refused(bohemia("ik", "folder", "--pose", POSE))
+    assert "broken.toml" in refused(here("ik", "broken.toml", "--pose", POSE))
+    assert "folder" in refused(here("ik", "folder", "--pose", POSE))
 
 
 # --- inverse kinematics --------------------------------------------------------------------
@@ -277,8 +277,8 @@ def test_a_pose_beyond_every_stroke_says_why(bohemia: Run) -> None:
     assert answer["reasons"] in [s["reasons"] for s in answer["solutions"]]
 
 
-def test_ik_table_is_readable(bohemia: Run) -> None:
-    done = bohemia("ik", "rpur-table1", "--pose", POSE)
+def test_ik_table_is_readable(here: Run) -> None:
+    done = here("ik", "rpur-table1", "--pose", POSE)
     assert done.code == 0
     assert "x = -10 mm" in done.stdout
     assert "θ = -3°" in done.stdout
@@ -325,9 +325,9 @@ def test_workspace_volume_is_the_reference(bohemia: Run) -> None:
     assert answer["modes"] == "all"
 
 
-def test_resolutions_refine(bohemia: Run) -> None:
+def test_resolutions_refine(here: Run) -> None:
     answers = [
-        answered(bohemia("workspace", "rpur-table1", "--resolution", name, "--json"))
+        answered(here("workspace", "rpur-table1", "--resolution", name, "--json"))
         for name in ("preview", "normal", "fine")
     ]
     triangles = [answer["triangles"] for answer in answers]
@@ -337,11 +337,9 @@ def test_resolutions_refine(bohemia: Run) -> None:
 
 
 @pytest.mark.parametrize("ending", ["stl", "3mf", "ply", "glb", "OBJ"])
-def test_workspace_files(bohemia: Run, tmp_path: Path, ending: str) -> None:
+def test_workspace_files(here: Run, tmp_path: Path, ending: str) -> None:
     turned = ("--phi", "-20", "--theta=30")
-    answer = answered(
-        bohemia("workspace", "rpur-table1", *turned, "-o", f"solid.{ending}", "--json")
-    )
+    answer = answered(here("workspace", "rpur-table1", *turned, "-o", f"solid.{ending}", "--json"))
     assert answer["file"] == f"solid.{ending}"
     assert answer["phi_deg"] == -20
     assert answer["theta_deg"] == 30
@@ -351,7 +349,7 @@ def test_workspace_files(bohemia: Run, tmp_path: Path, ending: str) -> None:
 def test_the_written_workspace_is_in_base_coordinates(bohemia: Run, tmp_path: Path) -> None:
     # Just below the surface the inverse kinematics closes within the strokes, just above not.
     answer = answered(
-        bohemia("workspace", "rpur-table1", "--phi=-20", "--theta=30", "-o", "a.stl", "--json")
+        bohemia("workspace", "rpur-table1", "--phi", "-2e1", "--theta=30", "-o", "a.stl", "--json")
     )
     solid = trimesh.load(tmp_path / "a.stl")
     assert isinstance(solid, trimesh.Trimesh)
@@ -369,14 +367,18 @@ def test_the_written_workspace_is_in_base_coordinates(bohemia: Run, tmp_path: Pa
         assert np.mean(inside == expected) > 0.98
 
 
-def test_working_modes(bohemia: Run) -> None:
+def test_working_modes(here: Run, bohemia: Run) -> None:
     def volume(*modes: str) -> float:
         answer = answered(
-            bohemia("workspace", "rpur-table1", "--resolution", "preview", *modes, "--json")
+            here("workspace", "rpur-table1", "--resolution", "preview", *modes, "--json")
         )
         return float(answer["volume_mm3"])
 
     single = volume("--modes", "--+++")
+    apart = bohemia(
+        "workspace", "rpur-table1", "--resolution", "preview", "--modes", "--+++", "--json"
+    )
+    assert single == pytest.approx(answered(apart)["volume_mm3"], rel=1e-9)
     assert single == volume("--modes=--+++") == volume("--modes", "−−+++")
     every = volume("--modes", "all")
     assert every == volume() == volume("--modes", "?????")
@@ -387,10 +389,10 @@ def test_working_modes(bohemia: Run) -> None:
     assert volume("--modes", "-----") >= 0
 
 
-def test_modes_are_said(bohemia: Run) -> None:
+def test_modes_are_said(here: Run) -> None:
     arguments = ("workspace", "rpur-table1", "--resolution", "preview", "--modes", "+-+++")
-    assert answered(bohemia(*arguments, "--json"))["modes"] == ["+-+++"]
-    assert "working mode +-+++" in bohemia(*arguments).stdout
+    assert answered(here(*arguments, "--json"))["modes"] == ["+-+++"]
+    assert "working mode +-+++" in here(*arguments).stdout
 
 
 @pytest.mark.parametrize("modes", ["+-++", "+-++++", "+-+x+", "", "+-+++,", "none"])
@@ -400,8 +402,8 @@ def test_broken_modes(here: Run, modes: str) -> None:
     assert "5 limbs" in said
 
 
-def test_solid_table_is_readable(bohemia: Run) -> None:
-    done = bohemia("workspace", "rpur-table1", "--phi", "15", "-o", "out.ply")
+def test_solid_table_is_readable(here: Run) -> None:
+    done = here("workspace", "rpur-table1", "--phi", "15", "-o", "out.ply")
     assert done.code == 0
     assert done.stderr == ""
     assert "φ = 15°, θ = 0°" in done.stdout
@@ -468,10 +470,10 @@ def test_a_full_disk_is_one_sentence(bohemia: Run, tmp_path: Path) -> None:
     assert "cannot write 'full.stl'" in refused(done)
 
 
-def test_vertex_space_and_its_parts(bohemia: Run) -> None:
+def test_vertex_space_and_its_parts(here: Run) -> None:
     def volume(part: str) -> float:
         answer = answered(
-            bohemia("vertex-space", "rpur-table1", "--limb", "3", "--part", part, "--json")
+            here("vertex-space", "rpur-table1", "--limb", "3", "--part", part, "--json")
         )
         assert set(answer) >= SOLID_KEYS
         assert answer["watertight"] is True
@@ -486,9 +488,9 @@ def test_vertex_space_and_its_parts(bohemia: Run) -> None:
     assert left == pytest.approx(volume("whole"), rel=2e-3)
 
 
-def test_vertex_space_stands_about_its_limb(bohemia: Run, tmp_path: Path) -> None:
+def test_vertex_space_stands_about_its_limb(here: Run, tmp_path: Path) -> None:
     arguments = ("vertex-space", "rpur-table1", "--limb", "2", "-o", "b.stl", "--json")
-    assert answered(bohemia(*arguments))["solid"] == "limb2/whole"
+    assert answered(here(*arguments))["solid"] == "limb2/whole"
     solid = trimesh.load(tmp_path / "b.stl")
     assert isinstance(solid, trimesh.Trimesh)
     # Symmetric about A_2 − s'_2 in all three directions: x ± ρ_max, y ± l, z ± (ρ_max + l).
@@ -566,8 +568,9 @@ def free_port() -> int:
         return port
 
 
-@pytest.mark.parametrize("command", [("serve", "rpur-table2"), ()])
-@pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(
+    ("command", "stop"), [(("serve", "rpur-table2"), signal.SIGINT), ((), signal.SIGTERM)]
+)
 def test_serve_answers_and_stops(
     tmp_path: Path, command: tuple[str, ...], stop: signal.Signals
 ) -> None:
