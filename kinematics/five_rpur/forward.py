@@ -38,6 +38,7 @@ from kinematics.spatial import Array, finite
 _SUBSCRIPTS = "₁₂₃₄₅"
 _TOLERANCE = 1e-11  # mm, of the closure equations while tracking; ends are polished further
 _SNAP = 1e-10  # mm within which reached lengths are given as exactly the wanted ones
+_SINGULAR = 1e-12  # of the largest possible value, for a determinant that is only rounding
 _BEFORE = 1e-6  # part of the way by which a motion stops before a singularity
 
 # Step control; steps are in units of the link length and of a radian.
@@ -111,15 +112,17 @@ def follow(design: FiveRPURDesign, start: Posture, joints: ArrayLike) -> Followe
     way = float(np.linalg.norm(aim - rho))
     share = 1.0 if blocked is None else way / float(np.linalg.norm(wanted - rho))
     if way <= 1e-14 * float(np.abs(rho).max()):
-        moved, stop, fraction, events = start, _TARGET, 1.0, list[int]()
+        moved, stop, fraction, events, undetermined = start, _TARGET, 1.0, list[int](), False
     else:
         line = _Line.of(design, rho, (aim - rho) / way)
         end = _track(line, first, way)
-        stop, events = end.stop, end.events
+        stop, events, undetermined = end.stop, end.events, end.undetermined
         moved = start if end.point is first else _as_posture(line, end.point, start.mode)
         fraction = 1.0 if stop == "target" else float(end.point.u[_LAMBDA]) / way
     text, limb = "", None
-    if stop == "singularity":
+    if undetermined:
+        text = _UNDETERMINED
+    elif stop == "singularity":
         text = _singularity_text(aim - rho, moved, fraction * share)
     elif stop == "stalled":
         text = f"could not be followed further than {100 * fraction * share:.3g} % of the way"
@@ -142,6 +145,12 @@ def _not_closed(design: FiveRPURDesign, start: Posture) -> Followed:
         "move the platform to a pose that the machine can hold"
     )
     return Followed(here, "stalled", text, 0.0)
+
+
+_UNDETERMINED = (
+    "the machine stands in a parallel singularity, where its actuators do not determine how it "
+    "moves; move the platform out of it first"
+)
 
 
 def _singularity_text(move: Array, reached: Posture, fraction: float) -> str:
@@ -330,7 +339,7 @@ def _polished(line: _Line, point: _Point) -> _Point:
 
 
 class _Place(NamedTuple):
-    """A point on the path with its unit tangent (scaled), dw along it, and the determinant."""
+    """A point on the path, its unit tangent (scaled), dw along it, the normalised determinant."""
 
     point: _Point
     tangent: Array
@@ -343,6 +352,7 @@ class _End(NamedTuple):
     point: _Point
     stop: Stop
     events: list[int]  # limbs whose q changed sign, in order
+    undetermined: bool = False  # the path begins in a singularity
 
 
 def _place(point: _Point, linear: _Linear, along: Array | None) -> _Place | None:
@@ -359,7 +369,9 @@ def _place(point: _Point, linear: _Linear, along: Array | None) -> _Place | None
     elbow = linear.slope @ tangent
     if not isfinite(float(tangent.sum() + elbow.sum())):
         return None
-    determinant = float(np.linalg.det(linear.matrix[:, :5]))
+    square = linear.matrix[:, :5]
+    norms = float(np.sqrt((square * square).sum(axis=1)).prod())
+    determinant = float(np.linalg.det(square)) / norms if norms > 0.0 else 0.0
     return _Place(point, tangent, elbow, determinant, linear.q)
 
 
@@ -378,8 +390,8 @@ def _track(line: _Line, first: _Point, way: float) -> _End:
     """Follow the path from λ = 0 to λ = way by its arc length, so that folds are regular."""
     events: list[int] = []
     here = _place(first, _linear(line, first), None)
-    if here is None or here.tangent[_LAMBDA] < 1e-9:
-        return _End(first, "singularity", events)
+    if here is None or abs(here.determinant) < _SINGULAR or here.tangent[_LAMBDA] <= 0.0:
+        return _End(first, "singularity", events, undetermined=True)
     step, last = _FIRST, None
     for _ in range(_MOST_STEPS):
         rest = (way - float(here.point.u[_LAMBDA])) / (line.length * here.tangent[_LAMBDA])
