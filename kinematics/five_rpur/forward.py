@@ -16,7 +16,7 @@ mode σ_i = sign q_i changes by itself; only parallel singularities stop a motio
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import cbrt, cos, inf, isfinite, sin, sqrt
 from typing import NamedTuple
 
@@ -27,7 +27,6 @@ from kinematics.errors import InputError
 from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.five_rpur.inverse import (
     STROKE_SLACK,
-    closure_residual,
     joint_points,
     posture,
     wrap_angle,
@@ -37,7 +36,6 @@ from kinematics.spatial import Array, finite
 
 _SUBSCRIPTS = "₁₂₃₄₅"
 _TOLERANCE = 1e-11  # mm, of the closure equations while tracking; ends are polished further
-_SNAP = 1e-10  # mm within which reached lengths are given as exactly the wanted ones
 _SINGULAR = 1e-12  # of the largest possible value, for a determinant that is only rounding
 _BEFORE = 1e-6  # part of the way by which a motion stops before a singularity
 
@@ -538,14 +536,5 @@ def _as_posture(line: _Line, point: _Point, mode: str) -> Posture:
     mode = "".join(
         old if v == 0.0 else "+" if v > 0 else "-" for v, old in zip(q, mode, strict=True)
     )
-    found = posture(line.design, (x * c + z * s, y, z * c - x * s, phi, theta), mode)
-    rho = line.rho + along * line.direction
-    joints = np.array(found.joints)
-    joints = np.where(np.abs(joints - rho) <= _SNAP, rho, joints)
-    residual = closure_residual(line.design, found.pose, mode, joints)
-    closing = residual[np.isfinite(residual)]
-    return replace(
-        found,
-        joints=tuple(joints.tolist()),
-        residual=float(closing.max()) if closing.size else float("nan"),
-    )
+    pose = (x * c + z * s, y, z * c - x * s, phi, theta)
+    return posture(line.design, pose, mode, known=line.rho + along * line.direction)

@@ -29,6 +29,8 @@ STROKE_SLACK = 1e-9
 """mm by which rounding may carry an actuator over its stroke end."""
 LINK_SLACK = 1e-13
 """Part of l by which rounding may carry |Y| over l."""
+SNAP = 1e-10
+"""mm within which a length is the one that was wanted."""
 
 _Components = tuple[Array, Array, Array]
 _T = TypeVar("_T", bound=np.generic)
@@ -127,10 +129,20 @@ def signs(mode: str | ArrayLike) -> Array:
 # --- one posture ---------------------------------------------------------------------------
 
 
-def posture(design: FiveRPURDesign, pose: Sequence[float] | ArrayLike, mode: str) -> Posture:
+def posture(
+    design: FiveRPURDesign,
+    pose: Sequence[float] | ArrayLike,
+    mode: str,
+    *,
+    known: ArrayLike | None = None,
+) -> Posture:
     """The posture at one pose in one working mode, with reasons where it cannot be held.
 
     A limb that cannot close has NaN as its length and only its link among the margins.
+
+    Args:
+        known: lengths (5,) mm for which the pose was solved; where the pose gives them back but
+            for rounding (`SNAP`), the posture has exactly these, and its residual is theirs.
 
     Raises:
         InputError: the pose is not five finite numbers, or the mode not five signs.
@@ -143,6 +155,9 @@ def posture(design: FiveRPURDesign, pose: Sequence[float] | ArrayLike, mode: str
     x, y, z = offsets
     with np.errstate(invalid="ignore", over="ignore"):
         lengths = np.hypot(x, z - sign[:, None] * _height(design, y))
+    if known is not None:
+        wanted = finite(known, name="the known lengths", last=LIMBS)[:, None]
+        lengths = np.where(np.abs(lengths - wanted) <= SNAP, wanted, lengths)
     elbows = _elbows(design, flat, offsets, sign[:, None])
     residual = _residual(design, flat[:, 4], elbows, _tips(design, flat), lengths)
     return _describe(design, flat[0], mode, lengths[:, 0], np.abs(y[:, 0]), residual[:, 0])

@@ -196,6 +196,18 @@ def test_a_posture_is_the_mode_of_the_batch() -> None:
             assert found.mode == MODES[m]
 
 
+def test_known_lengths_are_kept_where_only_rounding_differs() -> None:
+    design, pose = table_1(), (0.0, 60.0, 300.0, 0.1, 0.2)
+    plain = posture(design, pose, "+-+++")
+    known = [rho + 3e-11 for rho in plain.joints]
+    known[2] += 1e-3
+    found = posture(design, pose, "+-+++", known=known)
+    assert found.joints == (*known[:2], plain.joints[2], *known[3:])
+    assert 2e-11 < found.residual < 4e-11
+    with pytest.raises(InputError, match="known lengths"):
+        posture(design, pose, "+-+++", known=[300.0] * 4)
+
+
 def simple(stroke: tuple[float, float] = (250.0, 400.0), link: float = 150.0) -> FiveRPURDesign:
     """Five equal limbs at the origin: with X = 0 lengths can be told by hand."""
     limb = Limb((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), link, stroke)
