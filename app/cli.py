@@ -170,7 +170,7 @@ def _add_solid(parser: argparse.ArgumentParser) -> None:
         "--resolution",
         choices=("preview", "normal", "fine"),
         default="normal",
-        help="the volume within 1 %%, 0.1 %% or 0.01 %% (default %(default)s)",
+        help="how fine the mesh is; the volume's error is printed (default %(default)s)",
     )
     parser.add_argument(
         "-o", "--output", type=Path, metavar="FILE", help="write .stl, .3mf, .ply, .glb or .obj"
@@ -553,7 +553,8 @@ def _print_solid(
 
 
 def _volume(value: float) -> str:
-    return f"{value:,.0f} mm³".replace(",", "\u202f")
+    number = f"{value:,.0f}".replace(",", "\u202f") if value >= 100 else f"{value:.3g}"
+    return f"{number} mm³"
 
 
 def _print_table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
