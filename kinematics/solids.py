@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from manifold3d import Error, Manifold, Mesh64, OpType  # type: ignore[import-not-found]
+from manifold3d import Error, Manifold, Mesh64, OpType
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
@@ -293,27 +293,27 @@ class BuiltSolid:
     triangles: int
 
 
-def finish(solid: Solid, error: Callable[[TracedMesh], float]) -> BuiltSolid:
-    """Slivers dropped, coordinates rounded to float32, pieces found, creases split.
+def finish(solid: Solid, error: Callable[[TracedMesh, float], float]) -> BuiltSolid:
+    """Slivers dropped, vertices set on a float32 grid, pieces found, creases split.
 
-    ``error`` estimates |mesh volume − true volume| of a traced mesh, mm³.
+    ``error`` estimates |mesh volume − true volume| from a traced mesh and its volume, mm³.
     """
     traced, dropped = _without_slivers(solid.traced())
+    dropped *= 2.0  # as much again may never have been meshed
     traced, separate = _rounded(solid, traced)
     v, f = traced.mesh.vertices, traced.mesh.faces
     if not len(f):
         empty = SolidMesh(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.uint32))
-        estimate = error(traced) + dropped
+        estimate = error(traced, 0.0) + dropped
         return BuiltSolid(traced.mesh, empty, 0.0, estimate, 0.0, (), True, 0)
     six, twice, moments = _parts(v, f)
     volume = float(six.sum()) / 6.0
     area = float(twice.sum()) / 2.0
-    rounding = area * float(np.spacing(np.float32(np.abs(v).max())))
     return BuiltSolid(
         mesh=traced.mesh,
         shaded=_shaded(traced),
         volume=volume,
-        volume_error=error(traced) + dropped + rounding,
+        volume_error=error(traced, volume) + dropped,
         area=area,
         pieces=_pieces(v, f, six, moments),
         watertight=separate or _closed_by_position(v, f),
@@ -365,34 +365,40 @@ def _selected(traced: TracedMesh, keep: NDArray[np.bool_]) -> TracedMesh:
     return TracedMesh(mesh, traced.patches, traced.patch_of[keep])
 
 
-# --- float32 positions: a file such as STL knows its vertices by nothing else ------------------
+# --- positions: a file such as STL knows its vertices by nothing else ---------------------------
 
 
 def _rounded(solid: Solid, traced: TracedMesh) -> tuple[TracedMesh, bool]:
-    """Every coordinate a float32 and, if that can be had, every vertex at a place of its own.
+    """Every vertex on the grid and, if that can be had, at a place of its own.
 
-    Vertices that fall together are mostly ends of an edge too short for a float32: collapse it.
-    What remains are surfaces that touch: move them apart by some units in the last place.
+    Vertices that fall together are mostly ends of an edge shorter than the grid: collapse it.
+    What remains are surfaces that touch: move them apart by some steps of the grid.
     """
-    result = _in_float32(traced)
+    if not len(traced.mesh.faces):
+        return traced, True
+    step = _grid(traced.mesh.vertices)
+    result = _on_grid(traced, traced.mesh.vertices, step)
     if not len(_shared(result.mesh.vertices)):
         return result, True
-    unit = float(np.spacing(np.float32(np.abs(traced.mesh.vertices).max())))
-    for tolerance in (4.0 * unit, 32.0 * unit):
+    for tolerance in (2.0 * step, 16.0 * step):
         simpler, _ = _without_slivers(solid.simplified(tolerance).traced())
-        result = _in_float32(simpler)
+        result = _on_grid(simpler, simpler.mesh.vertices, step)
         if not len(_shared(result.mesh.vertices)):
             return result, True
     for reach in (4.0, 16.0, 64.0, 256.0):
-        result = _parted(result, reach * unit)
+        result = _parted(result, reach * step, step)
         if not len(_shared(result.mesh.vertices)):
             return result, True
     return result, False
 
 
-def _in_float32(traced: TracedMesh, vertices: Array | None = None) -> TracedMesh:
-    v = traced.mesh.vertices if vertices is None else vertices
-    rounded = v.astype(np.float32).astype(np.float64) + 0.0  # no negative zeros
+def _grid(v: Array) -> float:
+    """A power of two: its multiples up to the size of ``v`` are float32, with 2 bits to spare."""
+    return 4.0 * float(np.spacing(np.float32(np.abs(v).max())))
+
+
+def _on_grid(traced: TracedMesh, v: Array, step: float) -> TracedMesh:
+    rounded = np.round(v / step) * step + 0.0  # no negative zeros
     return TracedMesh(SolidMesh(rounded, traced.mesh.faces), traced.patches, traced.patch_of)
 
 
@@ -406,7 +412,7 @@ def _shared(v: Array) -> NDArray[np.intp]:
     return np.flatnonzero(found)
 
 
-def _parted(traced: TracedMesh, reach: float) -> TracedMesh:
+def _parted(traced: TracedMesh, reach: float, step: float) -> TracedMesh:
     """Vertices at a shared place moved inwards, each by another part of ``reach`` mm."""
     v, f = traced.mesh.vertices.copy(), traced.mesh.faces
     shared = _shared(v)
@@ -418,7 +424,7 @@ def _parted(traced: TracedMesh, reach: float) -> TracedMesh:
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
     part = reach * (1.0 + np.arange(len(shared)) % 7) / 7.0
     v[shared] -= part[:, None] * normal[shared]
-    return _in_float32(traced, v)
+    return _on_grid(traced, v, step)
 
 
 def _closed_by_position(v: Array, f: NDArray[Any]) -> bool:

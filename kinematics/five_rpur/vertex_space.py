@@ -55,14 +55,12 @@ class Surface:
         radius: mm.
         sign: σ.
         link: l, mm.
-        deviation: how far the mesh is from the surface at most, mm.
     """
 
     kind: Literal["arc", "side", "end"]
     radius: float
     sign: int
     link: float
-    deviation: float
 
 
 def shear(y: Array, link: float) -> Array:
@@ -135,6 +133,13 @@ def segments(link: float, rho_max: float, resolution: Resolution) -> tuple[int, 
     return 4 * max(3, round(around * stretch / 4)), 2 * max(3, round(along / stretch / 2))
 
 
+def deviation(link: float, rho_max: float, resolution: Resolution) -> float:
+    """How far a limb's mesh is from its surface at most, roughly, mm."""
+    around, along = segments(link, rho_max, resolution)
+    ring = rho_max * (np.pi / around) ** 2 / 2.0
+    return float(ring + link * (np.pi * _CROWDING / along) ** 2 / 8.0)
+
+
 # --- meshes ------------------------------------------------------------------------------------
 
 
@@ -142,7 +147,7 @@ def _ring(radius: float, count: int) -> Array:
     """A polygon (count, 2) about the origin whose area is the circle's: right on the average."""
     angle = 2.0 * np.pi * np.arange(count) / count
     scale = np.sqrt((2.0 * np.pi / count) / np.sin(2.0 * np.pi / count))
-    ring = radius * scale * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    ring: Array = radius * scale * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     # Exactly on the axes and exactly symmetric, so that the two working modes match.
     quarter = count // 4
     ring[quarter, 0] = ring[3 * quarter, 0] = ring[0, 1] = ring[2 * quarter, 1] = 0.0
@@ -179,12 +184,6 @@ def _stations(link: float, count: int) -> tuple[Array, Array]:
     y.setflags(write=False)
     h.setflags(write=False)
     return y, h
-
-
-def _deviation(link: float, radius: float, around: int, along: int) -> float:
-    """How far a sheared ring is from its surface at most, roughly, mm."""
-    ring = radius * (np.pi / around) ** 2 / 2.0
-    return float(ring + link * (np.pi * _CROWDING / along) ** 2 / 8.0)
 
 
 class _Faces:
@@ -264,10 +263,9 @@ def _disc(link: float, radius: float, sign: int, around: int, along: int) -> Sol
     """D^σ(r): a disc sheared along y."""
     y, h = _stations(link, along)
     rows = _rows(0, along + 1, around)
-    end = Surface("end", radius, sign, link, 0.0)
+    end = Surface("end", radius, sign, link)
     faces = _Faces()
-    deviation = _deviation(link, radius, around, along)
-    faces.quads(rows[:-1], rows[1:], Surface("arc", radius, sign, link, deviation))
+    faces.quads(rows[:-1], rows[1:], Surface("arc", radius, sign, link))
     faces.flat(_fan(rows[0, :-1]), end)
     faces.flat(_fan(rows[-1, :-1])[:, ::-1], end)
     return faces.solid(_sheared(_ring(radius, around), y, sign * h))
@@ -280,14 +278,13 @@ def _tube(link: float, rho_min: float, rho_max: float, sign: int, around: int, a
     y, h = _stations(link, along)
     outer = _rows(0, along + 1, around)
     inner = _rows(outer.size - len(outer), along + 1, around)
-    end = Surface("end", rho_max, sign, link, 0.0)
+    end = Surface("end", rho_max, sign, link)
     faces = _Faces()
     for near, far, radius in (
         (outer[:-1], outer[1:], rho_max),
         (inner[1:], inner[:-1], rho_min),
     ):
-        deviation = _deviation(link, radius, around, along)
-        faces.quads(near, far, Surface("arc", radius, sign, link, deviation))
+        faces.quads(near, far, Surface("arc", radius, sign, link))
     for k, (first, second) in ((0, (inner, outer)), (-1, (outer, inner))):
         a, b = first[k, :-1], first[k, 1:]
         c, d = second[k, :-1], second[k, 1:]
@@ -309,17 +306,16 @@ def _body(link: float, rho_max: float, around: int, along: int) -> Solid:
     down = up + count
     for k in (0, -1):
         down[k, 0], down[k, -1] = up[k, -1], up[k, 0]
-    deviation = _deviation(link, rho_max, around, along)
     faces = _Faces()
-    faces.quads(up[:-1], up[1:], Surface("arc", rho_max, 1, link, deviation))
-    faces.quads(down[:-1], down[1:], Surface("arc", rho_max, -1, link, deviation))
+    faces.quads(up[:-1], up[1:], Surface("arc", rho_max, 1, link))
+    faces.quads(down[:-1], down[1:], Surface("arc", rho_max, -1, link))
     left = np.stack([up[:, -1], down[:, 0]], axis=1)
     right = np.stack([down[:, -1], up[:, 0]], axis=1)
-    side = Surface("side", rho_max, 1, link, deviation)
+    side = Surface("side", rho_max, 1, link)
     faces.quads(left[:-1], left[1:], side)
     faces.quads(right[:-1], right[1:], side)
     loops = [np.concatenate([up[k], down[k, 1:-1]]) for k in (0, -1)]
-    end = Surface("end", rho_max, 1, link, 0.0)
+    end = Surface("end", rho_max, 1, link)
     faces.flat(_fan(loops[0]), end)
     faces.flat(_fan(loops[1])[:, ::-1], end)
     used, packed = np.unique(np.concatenate(faces.faces), return_inverse=True)

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from kinematics.errors import InputError
 from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
-from kinematics.five_rpur.vertex_space import Part, Surface, limb_solid, shear
+from kinematics.five_rpur.vertex_space import Part, Surface, deviation, limb_solid, shear
 from kinematics.mechanism import Resolution
 from kinematics.solids import BuiltSolid, Solid, TracedMesh, finish
 from kinematics.spatial import Array, finite, rotation_x, rotation_y
@@ -81,7 +81,8 @@ def workspace(
         ]
         solids.append(_intersection(operands, resolution))
     whole = solids[0] if len(solids) == 1 else Solid.union(solids)
-    return finish(whole, volume_error)
+    coarsest = max(deviation(limb.link, limb.stroke[1], resolution) for limb in design.limbs)
+    return finish(whole, lambda mesh, volume: volume_error(mesh, volume, coarsest))
 
 
 def limb_part(
@@ -110,7 +111,9 @@ def limb_part(
 def _built_part(
     link: float, rho_min: float, rho_max: float, part: str, resolution: Resolution
 ) -> BuiltSolid:
-    return finish(limb_solid(link, rho_min, rho_max, part, resolution), volume_error)
+    solid = limb_solid(link, rho_min, rho_max, part, resolution)
+    coarsest = deviation(link, rho_max, resolution)
+    return finish(solid, lambda mesh, volume: volume_error(mesh, volume, coarsest))
 
 
 # --- Booleans ----------------------------------------------------------------------------------
@@ -184,18 +187,18 @@ _POINTS = np.array(
 _WEIGHTS = np.array([0.223381589678011, 0.109951743655322] * 3)
 
 
-def _gaps(traced: TracedMesh) -> tuple[float, float, float]:
+def _gaps(traced: TracedMesh) -> tuple[float, float]:
     """What lies between a mesh and the surfaces that it stands for.
 
     At constant y a face is moved along the radius of its circle onto that circle; the volume
     that it sweeps is ∫ (r − |q|) n·q/|q| dA, q = (x, z − σ h(y)) about the circle's centre.
 
     Returns:
-        the sum with signs (true volume − mesh volume, to first order), the sum of the absolute
-        values of the faces, and the sum of the squares of ``(r − |q|)`` over r, all mm³.
+        the sum with signs (true volume − mesh volume, to first order), and the sum of the
+        faces' absolute values, mm³.
     """
     corners = traced.mesh.vertices[traced.mesh.faces]
-    signed = absolute = squared = 0.0
+    signed = absolute = 0.0
     for number, patch in enumerate(traced.patches):
         surface = patch.tag
         if not isinstance(surface, Surface) or surface.kind == "end":
@@ -210,14 +213,19 @@ def _gaps(traced: TracedMesh) -> tuple[float, float, float]:
             z = z - surface.sign * shear(points[..., 1], surface.link)
         distance = np.maximum(np.hypot(x, z), 1e-300)
         across = (normal[:, :1] * x + normal[:, 2:] * z) / distance
-        gap = surface.radius - distance
-        swept = (gap * across) @ _WEIGHTS
+        swept = ((surface.radius - distance) * across) @ _WEIGHTS
         signed += float(swept.sum())
         absolute += float(np.abs(swept).sum())
-        squared += float(((gap * gap * np.abs(across)) @ _WEIGHTS).sum()) / surface.radius
-    return signed, absolute, squared
+    return signed, absolute
 
 
-def volume_error(traced: TracedMesh) -> float:
-    signed, _, squared = _gaps(traced)
-    return 1.5 * abs(signed) + 2.0 * squared
+def volume_error(traced: TracedMesh, volume: float, deviation: float) -> float:
+    """An estimate from above of |true volume − mesh volume|, mm³.
+
+    First order: the gaps between faces and surfaces, with signs. Second order: where surfaces
+    meet, the gaps of both interact; the factors were found on a thousand random designs. Last,
+    a piece no larger than some of the mesh's ``deviation`` (mm) may not have been meshed at all.
+    """
+    signed, absolute = _gaps(traced)
+    share = min(1.0, (absolute / volume) ** 0.5) if volume > 0.0 else 1.0
+    return 1.5 * abs(signed) + 2.0 * absolute * share + (3.0 * deviation) ** 3
