@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 _DRAW_ORDER = ("workspace", "H1", "H2", "H3", "plus", "minus", "whole", "body")
 _NOTHING = np.zeros((3, 3), dtype=np.float32)  # a mesh of no area where there is no solid
 _ONE_FACE = np.array([[0, 1, 2]], dtype=np.uint32)
+_NO_EDGE = np.zeros((1, 2, 3), dtype=np.float32)
 GRID = 100.0  # mm
 FIELD_OF_VIEW = math.radians(38.0)  # vertical; narrow, as engineers draw
 
@@ -38,6 +39,7 @@ class Scene:
     _nodes: dict[str, Any] = field(default_factory=dict)
     _shape: dict[str, tuple[object, ...]] = field(default_factory=dict)
     _solids: dict[str, viser.MeshHandle] = field(default_factory=dict)
+    _edges: dict[str, viser.LineSegmentsHandle] = field(default_factory=dict)
     _solid_on: dict[str, tuple[object, ...]] = field(default_factory=dict)
     _drawn: Drawing | None = None
     handle: viser.TransformControlsHandle | None = None
@@ -50,6 +52,7 @@ class Scene:
         for node in self._solids.values():
             node.remove()
         self._solids.clear()
+        self._edges.clear()
         self._solid_on.clear()
         ordered = sorted(specs, key=lambda s: _DRAW_ORDER.index(s.key.partition("/")[2] or s.key))
         for spec in ordered:
@@ -63,6 +66,13 @@ class Scene:
                 cast_shadow=False,
                 receive_shadow=False,
                 visible=False,
+            )
+            self._edges[spec.key] = scene.add_line_segments(
+                f"/solids/{spec.key}/edges",
+                _NO_EDGE,
+                palette.rgb(palette.mixed(palette.solid_color(spec), -0.35)),
+                thickness=1.3,
+                thickness_units="screen",
             )
         self.handle = scene.add_transform_controls(
             "/handle", scale=0.42 * size, line_width=3.0, depth_test=False, opacity=0.85
@@ -233,16 +243,18 @@ class Scene:
 
     def show_solid(self, wish: SolidWish, solid: BuiltSolid) -> None:
         """Put a solid on display, at the place of ``wish``."""
-        node = self._solids[wish.spec.key]
+        node, edges = self._solids[wish.spec.key], self._edges[wish.spec.key]
         rotation, offset = wish.placement[:3, :3], wish.placement[:3, 3]
         if solid.triangles:
             # All solids keep their origin at zero, so that the drawing order above holds.
             shift = (rotation.T @ offset).astype(np.float32)
-            vertices = solid.shaded.vertices.astype(np.float32, copy=False)
-            node.vertices = vertices + shift if np.any(shift) else vertices
+            vertices = solid.shaded.vertices.astype(np.float32, copy=False) + shift
+            node.vertices = vertices
             node.faces = solid.shaded.faces.astype(np.uint32, copy=False)
+            edges.points = vertices[crease_edges(solid.shaded.faces)]
         else:
             node.vertices, node.faces = _NOTHING, _ONE_FACE
+            edges.points = _NO_EDGE
         name = node.name
         self._set(
             name,
@@ -303,6 +315,18 @@ def machine_bounds(drawing: Drawing) -> tuple[Array, Array]:
     """The box around a machine, mm."""
     points = np.array([p for bar in drawing.bars for p in (bar.start, bar.end)])
     return points.min(axis=0), points.max(axis=0)
+
+
+def crease_edges(faces: np.ndarray) -> np.ndarray:
+    """The edges at which a shaded mesh is split, (E, 2) vertex indices.
+
+    There each side has vertices of its own, so the edge belongs to one face only.
+    """
+    edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2).astype(np.int64), axis=1)
+    keys, first, count = np.unique(
+        edges[:, 0] << 32 | edges[:, 1], return_index=True, return_counts=True
+    )
+    return edges[first[count == 1]] if len(keys) else edges
 
 
 def _triple(point: Array) -> tuple[float, float, float]:

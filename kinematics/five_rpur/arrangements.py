@@ -26,7 +26,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
+from kinematics.five_rpur.design import LIMBS, SUBSCRIPTS, FiveRPURDesign
 from kinematics.five_rpur.inverse import MODES, inside, signs
 from kinematics.five_rpur.velocity import characteristic_length
 from kinematics.solutions import Finding
@@ -438,7 +438,7 @@ def _self_motion(design: FiveRPURDesign, found: Arrangements) -> str:
         s1, s2 = (float(design.platform[i - 1, 0]) for i in shared)
         # X − a is fixed by ρ_j² − ρ_i² (eq. 22); with B_34 on the axis it has to be −s34.
         value = (s2 - s) ** 2 - (s1 - s) ** 2
-        i, j = (_SUBSCRIPTS[k - 1] for k in shared)
+        i, j = (SUBSCRIPTS[k - 1] for k in shared)
         return (
             f"Where the U joint of limbs {_listed(merged)} comes onto the line along e₁ through "
             f"the base point of limbs {_listed(shared)}, and ρ{j}² − ρ{i}² = {value:g} mm², θ is "
@@ -447,7 +447,6 @@ def _self_motion(design: FiveRPURDesign, found: Arrangements) -> str:
     return ""
 
 
-_SUBSCRIPTS = "₁₂₃₄₅"
 _CONDITION_TEXT = (
     "their base points differ by {:.3g} mm along e₁",
     "their links differ by {:.3g} mm",

@@ -24,6 +24,7 @@ from kinematics.spatial import Array
 
 Point = tuple[float, float, float]
 LIMBS = 5
+SUBSCRIPTS = "₁₂₃₄₅"
 SHORTEST_LINK = 1e-3
 """mm; below a micrometre a link is a slip of the pen."""
 

@@ -6,14 +6,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from kinematics.five_rpur.design import FiveRPURDesign
+from kinematics.five_rpur.design import SUBSCRIPTS, FiveRPURDesign
 from kinematics.five_rpur.inverse import joint_points, transform
 from kinematics.mechanism import Bar, Body, Drawing, Mark
 from kinematics.solutions import Posture
 from kinematics.spatial import Array, rotation_y
 
 E1 = np.array([0.0, 1.0, 0.0])
-SUBSCRIPTS = "₁₂₃₄₅"
 
 
 def drawing(design: FiveRPURDesign, posture: Posture) -> Drawing:

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics.errors import InputError
-from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
+from kinematics.five_rpur.design import LIMBS, SUBSCRIPTS, FiveRPURDesign
 from kinematics.five_rpur.inverse import (
     STROKE_SLACK,
     joint_points,
@@ -34,7 +34,6 @@ from kinematics.five_rpur.inverse import (
 from kinematics.solutions import Followed, Posture, Stop
 from kinematics.spatial import Array, finite
 
-_SUBSCRIPTS = "₁₂₃₄₅"
 _TOLERANCE = 1e-11  # mm, of the closure equations while tracking; ends are polished further
 _SINGULAR = 1e-12  # of the largest possible value, for a determinant that is only rounding
 _BEFORE = 1e-6  # part of the way by which a motion stops before a singularity
@@ -157,7 +156,7 @@ def _singularity_text(move: Array, reached: Posture, fraction: float) -> str:
         i = int(moving[0])
         where = "beyond" if move[i] > 0 else "below"
         return (
-            f"stopped at a parallel singularity: ρ{_SUBSCRIPTS[i]} cannot go {where} "
+            f"stopped at a parallel singularity: ρ{SUBSCRIPTS[i]} cannot go {where} "
             f"{reached.joints[i]:.1f} mm on this assembly mode"
         )
     return f"stopped at a parallel singularity after {100 * fraction:.3g} % of the way"
@@ -166,7 +165,7 @@ def _singularity_text(move: Array, reached: Posture, fraction: float) -> str:
 def _stroke_text(design: FiveRPURDesign, i: int, wanted: float) -> str:
     low, high = design.limbs[i].stroke
     name, end = ("max", high) if wanted > high else ("min", low)
-    return f"limb {i + 1} is at the end of its stroke (ρ{_SUBSCRIPTS[i]} {name} = {end:g} mm)"
+    return f"limb {i + 1} is at the end of its stroke (ρ{SUBSCRIPTS[i]} {name} = {end:g} mm)"
 
 
 def _events_text(before: str, after: str, events: Sequence[int]) -> str:

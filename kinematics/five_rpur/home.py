@@ -6,8 +6,10 @@ from functools import lru_cache
 from itertools import product
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinematics.five_rpur import forward, inverse
+from kinematics.five_rpur.arrangements import arrangements
 from kinematics.five_rpur.design import FiveRPURDesign
 from kinematics.solutions import Posture
 from kinematics.spatial import Array
@@ -48,10 +50,12 @@ def home(design: FiveRPURDesign) -> Posture:
     about how near a parallel singularity is. Where nothing is reachable, the posture that misses
     by least.
     """
+    together = _together(design)
     fallback: tuple[float, Posture] | None = None
     # Below its base a machine would stand in its own floor: only where there is nothing above.
     for above, (phi, theta) in product((True, False), ORIENTATIONS):
         positions, margins = _roomiest(design, phi, theta, above=above)
+        margins = np.where(together, margins, -np.inf)
         best, found = 0.0, None
         for n in np.argsort(-margins):
             if margins[n] <= best:
@@ -69,6 +73,17 @@ def home(design: FiveRPURDesign) -> Posture:
             fallback = float(margins[n]), inverse.posture(design, pose, inverse.MODES[n])
     assert fallback is not None
     return fallback[1]
+
+
+def _together(design: FiveRPURDesign) -> NDArray[np.bool_]:
+    """(32,) which modes hold limbs that share a platform point alike, as a merged U joint would."""
+    like = np.ones(len(inverse.MODES), dtype=bool)
+    for group in arrangements(design).groups:
+        for pair in group.pairs:
+            if pair.kind == "A1":
+                i, j = pair.limbs
+                like &= _SIGNS[:, i - 1] == _SIGNS[:, j - 1]
+    return like
 
 
 def _least_travel(design: FiveRPURDesign, posture: Posture, enough: float) -> float:

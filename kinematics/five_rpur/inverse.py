@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinematics.errors import InputError
-from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
+from kinematics.five_rpur.design import LIMBS, SUBSCRIPTS, FiveRPURDesign
 from kinematics.solutions import Bound, InverseSolutions, Margin, Posture, Reason
 from kinematics.spatial import Array, finite, homogeneous, rotation_x, rotation_y
 
@@ -36,7 +36,6 @@ _Components = tuple[Array, Array, Array]
 _T = TypeVar("_T", bound=np.generic)
 
 _CHUNK = 4096  # poses at a time, so that the temporaries stay in the cache
-_SUBSCRIPTS = "₁₂₃₄₅"
 
 
 # --- lengths -------------------------------------------------------------------------------
@@ -199,7 +198,7 @@ def _stroke_reason(i: int, bound: Bound, rho: float, end: float) -> Reason:
     word, name = ("short", "ρ min") if bound == "rho_min" else ("long", "ρ max")
     text = (
         f"limb {i + 1} is {amount:.{digits}f} mm too {word} "
-        f"(ρ{_SUBSCRIPTS[i]} = {rho:.{digits}f} mm, {name} = {end:g} mm)"
+        f"(ρ{SUBSCRIPTS[i]} = {rho:.{digits}f} mm, {name} = {end:g} mm)"
     )
     return Reason(i + 1, bound, amount, text)
 
@@ -209,7 +208,7 @@ def _link_reason(i: int, link: float, beyond: float) -> Reason:
     digits = _digits(amount)
     text = (
         f"limb {i + 1} cannot reach: its platform point lies {amount:.{digits}f} mm beyond the "
-        f"link length l{_SUBSCRIPTS[i]} = {link:g} mm along e₁ (|Y| = {beyond:.{digits}f} mm)"
+        f"link length l{SUBSCRIPTS[i]} = {link:g} mm along e₁ (|Y| = {beyond:.{digits}f} mm)"
     )
     return Reason(i + 1, "link", amount, text)
 

@@ -77,7 +77,7 @@ class FiveRPUR:
 
     def joint_coordinates(self, design: FiveRPURDesign) -> tuple[Coordinate, ...]:
         return tuple(
-            Coordinate(f"rho{i + 1}", f"ρ{drawing.SUBSCRIPTS[i]}", "mm", *limb.stroke, limb=i + 1)
+            Coordinate(f"rho{i + 1}", f"ρ{designs.SUBSCRIPTS[i]}", "mm", *limb.stroke, limb=i + 1)
             for i, limb in enumerate(design.limbs)
         )
 

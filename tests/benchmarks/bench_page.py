@@ -1,0 +1,158 @@
+"""From a slider's event to the new solid on the wire; memory over many updates; the first solid.
+
+Run apart (`make bench`). Times are this machine's; what is compared is measured in one run.
+"""
+
+from __future__ import annotations
+
+import os
+import queue
+import re
+import statistics
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import viser
+from websockets.sync.client import connect
+
+from app.page import Page
+from app.server import make_server
+from app.state import Move, new_review
+from app.worker import Built
+from kinematics.designs import load_design
+
+MOVES = 200
+UPDATES = 2000
+
+
+class Watched(Page):
+    """A page that notes when a solid of which orientation had been handed to the wire."""
+
+    def __init__(self, server: viser.ViserServer, name: str) -> None:
+        super().__init__(server, new_review(load_design(name)), "bench", None)
+        self.shown: queue.Queue[tuple[object, str, float]] = queue.Queue()
+
+    def _publish_solids(self) -> None:
+        super()._publish_solids()
+        now = time.perf_counter()
+        for built in self._built.values():
+            self.shown.put((built.wish.what, built.resolution, now))
+
+    def wait(self, resolution: str, phi: float) -> tuple[float, Built]:
+        """When the solid of this orientation and resolution was sent."""
+        while True:
+            what, got, when = self.shown.get(timeout=60)
+            if got == resolution and what[2] == phi:  # type: ignore[index]
+                return when, self._built["workspace"]
+
+
+def figures(label: str, times: list[float]) -> None:
+    """Median, 95 % and worst, in ms."""
+    ordered = sorted(1e3 * t for t in times)
+    print(
+        f"{label:<42} median {statistics.median(ordered):7.1f} ms   95 % "
+        f"{ordered[int(0.95 * (len(ordered) - 1))]:7.1f} ms   worst {ordered[-1]:7.1f} ms"
+    )
+
+
+def memory(pid: int) -> float:
+    """Resident memory of a process, MB."""
+    text = Path(f"/proc/{pid}/status").read_text()
+    found = re.search(r"VmRSS:\s+(\d+) kB", text)
+    return int(found[1]) / 1024 if found else float("nan")
+
+
+def first_solid() -> None:
+    """From the command to the first solid that a browser could draw."""
+    begun = time.perf_counter()
+    process = subprocess.Popen(
+        [sys.executable, "-m", "app", "serve", "--no-browser", "--port", "0"],
+        stdout=subprocess.PIPE,
+        encoding="utf-8",
+        env=os.environ | {"PYTHONUNBUFFERED": "1"},
+    )
+    assert process.stdout is not None
+    address = None
+    while address is None:
+        address = re.search(r"http://([\w.:]+)", process.stdout.readline())
+    at_address = time.perf_counter() - begun
+    protocol = [f"viser-v{viser.__version__}"]
+    with connect(f"ws://{address[1]}", subprotocols=protocol, max_size=None) as socket:  # type: ignore[arg-type]
+        size = 0
+        while size < 15_000:  # the machine's parts are small; the solid's arrays are not
+            size = len(socket.recv(timeout=60))
+    print(
+        f"{'from `bohemia` to its address':<42} {at_address:7.2f} s\n"
+        f"{'from `bohemia` to the first solid':<42} {time.perf_counter() - begun:7.2f} s"
+    )
+    process.terminate()
+    process.wait()
+
+
+def stalls(page: Watched, seconds: float) -> list[float]:
+    """How late a heartbeat on the event loop, which serves every client, comes."""
+    loop = page.server.get_event_loop()
+    late: list[float] = []
+    done = threading.Event()
+    end = time.perf_counter() + seconds
+
+    def beat(due: float) -> None:
+        now = time.perf_counter()
+        late.append(now - due)
+        if now > end:
+            done.set()
+        else:
+            loop.call_later(0.005, beat, now + 0.005)
+
+    loop.call_soon_threadsafe(beat, time.perf_counter())
+    n = 0
+    while not done.is_set():
+        n += 1
+        page.send(Move(3, 0.4 + 1e-3 * (n % 300)))
+        time.sleep(0.05 if n % 40 else 1.2)  # drags with rests, so that fine solids come too
+    return late
+
+
+def main() -> None:
+    """Print everything."""
+    first_solid()
+    for name in ("rpur-table1", "rpur-table2"):
+        page = Watched(make_server("127.0.0.1", 0), name)
+        thread = threading.Thread(target=page.run)
+        thread.start()
+        page.wait("fine", page._history.present.pose[3])
+        preview = []
+        for n in range(MOVES):
+            phi = -0.3 + 0.003 * n + 1e-7
+            begun = time.perf_counter()
+            page.send(Move(3, phi))
+            preview.append(page.wait("preview", phi)[0] - begun)
+        figures(f"{name}: event to preview solid", preview)
+        for resolution, delay in (("normal", 0.15), ("fine", 0.7)):
+            times = []
+            for n in range(20 if resolution == "normal" else 10):
+                phi = 0.011 * n + (0.5 if resolution == "normal" else 0.7)
+                begun = time.perf_counter()
+                page.send(Move(3, phi))
+                times.append(page.wait(resolution, phi)[0] - begun - delay)
+            figures(f"{name}: {resolution} solid, after the rest", times)
+        late = stalls(page, 12.0)
+        figures(f"{name}: lateness of the event loop", late)
+        if name == "rpur-table1":
+            pids = [os.getpid(), *page.worker.pids]
+            for n in range(UPDATES + 1):
+                page.send(Move(3, 1e-4 * n))
+                time.sleep(0.012)
+                if n in (UPDATES // 4, UPDATES):
+                    shown = ", ".join(f"{memory(pid):.0f}" for pid in pids)
+                    print(f"memory after {n:>4} updates, server and lanes    {shown} MB")
+        page.stop()
+        thread.join()
+        page.server.stop()
+
+
+if __name__ == "__main__":
+    main()
