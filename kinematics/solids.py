@@ -24,8 +24,8 @@ Bounds = tuple[tuple[float, float, float], tuple[float, float, float]]
 
 KINDS = ("stl", "3mf", "ply", "glb", "obj")
 
-# A shell thinner than this part of the solid's size, or smaller than this part of its volume,
-# is what rounding leaves where faces coincide, and is dropped.
+# A shell thinner on the average than this part of the solid's size, or smaller than this part of
+# its volume, is what rounding leaves where faces coincide, and is dropped.
 SLIVER_THICKNESS = 1e-6
 SLIVER_VOLUME = 1e-8
 
@@ -278,7 +278,8 @@ class BuiltSolid:
         volume_error: an estimate from above of |volume − true volume|, mm³.
         area: of ``mesh``, mm².
         pieces: the connected parts, the largest first; none of an empty solid. Slivers
-            (`SLIVER_THICKNESS`, `SLIVER_VOLUME`) are neither here nor in ``mesh``.
+            (`SLIVER_THICKNESS`, `SLIVER_VOLUME`, ``thinnest`` of `finish`) are neither here nor
+            in ``mesh``.
         watertight: the surface is closed, also when its vertices are known by position only.
         triangles: number of faces.
     """
@@ -293,29 +294,29 @@ class BuiltSolid:
     triangles: int
 
 
-def finish(solid: Solid, error: Callable[[TracedMesh, float], float]) -> BuiltSolid:
+def finish(
+    solid: Solid, error: Callable[[TracedMesh, float], float], *, thinnest: float = 0.0
+) -> BuiltSolid:
     """Slivers dropped, vertices set on a float32 grid, pieces found, creases split.
 
-    ``error`` estimates |mesh volume − true volume| from a traced mesh and its volume, mm³.
+    Args:
+        solid: what to finish.
+        error: estimates |mesh volume − true volume| from a traced mesh and its volume, mm³.
+        thinnest: a shell thinner than this on the average (2 volume / area, mm) is dropped too.
     """
-    traced, dropped = _without_slivers(solid.traced())
-    dropped *= 2.0  # as much again may never have been meshed
-    traced, separate = _rounded(solid, traced)
+    traced, shells, dropped = _without_slivers(solid.traced(), thinnest)
+    traced, shells, separate = _rounded(solid, traced, shells, thinnest)
     v, f = traced.mesh.vertices, traced.mesh.faces
-    if not len(f):
-        empty = SolidMesh(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.uint32))
-        estimate = error(traced, 0.0) + dropped
-        return BuiltSolid(traced.mesh, empty, 0.0, estimate, 0.0, (), True, 0)
     six, twice, moments = _parts(v, f)
     volume = float(six.sum()) / 6.0
-    area = float(twice.sum()) / 2.0
     return BuiltSolid(
         mesh=traced.mesh,
         shaded=_shaded(traced),
         volume=volume,
-        volume_error=error(traced, volume) + dropped,
-        area=area,
-        pieces=_pieces(v, f, six, moments),
+        # Twice what was dropped: as much again may never have been meshed.
+        volume_error=error(traced, volume) + 2.0 * dropped,
+        area=float(twice.sum()) / 2.0,
+        pieces=_pieces(v, f, shells, six, moments),
         watertight=separate or _closed_by_position(v, f),
         triangles=len(f),
     )
@@ -323,7 +324,7 @@ def finish(solid: Solid, error: Callable[[TracedMesh, float], float]) -> BuiltSo
 
 def _parts(v: Array, f: NDArray[Any]) -> tuple[Array, Array, Array]:
     """Of each face: 6 × its cone's volume, 2 × its area, and its first moments (F, 3) × 24."""
-    middle = (v.min(axis=0) + v.max(axis=0)) / 2.0
+    middle = v.mean(axis=0) if len(v) else np.zeros(3)
     a, b, c = (v[f[:, n]] - middle for n in range(3))
     normal = np.cross(b - a, c - a)
     six = np.einsum("ij,ij->i", a, normal)
@@ -331,31 +332,33 @@ def _parts(v: Array, f: NDArray[Any]) -> tuple[Array, Array, Array]:
     return six, twice, six[:, None] * (a + b + c + 4.0 * middle)
 
 
-def _shells(vertices: int, f: NDArray[Any]) -> tuple[int, NDArray[np.intp]]:
-    """How many connected surfaces there are, and to which each face belongs (F,)."""
+def _shells(vertices: int, f: NDArray[Any]) -> NDArray[np.intp]:
+    """To which of the connected surfaces each face belongs (F,), counted from 0."""
     row = np.concatenate([f[:, 0], f[:, 1]])
     column = np.concatenate([f[:, 1], f[:, 2]])
     graph = coo_array((np.ones(len(row), bool), (row, column)), shape=(vertices, vertices))
     _, of_vertex = connected_components(graph, directed=False)
-    present, of_face = np.unique(of_vertex[f[:, 0]], return_inverse=True)
-    return len(present), of_face
+    return np.asarray(of_vertex[f[:, 0]], dtype=np.intp)
 
 
-def _without_slivers(traced: TracedMesh) -> tuple[TracedMesh, float]:
-    """The mesh without slivers, and the volume that went with them, mm³."""
+def _without_slivers(
+    traced: TracedMesh, thinnest: float
+) -> tuple[TracedMesh, NDArray[np.intp], float]:
+    """The mesh without slivers, the shell of each face, and the volume dropped, mm³."""
     v, f = traced.mesh.vertices, traced.mesh.faces
     if not len(f):
-        return traced, 0.0
+        return traced, np.zeros(0, np.intp), 0.0
+    shell = _shells(len(v), f)
     six, twice, _ = _parts(v, f)
-    count, shell = _shells(len(v), f)
-    volume = np.abs(np.bincount(shell, six, count)) / 6.0
-    area = np.bincount(shell, twice, count) / 2.0
+    volume = np.abs(np.bincount(shell, six)) / 6.0
+    area = np.bincount(shell, twice) / 2.0
     size = float(np.linalg.norm(np.ptp(v, axis=0)))
-    thin = volume <= SLIVER_THICKNESS * size * area / 2.0
+    thin = 2.0 * volume <= max(SLIVER_THICKNESS * size, thinnest) * area
     sliver = thin | (volume <= SLIVER_VOLUME * volume.max())
     if not sliver.any():
-        return traced, 0.0
-    return _selected(traced, ~sliver[shell]), float(volume[sliver].sum())
+        return traced, shell, 0.0
+    keep = ~sliver[shell]
+    return _selected(traced, keep), shell[keep], float(volume[sliver].sum())
 
 
 def _selected(traced: TracedMesh, keep: NDArray[np.bool_]) -> TracedMesh:
@@ -368,28 +371,30 @@ def _selected(traced: TracedMesh, keep: NDArray[np.bool_]) -> TracedMesh:
 # --- positions: a file such as STL knows its vertices by nothing else ---------------------------
 
 
-def _rounded(solid: Solid, traced: TracedMesh) -> tuple[TracedMesh, bool]:
+def _rounded(
+    solid: Solid, traced: TracedMesh, shells: NDArray[np.intp], thinnest: float
+) -> tuple[TracedMesh, NDArray[np.intp], bool]:
     """Every vertex on the grid and, if that can be had, at a place of its own.
 
     Vertices that fall together are mostly ends of an edge shorter than the grid: collapse it.
     What remains are surfaces that touch: move them apart by some steps of the grid.
     """
     if not len(traced.mesh.faces):
-        return traced, True
+        return traced, shells, True
     step = _grid(traced.mesh.vertices)
     result = _on_grid(traced, traced.mesh.vertices, step)
     if not len(_shared(result.mesh.vertices)):
-        return result, True
+        return result, shells, True
     for tolerance in (2.0 * step, 16.0 * step):
-        simpler, _ = _without_slivers(solid.simplified(tolerance).traced())
+        simpler, shells, _ = _without_slivers(solid.simplified(tolerance).traced(), thinnest)
         result = _on_grid(simpler, simpler.mesh.vertices, step)
         if not len(_shared(result.mesh.vertices)):
-            return result, True
+            return result, shells, True
     for reach in (4.0, 16.0, 64.0, 256.0):
         result = _parted(result, reach * step, step)
         if not len(_shared(result.mesh.vertices)):
-            return result, True
-    return result, False
+            return result, shells, True
+    return result, shells, False
 
 
 def _grid(v: Array) -> float:
@@ -462,44 +467,63 @@ def _shaded(traced: TracedMesh) -> SolidMesh:
 # --- pieces ------------------------------------------------------------------------------------
 
 
-def _pieces(v: Array, f: NDArray[Any], six: Array, moments: Array) -> tuple[Piece, ...]:
-    count, shell = _shells(len(v), f)
-    volume = np.bincount(shell, six, count) / 6.0
-    moment = np.stack([np.bincount(shell, moments[:, n], count) for n in range(3)], axis=1) / 24.0
-    low = np.full((count, 3), np.inf)
-    high = np.full((count, 3), -np.inf)
-    for n in range(3):
-        np.minimum.at(low, shell, v[f[:, n]])
-        np.maximum.at(high, shell, v[f[:, n]])
-    solid = np.flatnonzero(volume > 0)
-    for void in np.flatnonzero(volume <= 0):
-        point = v[f[shell == void][0, 0]]
-        around = [s for s in solid if (low[s] <= point).all() and (point <= high[s]).all()]
-        around.sort(key=lambda s: float(volume[s]))
-        owner = next((s for s in around if _encloses(v, f[shell == s], point)), None)
+def _pieces(
+    v: Array, f: NDArray[Any], shells: NDArray[np.intp], six: Array, moments: Array
+) -> tuple[Piece, ...]:
+    """The shells as pieces, each void counted to the smallest piece that encloses it."""
+    solids: list[_Shell] = []
+    voids: list[_Shell] = []
+    for number in np.unique(shells):
+        own = shells == number
+        corners = v[f[own]].reshape(-1, 3)
+        shell = _Shell(
+            f[own],
+            float(six[own].sum()) / 6.0,
+            moments[own].sum(axis=0) / 24.0,
+            corners.min(axis=0),
+            corners.max(axis=0),
+        )
+        (solids if shell.volume > 0.0 else voids).append(shell)
+    solids.sort(key=lambda s: s.volume)
+    hollow = {id(s): (s.volume, s.moment) for s in solids}
+    for void in voids:
+        owner = next((s for s in solids if s.encloses(v, v[void.faces[0, 0]])), None)
         if owner is not None:
-            volume[owner] += volume[void]
-            moment[owner] += moment[void]
-    pieces = [
-        Piece(float(volume[s]), _triple(moment[s] / volume[s]), (_triple(low[s]), _triple(high[s])))
-        for s in solid
-    ]
+            volume, moment = hollow[id(owner)]
+            hollow[id(owner)] = volume + void.volume, moment + void.moment
+    pieces = []
+    for s in solids:
+        volume, moment = hollow[id(s)]
+        bounds = (_triple(s.low), _triple(s.high))
+        pieces.append(Piece(volume, _triple(moment / volume), bounds))
     return tuple(sorted(pieces, key=lambda p: (-p.volume, p.bounds)))
+
+
+@dataclass(frozen=True, eq=False)
+class _Shell:
+    """One connected closed surface; its volume is negative when it bounds a void."""
+
+    faces: NDArray[Any]
+    volume: float
+    moment: Array
+    low: Array
+    high: Array
+
+    def encloses(self, v: Array, point: Array) -> bool:
+        """Whether the surface goes round a point: its solid angle seen from there is 4π."""
+        if (point < self.low).any() or (point > self.high).any():
+            return False
+        a, b, c = (v[self.faces[:, n]] - point for n in range(3))
+        la, lb, lc = (np.linalg.norm(side, axis=1) for side in (a, b, c))
+        triple = np.einsum("ij,ij->i", a, np.cross(b, c))
+        ab, bc, ca = (np.einsum("ij,ij->i", p, q) for p, q in ((a, b), (b, c), (c, a)))
+        angle = np.arctan2(triple, la * lb * lc + ab * lc + bc * la + ca * lb)
+        return bool(abs(2.0 * angle.sum()) > 2.0 * np.pi)
 
 
 def _triple(values: Array) -> tuple[float, float, float]:
     x, y, z = (float(value) for value in values)
     return x, y, z
-
-
-def _encloses(v: Array, f: NDArray[Any], point: Array) -> bool:
-    """Whether a closed surface goes round a point: its solid angle seen from there is 4π."""
-    a, b, c = (v[f[:, n]] - point for n in range(3))
-    la, lb, lc = (np.linalg.norm(side, axis=1) for side in (a, b, c))
-    triple = np.einsum("ij,ij->i", a, np.cross(b, c))
-    dots = [np.einsum("ij,ij->i", p, q) for p, q in ((a, b), (b, c), (c, a))]
-    angle = np.arctan2(triple, la * lb * lc + dots[0] * lc + dots[1] * la + dots[2] * lb)
-    return bool(abs(2.0 * angle.sum()) > 2.0 * np.pi)
 
 
 # --- files -------------------------------------------------------------------------------------

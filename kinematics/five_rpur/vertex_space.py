@@ -63,7 +63,7 @@ class Surface:
     link: float
 
 
-def shear(y: Array, link: float) -> Array:
+def shear(y: Array, link: float | Array) -> Array:
     """h(y) = sqrt(l² − y²), mm, 0 beyond |y| = l."""
     h: Array = np.sqrt(np.maximum((link - y) * (link + y), 0.0))
     return h

@@ -8,7 +8,7 @@ change, moved and intersected. Lengths mm, angles rad.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise, product
 
@@ -25,6 +25,10 @@ from kinematics.spatial import Array, finite, rotation_x, rotation_y
 # Offsets that differ by less than this part of a limb's size are made equal: limbs that coincide
 # but for rounding would otherwise enclose films of air between them.
 _SAME = 1e-9
+
+# A piece thinner on the average than this part of the mesh's deviation (or of a short stroke)
+# is as likely due to the facets as to the machine, and is not counted.
+_RESOLVED = 0.25
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,8 +85,14 @@ def workspace(
         ]
         solids.append(_intersection(operands, resolution))
     whole = solids[0] if len(solids) == 1 else Solid.union(solids)
-    coarsest = max(deviation(limb.link, limb.stroke[1], resolution) for limb in design.limbs)
-    return finish(whole, lambda mesh, volume: volume_error(mesh, volume, coarsest))
+    deviations = [deviation(limb.link, limb.stroke[1], resolution) for limb in design.limbs]
+    coarsest = max(deviations)
+    strokes = (design.stroke[:, 1] - design.stroke[:, 0]).tolist()
+    return finish(
+        whole,
+        lambda mesh, volume: volume_error(mesh, volume, coarsest),
+        thinnest=_RESOLVED * min(*deviations, *strokes),
+    )
 
 
 def limb_part(
@@ -136,16 +146,27 @@ def _intersection(operands: list[_Operand], resolution: Resolution) -> Solid:
     unique = dict.fromkeys(operands)
     # B ∩ B^σ = B^σ: where one limb stands in another, the whole adds nothing to the half.
     for one in list(unique):
-        if one.part != "whole" and unique.keys() & {_with(one, "whole")}:
-            del unique[_with(one, "whole")]
-    return Solid.intersection(
-        limb_solid(o.link, o.rho_min, o.rho_max, o.part, resolution).translated(o.offset)
-        for o in unique
-    )
+        if one.part != "whole":
+            unique.pop(replace(one, part="whole"), None)
+    result: Solid | None = None
+    for o in _far_first(list(unique)):
+        solid = limb_solid(o.link, o.rho_min, o.rho_max, o.part, resolution).translated(o.offset)
+        result = solid if result is None else Solid.intersection((result, solid))
+        if result.is_empty:
+            break
+    return Solid.union(()) if result is None else result
 
 
-def _with(operand: _Operand, part: Part) -> _Operand:
-    return _Operand(operand.link, operand.rho_min, operand.rho_max, part, operand.offset)
+def _far_first(operands: list[_Operand]) -> list[_Operand]:
+    """Limbs that stand far apart first: what they share is small, and so are all later steps."""
+    points = np.array([o.offset for o in operands])
+    apart = np.linalg.norm(points[:, None] - points[None], axis=-1)
+    order = [int(apart.max(axis=1).argmax())]
+    while len(order) < len(operands):
+        nearest = apart[order].min(axis=0)
+        nearest[order] = -1.0
+        order.append(int(nearest.argmax()))
+    return [operands[n] for n in order]
 
 
 def _products(modes: Iterable[str] | None) -> list[str]:
@@ -197,26 +218,28 @@ def _gaps(traced: TracedMesh) -> tuple[float, float]:
         the sum with signs (true volume − mesh volume, to first order), and the sum of the
         faces' absolute values, mm³.
     """
-    corners = traced.mesh.vertices[traced.mesh.faces]
-    signed = absolute = 0.0
-    for number, patch in enumerate(traced.patches):
+    radius, sign, link = (np.zeros(len(traced.patches)) for _ in range(3))
+    offset = np.zeros((len(traced.patches), 3))
+    for n, patch in enumerate(traced.patches):
         surface = patch.tag
-        if not isinstance(surface, Surface) or surface.kind == "end":
-            continue
-        own = corners[traced.patch_of == number] - patch.transform[:, 3]
-        normal = np.cross(own[:, 1] - own[:, 0], own[:, 2] - own[:, 0]) / 2.0
-        points = _POINTS @ own  # (f, 6, 3)
-        x, z = points[..., 0], points[..., 2]
-        if surface.kind == "side":
-            z = np.zeros_like(z)
-        else:
-            z = z - surface.sign * shear(points[..., 1], surface.link)
-        distance = np.maximum(np.hypot(x, z), 1e-300)
-        across = (normal[:, :1] * x + normal[:, 2:] * z) / distance
-        swept = ((surface.radius - distance) * across) @ _WEIGHTS
-        signed += float(swept.sum())
-        absolute += float(np.abs(swept).sum())
-    return signed, absolute
+        if isinstance(surface, Surface) and surface.kind != "end":
+            # A flat side is an arc whose z does not count, told by sign 0.
+            radius[n], link[n] = surface.radius, surface.link
+            sign[n] = surface.sign if surface.kind == "arc" else 0.0
+            offset[n] = patch.transform[:, 3]
+    curved = radius[traced.patch_of] > 0.0
+    patch_of = traced.patch_of[curved]
+    a, b, c = (
+        traced.mesh.vertices[traced.mesh.faces[curved, n]] - offset[patch_of] for n in range(3)
+    )
+    normal = np.cross(b - a, c - a) / 2.0
+    x, y, z = (np.stack([a[:, n], b[:, n], c[:, n]], axis=1) @ _POINTS.T for n in range(3))
+    side = sign[patch_of, None]
+    z = np.where(side == 0.0, 0.0, z - side * shear(y, link[patch_of, None]))
+    distance = np.maximum(np.hypot(x, z), 1e-300)
+    across = (normal[:, :1] * x + normal[:, 2:] * z) / distance
+    swept = ((radius[patch_of, None] - distance) * across) @ _WEIGHTS
+    return float(swept.sum()), float(np.abs(swept).sum())
 
 
 def volume_error(traced: TracedMesh, volume: float, deviation: float) -> float:
