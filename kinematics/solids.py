@@ -305,19 +305,19 @@ def finish(
         thinnest: a shell thinner than this on the average (2 volume / area, mm) is dropped too.
     """
     traced, shells, dropped = _without_slivers(solid.traced(), thinnest)
-    traced, shells, separate = _rounded(solid, traced, shells, thinnest)
+    traced, shells, moved = _rounded(solid, traced, shells, thinnest)
     v, f = traced.mesh.vertices, traced.mesh.faces
     six, twice, moments = _parts(v, f)
-    volume = float(six.sum()) / 6.0
+    volume, area = float(six.sum()) / 6.0, float(twice.sum()) / 2.0
     return BuiltSolid(
         mesh=traced.mesh,
         shaded=_shaded(traced),
         volume=volume,
         # Twice what was dropped: as much again may never have been meshed.
-        volume_error=error(traced, volume) + 2.0 * dropped,
-        area=float(twice.sum()) / 2.0,
+        volume_error=error(traced, volume) + 2.0 * dropped + moved * area,
+        area=area,
         pieces=_pieces(v, f, shells, six, moments),
-        watertight=separate or _closed_by_position(v, f),
+        watertight=_closed_by_position(v, f),
         triangles=len(f),
     )
 
@@ -373,28 +373,31 @@ def _selected(traced: TracedMesh, keep: NDArray[np.bool_]) -> TracedMesh:
 
 def _rounded(
     solid: Solid, traced: TracedMesh, shells: NDArray[np.intp], thinnest: float
-) -> tuple[TracedMesh, NDArray[np.intp], bool]:
+) -> tuple[TracedMesh, NDArray[np.intp], float]:
     """Every vertex on the grid and, if that can be had, at a place of its own.
 
     Vertices that fall together are mostly ends of an edge shorter than the grid: collapse it.
     What remains are surfaces that touch: move them apart by some steps of the grid.
+
+    Returns the mesh, the shell of each face, and how far whole surfaces may have moved, mm.
     """
     if not len(traced.mesh.faces):
-        return traced, shells, True
+        return traced, shells, 0.0
     step = _grid(traced.mesh.vertices)
     result = _on_grid(traced, traced.mesh.vertices, step)
     if not len(_shared(result.mesh.vertices)):
-        return result, shells, True
-    for tolerance in (2.0 * step, 16.0 * step):
-        simpler, shells, _ = _without_slivers(solid.simplified(tolerance).traced(), thinnest)
+        return result, shells, 0.0
+    moved = 0.0
+    for moved in (2.0 * step, 16.0 * step):
+        simpler, shells, _ = _without_slivers(solid.simplified(moved).traced(), thinnest)
         result = _on_grid(simpler, simpler.mesh.vertices, step)
         if not len(_shared(result.mesh.vertices)):
-            return result, shells, True
+            return result, shells, moved
     for reach in (4.0, 16.0, 64.0, 256.0):
         result = _parted(result, reach * step, step)
         if not len(_shared(result.mesh.vertices)):
-            return result, shells, True
-    return result, shells, False
+            break
+    return result, shells, moved
 
 
 def _grid(v: Array) -> float:
@@ -434,6 +437,8 @@ def _parted(traced: TracedMesh, reach: float, step: float) -> TracedMesh:
 
 def _closed_by_position(v: Array, f: NDArray[Any]) -> bool:
     """Every directed edge meets exactly one opposite edge when equal places are one vertex."""
+    if not len(_shared(v)):
+        return True  # then the surface is as closed as it came from manifold3d
     _, place = np.unique(v, axis=0, return_inverse=True)
     welded = place.reshape(-1)[f]
     start = welded.ravel()

@@ -42,6 +42,9 @@ _STEPS: dict[Resolution, tuple[float, float]] = {
 }
 _PROPORTION = 8.0 / 3.0
 
+# An inner circle smaller than this part of the outer one is none: no file could hold its facets.
+_NO_CIRCLE = 1e-5
+
 # Stations crowd towards y = ±l, where h(y) is steep; the exponent was found by trial.
 _CROWDING = 1.4
 
@@ -76,7 +79,7 @@ def limb_solid(
 
     Args:
         link: l, mm.
-        rho_min: mm, may be 0.
+        rho_min: mm, may be 0, and is taken as 0 below a hundred-thousandth of ``rho_max``.
         rho_max: mm.
         part: one of `PARTS`; "plus" and "minus" are B⁺ and B⁻, "H3" is both upper and lower.
         resolution: one of `RESOLUTIONS`.
@@ -93,6 +96,8 @@ def limb_solid(
             "a limb needs a link longer than 0 and a stroke 0 <= rho_min < rho_max, "
             f"got link {link:g} and stroke {rho_min:g} to {rho_max:g} mm"
         )
+    if rho_min < _NO_CIRCLE * rho_max:
+        rho_min = 0.0
     return _part(float(link), float(rho_min), float(rho_max), part, resolution)
 
 
