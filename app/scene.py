@@ -15,6 +15,7 @@ from scipy.spatial import ConvexHull
 
 from app import palette
 from app.compute import SolidWish, View
+from app.creases import crease_lines
 from kinematics.mechanism import Bar, Body, Drawing, Mark, SolidSpec
 from kinematics.spatial import Array
 
@@ -251,7 +252,7 @@ class Scene:
             vertices = solid.shaded.vertices.astype(np.float32, copy=False) + shift
             node.vertices = vertices
             node.faces = solid.shaded.faces.astype(np.uint32, copy=False)
-            edges.points = vertices[crease_edges(solid.shaded.faces)]
+            edges.points = crease_lines(vertices, node.faces)
         else:
             node.vertices, node.faces = _NOTHING, _ONE_FACE
             edges.points = _NO_EDGE
@@ -315,18 +316,6 @@ def machine_bounds(drawing: Drawing) -> tuple[Array, Array]:
     """The box around a machine, mm."""
     points = np.array([p for bar in drawing.bars for p in (bar.start, bar.end)])
     return points.min(axis=0), points.max(axis=0)
-
-
-def crease_edges(faces: np.ndarray) -> np.ndarray:
-    """The edges at which a shaded mesh is split, (E, 2) vertex indices.
-
-    There each side has vertices of its own, so the edge belongs to one face only.
-    """
-    edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2).astype(np.int64), axis=1)
-    keys, first, count = np.unique(
-        edges[:, 0] << 32 | edges[:, 1], return_index=True, return_counts=True
-    )
-    return edges[first[count == 1]] if len(keys) else edges
 
 
 def _triple(point: Array) -> tuple[float, float, float]:

@@ -150,12 +150,17 @@ class Worker:
                 found = resolution
         return found
 
+    def _begun(self, wish: SolidWish) -> bool:
+        """Something of it is there already, or its preview cannot be had."""
+        return self._best(wish) is not None or wish.requests["preview"] in self._given_up
+
     def _keep(self, request: SolidRequest, solid: BuiltSolid) -> None:
         with self._changed:
             self._cache[request] = solid
             self._cache.move_to_end(request)
             while len(self._cache) > CACHE:
                 self._cache.popitem(last=False)
+            self._changed.notify_all()  # the finer lane waits for the coarser solid
 
     def next_job(self, lane: _Lane) -> tuple[SolidWish, Resolution] | None:
         """The next job of a lane; waits for one. None when the worker stops."""
@@ -178,8 +183,11 @@ class Worker:
                 request = wish.requests[resolution]
                 if request in self._cache or request in self._given_up:
                     continue
-                if resolution == "preview" and self._best(wish) is not None:
-                    continue  # something better is on display already
+                if resolution == "preview":
+                    if self._best(wish) is not None:
+                        continue  # something better is on display already
+                elif not self._begun(wish):
+                    continue  # the preview first: two cores are not many
                 if rested >= rest:
                     return (wish, resolution), None
                 wait = min(rest - rested, wait if wait is not None else rest)
@@ -197,6 +205,7 @@ class Worker:
     def failed(self, wish: SolidWish, resolution: Resolution, text: str) -> None:
         with self._changed:
             self._given_up.add(wish.requests[resolution])
+            self._changed.notify_all()
         self.report(Failed(wish.what, resolution, text))
 
 

@@ -173,7 +173,11 @@ def _report(sheet: Sheet) -> str:
     if shown is not None and built is not None:
         solid = built.solid
         if not solid.pieces:
-            lines.append("At this orientation the workspace is empty.")
+            lines.append(
+                "At this orientation the workspace is empty."
+                if built.resolution == "fine"
+                else "Nothing is large enough to be seen yet; a finer look is on its way."
+            )
         else:
             count = len(solid.pieces)
             lines.append(
