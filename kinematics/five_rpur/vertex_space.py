@@ -37,8 +37,8 @@ PARTS: tuple[Part, ...] = get_args(Part)
 # Ring segments and sweep segments of a limb with ρ_max / l = 8/3, the paper's.
 _STEPS: dict[Resolution, tuple[float, float]] = {
     "preview": (24, 10),
-    "normal": (56, 20),
-    "fine": (144, 46),
+    "normal": (48, 20),
+    "fine": (128, 40),
 }
 _PROPORTION = 8.0 / 3.0
 

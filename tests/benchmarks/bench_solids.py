@@ -1,6 +1,6 @@
 """How long workspace solids take and how far off they are; run it by itself:
 
-    python tests/benchmarks/bench_solids.py
+    PYTHONPATH=. python tests/benchmarks/bench_solids.py
 
 Every line is measured in this run on this machine, round by round over all cases, so that what
 is slow for a moment is slow for all: read the ratios rather than the milliseconds.
@@ -9,19 +9,16 @@ is slow for a moment is slow for all: read the ratios rather than the millisecon
 from __future__ import annotations
 
 import json
-import sys
 import time
 from pathlib import Path
 from statistics import median
-
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT))
 
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.workspace import limb_part, workspace
 from kinematics.mechanism import RESOLUTIONS
 from kinematics.solids import KINDS, encode
 
+ROOT = Path(__file__).resolve().parents[2]
 ROUNDS = 7
 
 
@@ -73,8 +70,8 @@ def main() -> None:
             error = solid.volume / case["volume"] - 1
             estimate = solid.volume_error / case["volume"]
             print(
-                f"  {resolution:8}{median(took):7.0f} ({min(took):.0f}){error:+10.1e}{estimate:9.1e}"
-                f"{solid.triangles:8}{len(solid.pieces):3}"
+                f"  {resolution:8}{median(took):7.0f} ({min(took):.0f})"
+                f"{error:+10.1e}{estimate:9.1e}{solid.triangles:8}{len(solid.pieces):3}"
             )
 
     print("\nratios of the sums of the least times")

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinematics.errors import InputError
@@ -324,6 +324,7 @@ def moved(design: FiveRPURDesign, limb: int, by) -> FiveRPURDesign:
     return FiveRPURDesign(tuple(limbs))
 
 
+@settings(max_examples=40)
 @given(st.tuples(*[st.floats(-300, 300)] * 3), st.floats(-3, 3))
 def test_moving_the_whole_base_moves_the_workspace(by, phi):
     shifted = TABLE_2
