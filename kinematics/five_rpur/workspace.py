@@ -251,4 +251,4 @@ def volume_error(traced: TracedMesh, volume: float, deviation: float) -> float:
     """
     signed, absolute = _gaps(traced)
     share = min(1.0, (absolute / volume) ** 0.5) if volume > 0.0 else 1.0
-    return 1.5 * abs(signed) + 2.0 * absolute * share + (3.0 * deviation) ** 3
+    return 1.25 * abs(signed) + 3.0 * absolute * share + (3.0 * deviation) ** 3
