@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 TURN = np.cos(np.radians(7.0))  # a joint of two segments that turns less may be left out
 PASSES = 12
+MANY = 500  # fewer are drawn as they are
 
 
 def crease_lines(vertices: NDArray[np.float32], faces: NDArray[np.uint32]) -> NDArray[np.float32]:
@@ -21,7 +22,7 @@ def crease_lines(vertices: NDArray[np.float32], faces: NDArray[np.uint32]) -> ND
         faces: (F, 3).
     """
     points, edges = _creases(vertices, faces)
-    for seed in range(PASSES):
+    for seed in range(PASSES if len(edges) > MANY else 0):
         fewer = _straightened(points, edges, seed)
         if len(fewer) == len(edges):
             break
@@ -40,10 +41,12 @@ def _creases(
     )
     edges = edges[first[count == 1]]
     used, compact = np.unique(edges, return_inverse=True)
-    points, joined = np.unique(vertices[used], axis=0, return_inverse=True)
+    # Rows as bytes: on the mesh's float32 grid equal points are equal to the bit.
+    rows = np.ascontiguousarray(vertices[used]).view("V12").reshape(-1)
+    _, where, joined = np.unique(rows, return_index=True, return_inverse=True)
+    points = vertices[used[where]]
     both = np.sort(joined.reshape(-1)[compact.reshape(-1, 2)], axis=1)
-    both = both[both[:, 0] != both[:, 1]]
-    return points, np.unique(both, axis=0)
+    return points, _distinct(both[both[:, 0] != both[:, 1]])
 
 
 def _straightened(
@@ -70,4 +73,9 @@ def _straightened(
     gone[joints[leave]] = True
     kept = edges[~gone[edges].any(axis=1)]
     bridged = np.sort(np.stack([before[leave], after[leave]], axis=1), axis=1)
-    return np.unique(np.concatenate([kept, bridged]), axis=0)
+    return _distinct(np.concatenate([kept, bridged]))
+
+
+def _distinct(edges: NDArray[np.int64]) -> NDArray[np.int64]:
+    _, first = np.unique(edges[:, 0] << 32 | edges[:, 1], return_index=True)
+    return edges[first]

@@ -6,8 +6,10 @@ and the panels, so nothing here needs a lock.
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import queue
+import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -126,14 +128,15 @@ class Page:
 
     def run(self) -> None:
         """Serve the review until `stop`."""
+        # Threads hand over to each other within a frame: the lanes must not wait for a drawing.
+        sys.setswitchinterval(0.0005)
         self.worker.start()
         self._publish()
         self._commands()
         while not self._stopping.is_set():
-            try:
-                items = [self._inbox.get(timeout=MOMENT if self.hands.owed else TICK)]
-            except queue.Empty:
-                items = ["redraw"] if self.hands.owed else []
+            items = ["redraw"] if self.hands.owed else []
+            with contextlib.suppress(queue.Empty):
+                items.append(self._inbox.get(timeout=MOMENT if items else TICK))
             self.hands.look()
             while True:
                 try:
@@ -254,7 +257,9 @@ class Page:
         assert self._view is not None
         with self.server.atomic():
             self._show_solids(self._view)
-            self._draw_panels()
+            sheet = self._sheet()
+            for panel in self._panels:
+                panel.draw_solids(sheet)
         self.server.flush()
 
     def _sheet(self) -> Sheet:

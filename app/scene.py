@@ -49,7 +49,17 @@ class Scene:
         """The things that do not depend on the pose: light, solids' nodes, the drag handle."""
         scene = self.server.scene
         scene.set_up_direction("+z")
-        scene.configure_default_lights(True, cast_shadow=False)
+        # Plain lights, no environment map: colours stay what the legend says, and a browser that
+        # draws without a GPU is four times as fast.
+        scene.configure_environment_map(None)
+        scene.configure_default_lights(False)
+        scene.add_light_ambient("/lights/all", intensity=0.6)
+        scene.add_light_hemisphere(
+            "/lights/sky", sky_color=(255, 255, 255), ground_color=(168, 174, 184), intensity=1.1
+        )
+        scene.add_light_directional(
+            "/lights/sun", intensity=2.2, cast_shadow=False, position=(0.5, -0.8, 1.0)
+        )
         for node in self._solids.values():
             node.remove()
         self._solids.clear()

@@ -13,6 +13,7 @@ from app.exporting import design_file
 from app.panels.desk import (
     QUIET,
     Desk,
+    Panel,
     Sheet,
     answer,
     box,
@@ -43,7 +44,7 @@ controlled at all. What was found in this design stands above.
 """
 
 
-class DesignPanel:
+class DesignPanel(Panel):
     """Presets, files, findings and the numbers of the design."""
 
     def __init__(self, desk: Desk, sheet: Sheet) -> None:

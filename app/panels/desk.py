@@ -98,7 +98,11 @@ class Sheet:
 class Panel(Protocol):
     """One tab: made once for a mechanism, then redrawn."""
 
-    def draw(self, sheet: Sheet) -> None: ...
+    def draw(self, sheet: Sheet) -> None:
+        """Bring every widget to the view."""
+
+    def draw_solids(self, sheet: Sheet) -> None:
+        """Only solids came since the last `draw`; most tabs show nothing of them."""
 
 
 def answer(desk: Desk, handle: Any, act: Callable[[Any, viser.ClientHandle | None], None]) -> None:

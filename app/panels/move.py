@@ -16,6 +16,7 @@ from app.compute import (
 )
 from app.panels.desk import (
     Desk,
+    Panel,
     Sheet,
     Slider,
     answer,
@@ -47,7 +48,7 @@ Tale Masouleh et al. 2011, Figs. 1 and 2.
 """
 
 
-class MovePanel:
+class MovePanel(Panel):
     """Sliders for everything that moves, and where each actuator stands in its stroke."""
 
     def __init__(self, desk: Desk, sheet: Sheet) -> None:

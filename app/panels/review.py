@@ -13,6 +13,7 @@ from app.exporting import FORMATS, ExportedFile, sanitized
 from app.panels.desk import (
     QUIET,
     Desk,
+    Panel,
     Save,
     Sheet,
     answer,
@@ -51,7 +52,7 @@ Whoever opens this page's address sees and steers the same review; a reload lose
 """
 
 
-class ReviewPanel:
+class ReviewPanel(Panel):
     """Exports, the session file, undo and redo, and what is drawn."""
 
     def __init__(self, desk: Desk, sheet: Sheet) -> None:

@@ -12,6 +12,7 @@ from app import palette
 from app.compute import page_mode
 from app.panels.desk import (
     Desk,
+    Panel,
     Sheet,
     answer,
     box,
@@ -42,7 +43,7 @@ the solid shown, with an estimate of its error; pieces are parts that do not tou
 """
 
 
-class WorkspacePanel:
+class WorkspacePanel(Panel):
     """A switch and an opacity for every solid, its volume and its pieces."""
 
     def __init__(self, desk: Desk, sheet: Sheet) -> None:
@@ -98,6 +99,9 @@ class WorkspacePanel:
         if choice == CHOSEN:
             put(self._desk, self._set, _set_text(sheet))
         put(self._desk, self._all, all(review.shown(key) for key in self._whole))
+        self.draw_solids(sheet)
+
+    def draw_solids(self, sheet: Sheet) -> None:
         put_prop(self._report, "content", _report(sheet))
         put_prop(self._parts, "content", _parts(sheet))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -171,6 +172,7 @@ class FiveRPUR:
 MECHANISM = FiveRPUR()
 
 
+@cache
 def _limb_specs() -> tuple[SolidSpec, ...]:
     return tuple(
         SolidSpec(f"limb{i}/{part}", f"Limb {i}: {title}", f"Limb {i}", limb=i, figure=figure)

@@ -36,7 +36,7 @@ PARTS: tuple[Part, ...] = get_args(Part)
 
 # Ring segments and sweep segments of a limb with ρ_max / l = 8/3, the paper's.
 _STEPS: dict[Resolution, tuple[float, float]] = {
-    "preview": (24, 10),
+    "preview": (20, 10),
     "normal": (48, 20),
     "fine": (128, 40),
 }

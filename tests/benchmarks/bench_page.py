@@ -119,7 +119,7 @@ def stalls(page: Watched, seconds: float) -> list[float]:
 def main() -> None:
     """Print everything."""
     first_solid()
-    for name in ("rpur-table1", "rpur-table2"):
+    for name in sys.argv[1:] or ("rpur-table1", "rpur-table2"):
         page = Watched(make_server("127.0.0.1", 0), name)
         thread = threading.Thread(target=page.run)
         thread.start()

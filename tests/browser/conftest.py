@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import queue
 import re
@@ -11,13 +12,22 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from app import session
+from app.state import new_review
+from kinematics.designs import load_design
 from tests.conftest import command_environment
 
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Locator
+
 PATIENCE = 60.0  # s; only a hang is caught by it
+
+# Small, because software draws every pixel here.
+SIZE = {"width": 900, "height": 640}
 
 ARGUMENTS = [
     "--no-sandbox",
@@ -71,6 +81,10 @@ class Served:
                 return found[0]
         raise AssertionError("no address was printed: " + "".join(self.log))
 
+    def check(self) -> None:
+        """Nothing that a person should have been told went to the log instead."""
+        assert not [line for line in self.log if "Traceback" in line], "".join(self.log)
+
     def stop(self) -> int:
         if self.process.poll() is None:
             self.process.terminate()
@@ -82,7 +96,7 @@ class Served:
 
 
 @pytest.fixture(scope="session")
-def browser(chromium: str) -> Iterator[Any]:
+def browser(chromium: str) -> Iterator[Browser]:
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:
@@ -93,6 +107,7 @@ def browser(chromium: str) -> Iterator[Any]:
 
 @pytest.fixture
 def serve(tmp_path: Path) -> Iterator[Callable[..., Served]]:
+    """Start servers of one's own."""
     running: list[Served] = []
 
     def start(*arguments: str) -> Served:
@@ -102,16 +117,23 @@ def serve(tmp_path: Path) -> Iterator[Callable[..., Served]]:
     yield start
     for served in running:
         served.stop()
-        assert not [line for line in served.log if "Traceback" in line], "".join(served.log)
+        served.check()
+
+
+@pytest.fixture(scope="session")
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    """One server for all tests that leave it as they found it."""
+    running = Served(folder=tmp_path_factory.mktemp("served"))
+    yield running
+    running.stop()
+    running.check()
 
 
 class Tab:
     """A browser tab on the page, with what a person can do and see."""
 
-    def __init__(self, browser: Any, address: str, shots: Path) -> None:
-        self.context = browser.new_context(
-            viewport={"width": 1280, "height": 800}, accept_downloads=True
-        )
+    def __init__(self, browser: Browser, address: str, shots: Path) -> None:
+        self.context = browser.new_context(viewport=SIZE, accept_downloads=True)
         self.page = self.context.new_page()
         self.shots = shots
         self.faults: list[str] = []
@@ -167,7 +189,7 @@ class Tab:
             if time.monotonic() > end:
                 self.shot("timeout")
                 raise AssertionError(f"waited in vain: {what}\n{self.text()[:3000]}")
-            self.page.wait_for_timeout(50)
+            self.page.wait_for_timeout(150)
 
     def wait_for_text(self, pattern: str) -> str:
         """Poll until the page's text matches; the match."""
@@ -186,7 +208,7 @@ class Tab:
     def open_tab(self, name: str) -> None:
         self.page.get_by_role("tab", name=name, exact=True).click()
 
-    def field(self, label: str, index: int = 0) -> Any:
+    def field(self, label: str, index: int = 0) -> Locator:
         """The number or text box that belongs to a label."""
         row = self.page.get_by_text(label, exact=True).locator("visible=true").nth(index)
         return row.locator("xpath=ancestor::div[contains(@class,'mantine-Flex-root')][1]").locator(
@@ -201,6 +223,28 @@ class Tab:
     def value(self, label: str) -> float:
         return float(self.field(label).last.input_value())
 
+    def check(self, label: str) -> Locator:
+        """The checkbox that belongs to a label."""
+        row = self.page.get_by_text(label, exact=True).locator("visible=true").first
+        return row.locator(
+            "xpath=ancestor::div[contains(@class,'mantine-Flex-root')][1]"
+        ).get_by_role("checkbox")
+
+    def upload(self, tab: str, button: str, file: Path) -> None:
+        """Choose a file for the upload button of a tab."""
+        self.open_tab(tab)
+        with self.page.expect_file_chooser() as chooser:
+            self.page.get_by_role("button", name=button).click()
+        chooser.value.set_files(file)
+
+    def open_review(self, file: Path) -> None:
+        """Open a session file and wait until the page shows it."""
+        self.upload("Review", "Open a session file", file)
+        pose = json.loads(file.read_text(encoding="utf-8"))["pose"]
+        self.open_tab("Move")
+        self.wait(lambda: abs(self.value("x (mm)") - pose["x"]) < 0.06, "the session's x")
+        self.wait(lambda: abs(self.value("φ (°)") - pose["phi_deg"]) < 0.06, "the session's φ")
+
     def close(self) -> None:
         self.context.close()
 
@@ -208,16 +252,21 @@ class Tab:
 @pytest.fixture
 def shots(tmp_path: Path) -> Path:
     """Where screenshots go; BOHEMIA_SHOTS keeps them."""
+    return _shots(tmp_path)
+
+
+def _shots(folder: Path) -> Path:
     kept = os.environ.get("BOHEMIA_SHOTS")
-    folder = Path(kept) if kept else tmp_path
+    folder = Path(kept) if kept else folder
     folder.mkdir(parents=True, exist_ok=True)
     return folder
 
 
 @pytest.fixture
-def open_tab(
-    browser: Any, shots: Path, request: pytest.FixtureRequest
+def open_page(
+    browser: Browser, shots: Path, request: pytest.FixtureRequest
 ) -> Iterator[Callable[[Served], Tab]]:
+    """Open further tabs."""
     tabs: list[Tab] = []
 
     def start(served: Served) -> Tab:
@@ -229,3 +278,30 @@ def open_tab(
         tab.shot(f"{request.node.name}-{n}")
         tab.close()
         assert tab.faults == []
+
+
+@pytest.fixture(scope="session")
+def shared_tab(
+    browser: Browser, served: Served, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[Tab]:
+    opened = Tab(browser, served.address, _shots(tmp_path_factory.mktemp("shots")))
+    yield opened
+    opened.close()
+
+
+@pytest.fixture(scope="session")
+def fresh_session(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A session file of Table 1 at home."""
+    file = tmp_path_factory.mktemp("session") / "fresh.json"
+    session.save(new_review(load_design("rpur-table1")), file)
+    return file
+
+
+@pytest.fixture
+def tab(shared_tab: Tab, fresh_session: Path, request: pytest.FixtureRequest) -> Iterator[Tab]:
+    """The one tab that most tests use, on a fresh review: loading a page takes long without GPU."""
+    shared_tab.faults.clear()
+    shared_tab.open_review(fresh_session)
+    yield shared_tab
+    shared_tab.shot(request.node.name)
+    assert shared_tab.faults == []
