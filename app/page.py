@@ -212,8 +212,9 @@ class Page:
                     self.complain(text)
                     self._notes = (text,)  # whoever opens the page later reads it too
                 if resolution == "preview":  # better no solid than one of another pose
-                    for key in [k for k, b in self._built.items() if b.wish.what != what]:
-                        self._built.pop(key)
+                    for wish in compute.wishes(self._history.present):
+                        if wish.what == what:
+                            self._built.pop(wish.spec.key, None)
                 return bool(text)
             case Built(wish, resolution):
                 before = self._built.get(wish.spec.key)

@@ -41,6 +41,7 @@ class Scene:
     _shape: dict[str, tuple[object, ...]] = field(default_factory=dict)
     _solids: dict[str, viser.MeshHandle] = field(default_factory=dict)
     _edges: dict[str, viser.LineSegmentsHandle] = field(default_factory=dict)
+    _lines: dict[str, tuple[BuiltSolid, np.ndarray]] = field(default_factory=dict)
     _solid_on: dict[str, tuple[object, ...]] = field(default_factory=dict)
     _drawn: Drawing | None = None
     handle: viser.TransformControlsHandle | None = None
@@ -261,8 +262,10 @@ class Scene:
             shift = (rotation.T @ offset).astype(np.float32)
             vertices = solid.shaded.vertices.astype(np.float32, copy=False) + shift
             node.vertices = vertices
-            node.faces = solid.shaded.faces.astype(np.uint32, copy=False)
-            edges.points = crease_lines(vertices, node.faces)
+            if self._solid_on.get(wish.spec.key, (0,))[0] != id(solid):
+                node.faces = solid.shaded.faces.astype(np.uint32, copy=False)
+            lines = self._creases(wish.spec.key, solid)
+            edges.points = lines + shift if len(lines) else _NO_EDGE
         else:
             node.vertices, node.faces = _NOTHING, _ONE_FACE
             edges.points = _NO_EDGE
@@ -275,6 +278,14 @@ class Scene:
             visible=bool(solid.triangles),
         )
         self._solid_on[wish.spec.key] = (id(solid), wish.placement.tobytes())
+
+    def _creases(self, key: str, solid: BuiltSolid) -> np.ndarray:
+        """The crease lines of a solid where it was built; found once, then only moved."""
+        known = self._lines.get(key)
+        if known is None or known[0] is not solid:
+            mesh = solid.shaded
+            known = self._lines[key] = solid, crease_lines(mesh.vertices, mesh.faces)
+        return known[1]
 
     def fade_solid(self, wish: SolidWish) -> None:
         """Only the opacity of a solid changed."""

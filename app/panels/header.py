@@ -50,7 +50,8 @@ def _status(sheet: Sheet) -> str:
     if status.remedy:
         lines.append(f'<div style="padding-left:calc(0.6em + 4px)">{esc(status.remedy)}</div>')
     lines += [
-        f'<div style="padding-left:calc(0.6em + 4px);color:{tone("near")}">{esc(note)}</div>'
+        f'<div style="padding-left:calc(0.6em + 4px);color:{tone("near")}">'
+        f"{esc(note[:1].upper() + note[1:])}</div>"
         for note in sheet.notes
     ]
     # The height is kept so that the tabs below do not jump as the sentence changes.
