@@ -16,6 +16,15 @@ def rgb(code: str) -> Rgb:
     return int(code[1:3], 16), int(code[3:5], 16), int(code[5:7], 16)
 
 
+def linear(code: str) -> Rgb:
+    """The same colour for a batched mesh, whose colours the browser takes as linear light."""
+    r, g, b = (
+        round(255 * (c / 255 / 12.92 if c <= 10 else ((c / 255 + 0.055) / 1.055) ** 2.4))
+        for c in rgb(code)
+    )
+    return r, g, b
+
+
 LIMBS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9")
 BEYOND = "#D55E00"  # singular, or beyond a limit
 NEAR = "#F0E442"  # close to the end of a stroke

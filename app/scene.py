@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -41,9 +41,9 @@ class Scene:
     _shape: dict[str, tuple[object, ...]] = field(default_factory=dict)
     _solids: dict[str, viser.MeshHandle] = field(default_factory=dict)
     _edges: dict[str, viser.LineSegmentsHandle] = field(default_factory=dict)
+    _slots: dict[str, int] = field(default_factory=dict)
     _lines: dict[str, tuple[BuiltSolid, np.ndarray]] = field(default_factory=dict)
     _solid_on: dict[str, tuple[object, ...]] = field(default_factory=dict)
-    _drawn: Drawing | None = None
     handle: viser.TransformControlsHandle | None = None
 
     def prepare(self, specs: Iterable[SolidSpec], size: float) -> None:
@@ -96,14 +96,9 @@ class Scene:
         """Bring the machine, its frames and marks to a view."""
         options, drawing = view.review.options, view.drawing
         levels = {row.limb: row.level for row in view.joints}
-        used: set[str] = set()
-        for bar in drawing.bars:
-            used.add(self._bar(bar, levels.get(bar.limb or 0, "good"), options.machine))
+        self._bars(drawing.bars, levels, options.machine)
         for body in drawing.bodies:
-            used.add(self._body(body, view.platform, options.machine))
-        for name, node in self._nodes.items():
-            if name.startswith("/machine/") and name not in used:
-                self._set(name, node, visible=False)
+            self._body(body, view.platform, options.machine)
         self._marks(drawing, options.labels, options.axes, options.dark)
         self._frames(view, options.frames)
         self._grid(view, options.grid, options.dark)
@@ -111,33 +106,42 @@ class Scene:
             self._set("/handle", self.handle, visible=options.handle)
             if not dragging:  # the hand that holds it decides where it is
                 self._pose("/handle", self.handle, view.platform)
-        self._drawn = drawing
 
-    def _bar(self, bar: Bar, level: str, visible: bool) -> str:
-        name = f"/machine/{bar.name}"
-        start, end = np.array(bar.start), np.array(bar.end)
-        along = end - start
-        length = float(np.linalg.norm(along))
-        visible = visible and length > 1e-6
-        color = palette.rgb(palette.bar_color(bar, level))
+    def _bars(self, bars: tuple[Bar, ...], levels: Mapping[int, str], visible: bool) -> None:
+        """All bars as one batched mesh: a few small arrays a frame, not a hundred messages."""
+        for bar in bars:
+            self._slots.setdefault(bar.name, len(self._slots))
+        count = len(self._slots)
+        start, along = np.zeros((count, 3), np.float32), np.zeros((count, 3), np.float32)
+        radius, colors = np.zeros(count, np.float32), np.zeros((count, 3), np.uint8)
+        for bar in bars:
+            n = self._slots[bar.name]
+            start[n], along[n] = bar.start, np.subtract(bar.end, bar.start)
+            radius[n] = bar.radius
+            colors[n] = palette.linear(palette.bar_color(bar, levels.get(bar.limb or 0, "good")))
+        length = np.linalg.norm(along, axis=1)
+        radius[length < 1e-6] = 0.0  # a bar that is not there this time has no size
+        arrays: dict[str, Any] = {
+            "batched_wxyzs": _turns_z_to(along, length),
+            "batched_positions": start,
+            "batched_scales": np.stack([radius, radius, length], axis=1),
+            "batched_colors": colors,
+        }
+        name = "/machine/bars"
         node = self._nodes.get(name)
-        if node is None:
+        if node is None or len(node.batched_positions) != count:
             vertices, faces = _CYLINDER
-            node = self._nodes[name] = self.server.scene.add_mesh_simple(
-                name, vertices, faces, color=color, scale=(1.0, 1.0, 1.0), visible=visible
+            self._nodes[name] = self.server.scene.add_batched_meshes_simple(
+                name, vertices, faces, lod="off", cast_shadow=False, receive_shadow=False, **arrays
             )
-        self._set(
-            name,
-            node,
-            visible=visible,
-            color=color,
-            scale=(bar.radius, bar.radius, max(length, 1e-6)),
-            position=bar.start,
-            wxyz=_turn_z_to(along / length) if length > 1e-6 else (1.0, 0.0, 0.0, 0.0),
-        )
-        return name
+            self._forget(name)
+        else:
+            for key, array in arrays.items():
+                if not np.array_equal(getattr(node, key), array):
+                    setattr(node, key, array)
+        self._set(name, self._nodes[name], visible=visible)
 
-    def _body(self, body: Body, platform: Array, visible: bool) -> str:
+    def _body(self, body: Body, platform: Array, visible: bool) -> None:
         name = f"/machine/{body.name}"
         shape = (body.points, body.radius)
         node = self._nodes.get(name)
@@ -154,7 +158,6 @@ class Scene:
         self._set(name, node, visible=visible)
         if body.frame == "platform":
             self._pose(name, node, platform)
-        return name
 
     def _marks(self, drawing: Drawing, labels: bool, axes: bool, dark: bool) -> None:
         # Points that coincide (merged joints) share one label.
@@ -347,14 +350,15 @@ def _wxyz(rotation: Array) -> tuple[float, ...]:
     return tuple(float(v) for v in tf.SO3.from_matrix(rotation).wxyz)
 
 
-def _turn_z_to(direction: Array) -> tuple[float, ...]:
-    """The shortest rotation that takes +z to a unit direction, as a quaternion."""
-    x, y, z = (float(v) for v in direction)
+def _turns_z_to(along: np.ndarray, length: np.ndarray) -> np.ndarray:
+    """The shortest rotations that take +z to vectors (N, 3) of these lengths; (N, 4) wxyz."""
+    x, y, z = (along / np.maximum(length, 1e-6)[:, None]).T
     w = 1.0 + z
-    if w < 1e-9:
-        return 0.0, 1.0, 0.0, 0.0
-    n = math.sqrt(w * w + x * x + y * y)
-    return w / n, -y / n, x / n, 0.0
+    down = w < 1e-6
+    turns = np.stack([w, np.where(down, 1.0, -y), x, np.zeros_like(x)], axis=1)
+    turns[down] = (0.0, 1.0, 0.0, 0.0)
+    turned: np.ndarray = turns / np.linalg.norm(turns, axis=1, keepdims=True)
+    return turned.astype(np.float32)
 
 
 def _cylinder(sides: int) -> tuple[np.ndarray, np.ndarray]:
