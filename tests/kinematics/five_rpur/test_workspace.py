@@ -155,8 +155,10 @@ def test_stored_volumes(case, resolution):
     error = abs(built.volume - case["volume"])
     assert error <= FLOOR[resolution] * case["volume"]
     assert error <= built.volume_error
-    # The estimate is worth something: not far above what is promised.
-    assert built.volume_error <= 3 * FLOOR[resolution] * case["volume"]
+    # The estimate is worth something: not far above what is promised. The preview's is the
+    # cruder, since its second-order term is not small.
+    most = 5 if resolution == "preview" else 3
+    assert built.volume_error <= most * FLOOR[resolution] * case["volume"]
     if resolution == "normal":
         check(built)
 
