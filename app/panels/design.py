@@ -97,12 +97,11 @@ class DesignPanel(Panel):
         else:
             handle = gui.add_number(label, values[0], step=0.1)
         self._fields[stem] = handle
-        answer(self._desk, handle, partial(self._edit, [f.path for f in fields], values))
+        answer(self._desk, handle, partial(self._edit, [f.path for f in fields]))
 
     def _edit(
         self,
         paths: list[tuple[str | int, ...]],
-        _before: tuple[float, ...],
         value: Any,
         client: viser.ClientHandle | None,
     ) -> None:
@@ -192,8 +191,9 @@ def _label(fields: list[DesignField]) -> str:
     unit = f" ({fields[0].unit})" if fields[0].unit else ""
     if len(fields) == 1:
         return fields[0].label + unit
-    common = fields[0].label
-    while common and not all(f.label.startswith(common) for f in fields):
-        common = common[:-1]
-    common = common.rstrip(" _,′·")
-    return (common or ", ".join(f.label for f in fields)) + unit
+    words = [f.label.split() for f in fields]
+    shared = 0
+    while all(len(w) > shared + 1 and w[shared] == words[0][shared] for w in words):
+        shared += 1
+    rest = ", ".join(" ".join(w[shared:]) for w in words)
+    return " ".join([*words[0][:shared], rest]) + unit

@@ -28,7 +28,7 @@ def drawing(design: FiveRPURDesign, posture: Posture) -> Drawing:
         a, b, c = base[i], elbow[i], tip[i]
         gap_end = None
         if not np.isfinite(b).all():
-            b, gap_end = _nearest_closure(design, i, c, a, posture)
+            b, gap_end = _nearest_closure(design, i, c, a)
         bars += _limb(design, i, a, b, gap_end if gap_end is not None else c, e2, size)
         if gap_end is not None:
             bars.append(Bar(f"limb{limb}/gap", _t(gap_end), _t(c), 0.012 * size, "gap", limb))
@@ -95,13 +95,10 @@ def _limb(
         )
 
 
-def _nearest_closure(
-    design: FiveRPURDesign, i: int, c: Array, a: Array, posture: Posture
-) -> tuple[Array, Array]:
+def _nearest_closure(design: FiveRPURDesign, i: int, c: Array, a: Array) -> tuple[Array, Array]:
     """Where a limb that cannot close ends: its U joint, and the tip it can reach instead of C."""
-    offset = c[1] - a[1]
     tip = c.copy()
-    tip[1] = a[1] + np.clip(offset, -design.link[i], design.link[i])
+    tip[1] = a[1] + np.clip(c[1] - a[1], -design.link[i], design.link[i])
     elbow = c.copy()
     elbow[1] = a[1]
     return elbow, tip
