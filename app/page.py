@@ -31,7 +31,7 @@ from app.panels.workspace import WorkspacePanel
 from app.scene import FIELD_OF_VIEW, Scene, machine_bounds
 from app.state import Change, GoHome, History, Place, Review, SetOption, Show
 from app.worker import Built, Busy, Event, Failed, Worker
-from kinematics.errors import BohemiaError, InputError
+from kinematics.errors import InputError
 
 log = logging.getLogger(__name__)
 
@@ -444,13 +444,7 @@ class Page:
         """Do something that takes a while in a thread of its own; its failure is told."""
 
         def work() -> None:
-            try:
-                act()
-            except BohemiaError as error:
-                self.complain(str(error), client)
-            except Exception as error:
-                log.exception("a file could not be made")
-                self.complain(f"The file could not be made: {error}", client)
+            safely(self, client, act, "The file could not be made")
 
         threading.Thread(target=work, daemon=True).start()
 

@@ -6,7 +6,6 @@ Lengths in mm and angles in rad; whoever reads a widget converts. Nothing here k
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -358,6 +357,3 @@ class History:
         if not self.future:
             return self
         return History(self.future[0], (*self.past, self.present), self.future[1:])
-
-
-Send = Callable[[Change], None]

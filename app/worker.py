@@ -196,11 +196,9 @@ class Worker:
     def done(self, wish: SolidWish, resolution: Resolution, solid: BuiltSolid) -> None:
         self._keep(wish.requests[resolution], solid)
         with self._changed:
-            current = next((w for w in self._wishes if w.what == wish.what), None)
             wanted = [w for w in self._wishes if w.what == wish.what]
-        if current is not None:
-            for each in wanted:
-                self.report(Built(each, resolution, solid))
+        for each in wanted:
+            self.report(Built(each, resolution, solid))
 
     def failed(self, wish: SolidWish, resolution: Resolution, text: str) -> None:
         with self._changed:

@@ -8,7 +8,7 @@ from typing import Any
 
 import viser
 
-from app import palette, session
+from app import palette
 from app.exporting import design_file
 from app.panels.desk import (
     QUIET,
@@ -26,12 +26,11 @@ from app.panels.desk import (
     tone,
 )
 from app.state import EditDesign, UseDesign
-from kinematics.designs import load_design, presets, read_design
+from kinematics.designs import MAX_BYTES, load_design, presets, read_design
 from kinematics.errors import InputError
 from kinematics.mechanism import DesignField
 
 OWN = "(a design of your own)"
-MAX_BYTES = 256 * 1024
 
 HELP = """
 A **design** is five limbs: base point rᵢ, platform point s′ᵢ, link length lᵢ and stroke
@@ -143,7 +142,7 @@ class DesignPanel(Panel):
 
 
 def _text(content: bytes, name: str) -> str:
-    if len(content) > min(MAX_BYTES, session.MAX_BYTES):
+    if len(content) > MAX_BYTES:
         raise InputError(f"{name}: a design file is smaller than {MAX_BYTES // 1024} kB")
     try:
         return content.decode("utf-8")

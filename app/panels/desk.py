@@ -17,7 +17,7 @@ from app.compute import View
 from app.exporting import ExportedFile
 from app.state import Change
 from app.worker import Built
-from kinematics.errors import InputError
+from kinematics.errors import BohemiaError
 
 log = logging.getLogger(__name__)
 
@@ -129,15 +129,20 @@ def clicked(desk: Desk, handle: Any, act: Callable[[viser.ClientHandle | None], 
     handle.on_click(pressed)
 
 
-def safely(desk: Desk, client: viser.ClientHandle | None, act: Callable[[], None]) -> None:
+def safely(
+    desk: Desk,
+    client: viser.ClientHandle | None,
+    act: Callable[[], None],
+    trouble: str = "Something went wrong in the page itself",
+) -> None:
     """Do what a person asked for; whatever goes wrong becomes a notification to them."""
     try:
         act()
-    except InputError as error:
+    except BohemiaError as error:
         desk.complain(str(error), client)
     except Exception as error:
-        log.exception("a callback failed")
-        desk.complain(f"Something went wrong in the page itself: {error}", client)
+        log.exception("a person's request failed")
+        desk.complain(f"{trouble}: {error}", client)
 
 
 def put(desk: Desk, handle: Any, value: Any) -> None:
