@@ -15,7 +15,15 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 from numpy.typing import ArrayLike
 
 from kinematics.errors import InputError
-from kinematics.solutions import Finding, Followed, InverseSolutions, Posture
+from kinematics.solutions import (
+    Finding,
+    Fold,
+    Followed,
+    ForwardSolutions,
+    InverseSolutions,
+    Posture,
+    Refreshed,
+)
 from kinematics.spatial import Array
 
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
@@ -168,6 +176,16 @@ class Mechanism(Protocol):
     def posture(self, design: Any, pose: Sequence[float], mode: str) -> Posture: ...
     def inverse(self, design: Any, poses: ArrayLike) -> InverseSolutions: ...
     def follow(self, design: Any, posture: Posture, joints: Sequence[float]) -> Followed: ...
+    def fold_ahead(
+        self, design: Any, posture: Posture, joints: Sequence[float]
+    ) -> Fold | None: ...
+    def forward(
+        self, design: Any, joints: ArrayLike, *, mixed_modes: bool = False
+    ) -> tuple[ForwardSolutions, ...]: ...
+    def refresh(
+        self, design: Any, before: ForwardSolutions, joints: Sequence[float]
+    ) -> Refreshed: ...
+    def forward_is_quick(self, design: Any, *, mixed_modes: bool = False) -> bool: ...
     def transform(self, design: Any, poses: ArrayLike) -> Array: ...
     def pose_from_transform(self, design: Any, transform: ArrayLike) -> tuple[float, ...]: ...
     def drawing(self, design: Any, posture: Posture) -> Drawing: ...

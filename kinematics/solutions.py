@@ -121,3 +121,116 @@ class Finding:
     title: str
     text: str
     limbs: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Fold:
+    """Where, on a straight line in joint space, an assembly mode merges with another and ends.
+
+    Attributes:
+        distance: from the start of the line, in joint space, mm.
+        joints: there.
+        pose: there; both assembly modes have it.
+        mode: the working mode there.
+        partner: the other assembly mode, with the joints at the start of the line; None where its
+            branch does not reach back to them.
+    """
+
+    distance: float
+    joints: tuple[float, ...]
+    pose: tuple[float, ...]
+    mode: str
+    partner: Posture | None
+
+
+@dataclass(frozen=True, slots=True)
+class SelfMotion:
+    """A motion that stays free with all actuators locked: a curve of solutions, not a point.
+
+    Attributes:
+        pose: one pose on it.
+        mode: the working mode there.
+        direction: d(pose) along it, mm and rad, of unit length with angles times the
+            characteristic length.
+        text: one sentence for the user.
+    """
+
+    pose: tuple[float, ...]
+    mode: str
+    direction: tuple[float, ...]
+    text: str
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ForwardSolutions:
+    """All assembly modes for one vector of actuated joints; N real solutions, read-only arrays.
+
+    Attributes:
+        joints: (J,) as given.
+        poses: (N, P) mm and rad.
+        modes: N working modes.
+        residual: (N,) the largest loop-closure error, mm.
+        condition: (N,) condition number of the inverse Jacobian; infinite at a singularity.
+        determinant: (N,) of the actuation and constraint wrenches, normalised to rows of length
+            one; it changes its sign where assembly modes merge.
+        within_stroke: (N,) bool.
+        multiplicity: (N,) how many solutions coincide there to within rounding; 1 as a rule.
+        gap: (N,) distance to the nearest other solution, mm, angles times the characteristic
+            length; infinite for an only one.
+        identities: N labels; a label stays with a solution that is followed to other joints.
+        complex_count: finite complex solutions, counted with their multiplicity.
+        expected_count: how many there are for almost every machine of this family.
+        complete: all are found: count and closure under conjugation hold.
+        method: how they were found, in words.
+        seconds: how long that took.
+        notes: sentences for the user: doubles, why something may be missing, why there are none.
+        self_motions: what stays free with the actuators locked.
+        roots: (M, K) every complex solution in the mechanism's own unknowns, to track on from.
+    """
+
+    joints: tuple[float, ...]
+    poses: Array
+    modes: tuple[str, ...]
+    residual: Array
+    condition: Array
+    determinant: Array
+    within_stroke: np.ndarray
+    multiplicity: np.ndarray
+    gap: Array
+    identities: tuple[int, ...]
+    complex_count: int
+    expected_count: int | None
+    complete: bool
+    method: str
+    seconds: float
+    notes: tuple[str, ...]
+    self_motions: tuple[SelfMotion, ...]
+    roots: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.modes)
+
+
+@dataclass(frozen=True, slots=True)
+class Merged:
+    """A solution that ended on the way to the present joints, and the one it merged with."""
+
+    identity: int
+    partner: int | None
+    pose: tuple[float, ...]
+    mode: str
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Refreshed:
+    """The solutions after the joints moved, told apart from those before.
+
+    Attributes:
+        solutions: at the present joints; whoever was there before keeps its identity.
+        appeared: identities of those that were not there before.
+        merged: those that ended on the way.
+    """
+
+    solutions: ForwardSolutions
+    appeared: tuple[int, ...]
+    merged: tuple[Merged, ...]
