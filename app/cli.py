@@ -14,21 +14,22 @@ import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from difflib import get_close_matches
-from math import degrees, isfinite, radians
+from math import isfinite, radians
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from app import tables
+from app.modes import matching
 from kinematics.errors import BohemiaError, ComputationError, InputError
 
 if TYPE_CHECKING:
     from kinematics.mechanism import Coordinate, Design, Mechanism
-    from kinematics.solids import BuiltSolid
-    from kinematics.solutions import Posture, Reason
+    from kinematics.solutions import Posture
 
 DEFAULT_DESIGN = "rpur-table1"
 
 # Their values may begin with a minus sign, which argparse takes for an option.
-SIGNED_OPTIONS = frozenset({"--pose", "--phi", "--theta", "--modes"})
+SIGNED_OPTIONS = frozenset({"--pose", "--joints", "--phi", "--theta", "--modes"})
 
 # Beyond this a typed number is a slip, and squares of it no longer hold a mm.
 LARGEST = 1e9
@@ -121,6 +122,26 @@ def _parser() -> tuple[argparse.ArgumentParser, tuple[str, ...]]:
     _add_design(ik)
     ik.add_argument("--pose", required=True, metavar="x,y,z,phi,theta", help="mm and degrees")
     _add_json(ik)
+
+    fk = command("fk", _fk, "Forward kinematics: every assembly mode of given actuators.")
+    fk.epilog = (
+        "JSON has no infinity: a condition of null is a singularity, a gap_mm of null an only "
+        "solution."
+    )
+    _add_design(fk)
+    fk.add_argument(
+        "--joints", required=True, metavar="rho1,...", help="actuated joints, mm (angles: degrees)"
+    )
+    fk.add_argument(
+        "--within-stroke", action="store_true", help="only solutions within the strokes"
+    )
+    fk.add_argument(
+        "--mixed-modes",
+        action="store_true",
+        help="for simplified designs: also solutions in which the two limbs of an arrangement "
+        "stand in different working modes, which takes longer",
+    )
+    _add_json(fk)
 
     workspace = command("workspace", _workspace, "The constant-orientation workspace as a solid.")
     _add_design(workspace)
@@ -225,38 +246,29 @@ def _number(text: str, name: str) -> float:
     return value
 
 
-def _pose(text: str, axes: Sequence[Coordinate]) -> list[float]:
+def _numbers(option: str, text: str, axes: Sequence[Coordinate]) -> list[float]:
     """The numbers as typed, mm and degrees, one for each coordinate."""
     words = text.split(",")
-    wanted = ", ".join(f"{axis.symbol} ({_unit(axis)})" for axis in axes)
+    wanted = ", ".join(f"{axis.symbol} ({tables.unit(axis)})" for axis in axes)
     if len(words) != len(axes):
         raise InputError(
-            f"--pose needs {len(axes)} numbers with commas between them, {wanted}; got {len(words)}"
+            f"{option} needs {len(axes)} numbers with commas between them, {wanted}; "
+            f"got {len(words)}"
         )
-    return [_number(word, f"--pose: {axis.symbol}") for word, axis in zip(words, axes, strict=True)]
+    return [
+        _number(word, f"{option}: {axis.symbol}") for word, axis in zip(words, axes, strict=True)
+    ]
 
 
 def _modes(text: str, known: tuple[str, ...]) -> tuple[str, ...] | None:
     """The working modes asked for, in the mechanism's order; None for all of them."""
     if text.strip().lower() == "all":
         return None
-    chosen: set[str] = set()
-    for word in text.replace("−", "-").split(","):
-        pattern = word.strip()
-        matching = {mode for mode in known if _matches(mode, pattern)}
-        if not matching:
-            raise InputError(
-                f"--modes: {pattern!r} is not a working mode; it is one sign for each of the "
-                f"{len(known[0])} limbs, as {known[-2]}, with ? for either sign, or 'all'"
-            )
-        chosen |= matching
-    return None if len(chosen) == len(known) else tuple(mode for mode in known if mode in chosen)
-
-
-def _matches(mode: str, pattern: str) -> bool:
-    return len(mode) == len(pattern) and all(
-        p in {"?", sign} for sign, p in zip(mode, pattern, strict=True)
-    )
+    try:
+        chosen = matching(text, known)
+    except InputError as error:
+        raise InputError(f"--modes: {error}, or 'all'") from None
+    return None if len(chosen) == len(known) else chosen
 
 
 # --- commands ------------------------------------------------------------------------------
@@ -291,14 +303,14 @@ def _designs(arguments: argparse.Namespace) -> None:
         _print_json({"designs": [{key: getattr(preset, key) for key in keys} for preset in found]})
         return
     rows = [(preset.name, preset.mechanism, preset.title, preset.source) for preset in found]
-    _print_table(("name", "mechanism", "title", "source"), rows)
+    print(tables.table(("name", "mechanism", "title", "source"), rows))
 
 
 def _ik(arguments: argparse.Namespace) -> None:
     design, mechanism = _load(arguments.design)
     axes = mechanism.pose_coordinates(design)
-    typed = _pose(arguments.pose, axes)
-    pose = [_inner(value, axis) for value, axis in zip(typed, axes, strict=True)]
+    typed = _numbers("--pose", arguments.pose, axes)
+    pose = [tables.inner(value, axis) for value, axis in zip(typed, axes, strict=True)]
     postures = [mechanism.posture(design, pose, mode) for mode in mechanism.modes]
     closing = [posture for posture in postures if posture.closes]
     reachable = any(posture.reachable for posture in postures)
@@ -307,21 +319,22 @@ def _ik(arguments: argparse.Namespace) -> None:
     _warn(design, mechanism)
     joints = mechanism.joint_coordinates(design)
     if not arguments.json:
-        _print_ik(design, axes, typed, joints, closing, reachable, nearest)
+        _print_head(design, f"Pose {tables.with_units(typed, axes)}")
+        print(tables.inverse_text(closing, nearest, joints, reachable))
         return
     transform = mechanism.transform(design, pose).tolist()
     _print_json(
         {
             "design": design.name,
             "mechanism": design.mechanism,
-            "pose": {_key(axis): value for axis, value in zip(axes, typed, strict=True)},
+            "pose": {tables.key(axis): value for axis, value in zip(axes, typed, strict=True)},
             "transform": transform,
             "reachable": reachable,
             "reasons": reasons,
             "solutions": [
                 {
                     "working_mode": posture.mode,
-                    "joints": _outer(posture.joints, joints),
+                    "joints": tables.outer(posture.joints, joints),
                     "within_stroke": posture.reachable,
                     "reasons": [reason.text for reason in posture.reasons],
                     "residual": posture.residual,
@@ -337,6 +350,72 @@ def _miss(posture: Posture) -> tuple[int, float]:
     """How badly a pose is missed: by limbs that cannot close, then by mm beyond a bound."""
     unclosed = sum(not isfinite(joint) for joint in posture.joints)
     return unclosed, max((reason.amount for reason in posture.reasons), default=0.0)
+
+
+def _fk(arguments: argparse.Namespace) -> None:
+    design, mechanism = _load(arguments.design)
+    actuators = mechanism.joint_coordinates(design)
+    typed = _numbers("--joints", arguments.joints, actuators)
+    joints = [tables.inner(value, axis) for value, axis in zip(typed, actuators, strict=True)]
+    with _progress("All assembly modes"):
+        (found,) = mechanism.forward(design, [joints], mixed_modes=arguments.mixed_modes)
+    _warn(design, mechanism)
+    for value, axis in zip(joints, actuators, strict=True):
+        if not axis.lower <= value <= axis.upper:
+            print(f"bohemia: warning: {tables.beyond_stroke(value, axis)}", file=sys.stderr)
+    axes = mechanism.pose_coordinates(design)
+    order = mechanism.modes.index
+    shown = sorted(
+        (n for n in range(len(found)) if found.within_stroke[n] or not arguments.within_stroke),
+        key=lambda n: (not found.within_stroke[n], order(found.modes[n]), *found.poses[n]),
+    )
+    if not arguments.json:
+        _print_head(design, f"Joints {tables.with_units(typed, actuators)}")
+        print(tables.forward_text(found, shown, axes))
+        return
+    transforms = mechanism.transform(design, found.poses).tolist()
+
+    def pose(values: Sequence[float]) -> dict[str, float]:
+        return dict(zip(map(tables.key, axes), tables.outer(values, axes), strict=True))
+
+    _print_json(
+        {
+            "design": design.name,
+            "mechanism": design.mechanism,
+            "joints": typed,
+            "solutions": [
+                {
+                    "pose": pose(found.poses[n]),
+                    "working_mode": found.modes[n],
+                    "joints": typed,
+                    "within_stroke": bool(found.within_stroke[n]),
+                    "residual": float(found.residual[n]),
+                    "condition": _finite(found.condition[n]),
+                    "determinant": _finite(found.determinant[n]),
+                    "multiplicity": int(found.multiplicity[n]),
+                    "gap_mm": _finite(found.gap[n]),
+                    "transform": transforms[n],
+                }
+                for n in shown
+            ],
+            "real_count": len(found),
+            "complex_count": found.complex_count,
+            "expected_count": found.expected_count,
+            "complete": found.complete,
+            "method": found.method,
+            "seconds": found.seconds,
+            "notes": found.notes,
+            "self_motions": [
+                {
+                    "pose": pose(motion.pose),
+                    "working_mode": motion.mode,
+                    "direction": pose(motion.direction),
+                    "text": motion.text,
+                }
+                for motion in found.self_motions
+            ],
+        }
+    )
 
 
 def _workspace(arguments: argparse.Namespace) -> None:
@@ -391,7 +470,10 @@ def _solid(
         data = exporting.solid_bytes(built, mechanism.solid_placement(design, key, pose), kind)
         _write(path, data)
     if not arguments.json:
-        _print_solid(design, spec.title, arguments, built, modes if spec.uses_modes else ())
+        _print_head(design)
+        where = f"at φ = {arguments.phi:g}°, θ = {arguments.theta:g}°, {arguments.resolution}"
+        file = None if path is None else str(path)
+        print(tables.solid_text(built, spec.title, where, modes if spec.uses_modes else (), file))
         return
     _print_json(
         {
@@ -461,104 +543,14 @@ def _write(path: Path, data: bytes) -> None:
         raise InputError(f"cannot write {str(path)!r}: {why}") from None
 
 
+def _finite(value: float) -> float | None:
+    """JSON has no infinity."""
+    return float(value) if isfinite(value) else None
+
+
+def _print_head(design: Design, *lines: str) -> None:
+    print(f"{design.name}: {design.title}", *lines, sep="\n")
+
+
 def _print_json(answer: dict[str, Any]) -> None:
     print(json.dumps(answer, allow_nan=False))
-
-
-def _unit(axis: Coordinate) -> str:
-    return "degrees" if axis.unit == "rad" else axis.unit
-
-
-def _key(axis: Coordinate) -> str:
-    return f"{axis.key}_deg" if axis.unit == "rad" else axis.key
-
-
-def _inner(value: float, axis: Coordinate) -> float:
-    return radians(value) if axis.unit == "rad" else value
-
-
-def _outer(values: Sequence[float], axes: Sequence[Coordinate]) -> list[float]:
-    """Joints as people read them: mm, and degrees for rad."""
-    return [
-        degrees(value) if axis.unit == "rad" else value
-        for value, axis in zip(values, axes, strict=True)
-    ]
-
-
-def _with_unit(value: float, axis: Coordinate) -> str:
-    return f"{axis.symbol} = {value:g}°" if axis.unit == "rad" else f"{axis.symbol} = {value:g} mm"
-
-
-def _print_ik(
-    design: Design,
-    axes: Sequence[Coordinate],
-    typed: Sequence[float],
-    joints: Sequence[Coordinate],
-    closing: Sequence[Posture],
-    reachable: bool,
-    nearest: Posture,
-) -> None:
-    print(f"{design.name}: {design.title}")
-    print("Pose " + ", ".join(_with_unit(v, axis) for v, axis in zip(typed, axes, strict=True)))
-    if closing:
-        print()
-        header = ["mode", *(f"{j.symbol} ({_unit(j)})" for j in joints), "within its stroke"]
-        symbols = {joint.limb: joint.symbol for joint in joints}
-        rows = [
-            (
-                posture.mode,
-                *(f"{joint:.4f}" for joint in _outer(posture.joints, joints)),
-                ", ".join(_beyond(reason, symbols) for reason in posture.reasons) or "yes",
-            )
-            for posture in closing
-        ]
-        _print_table(header, rows)
-    print()
-    if reachable:
-        count = sum(posture.reachable for posture in closing)
-        print(f"Reachable in {count} of {len(closing)} working modes.")
-        return
-    where = "" if not closing else f" The nearest working mode is {nearest.mode}:"
-    print(f"Not reachable in any working mode.{where}")
-    for reason in nearest.reasons:
-        print(f"  {reason.text}")
-
-
-def _beyond(reason: Reason, symbols: dict[int | None, str]) -> str:
-    """A reason short enough for a table: "ρ₃ 40.3 too long"."""
-    direction = "too short" if reason.bound == "rho_min" else "too long"
-    return f"{symbols.get(reason.limb, f'limb {reason.limb}')} {reason.amount:.1f} {direction}"
-
-
-def _print_solid(
-    design: Design,
-    title: str,
-    arguments: argparse.Namespace,
-    built: BuiltSolid,
-    modes: tuple[str, ...] | None,
-) -> None:
-    print(f"{design.name}: {design.title}")
-    where = f"at φ = {arguments.phi:g}°, θ = {arguments.theta:g}°, {arguments.resolution}"
-    if modes is None:
-        where += ", all working modes"
-    elif modes:
-        where += f", working mode {', '.join(modes)}"
-    print(f"{title} {where}")
-    print(f"volume     {_volume(built.volume)} ± {_volume(built.volume_error)}")
-    pieces = ", ".join(_volume(piece.volume) for piece in built.pieces)
-    print(f"pieces     {len(built.pieces)}" + (f": {pieces}" if len(built.pieces) > 1 else ""))
-    print(f"triangles  {built.triangles}" + ("" if built.watertight else ", not watertight"))
-    if arguments.output is not None:
-        print(f"file       {arguments.output} (mm, base coordinates)")
-
-
-def _volume(value: float) -> str:
-    number = f"{value:,.0f}".replace(",", "\u202f") if value >= 100 else f"{value:.3g}"
-    return f"{number} mm³"
-
-
-def _print_table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    widths = [max(map(len, column)) for column in zip(header, *rows, strict=True)]
-    for row in (header, *rows):
-        line = "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))
-        print(line.rstrip())

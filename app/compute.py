@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
 
+from app.modes import page_mode
 from app.state import Review
 from kinematics.mechanism import (
     RESOLUTIONS,
@@ -111,11 +112,6 @@ def from_page_units(coordinate: Coordinate, value: float) -> float:
 def page_unit(coordinate: Coordinate) -> str:
     """The unit that stands behind a number on the page."""
     return "mm" if coordinate.unit == "mm" else "°"
-
-
-def page_mode(mode: str) -> str:
-    """A working mode with a minus sign as long as the plus."""
-    return mode.replace("-", "−")
 
 
 def joint_rows(kind: Mechanism, design: Design, posture: Posture) -> tuple[JointRow, ...]:

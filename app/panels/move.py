@@ -11,9 +11,9 @@ from app.compute import (
     JointRow,
     from_page_units,
     in_page_units,
-    page_mode,
     page_unit,
 )
+from app.modes import page_mode
 from app.panels.desk import (
     Desk,
     Panel,

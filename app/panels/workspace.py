@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from functools import partial
-from itertools import product
 
 import viser
 
 from app import palette
-from app.compute import page_mode
+from app.modes import matching, page_mode
 from app.panels.desk import (
     Desk,
     Panel,
@@ -26,7 +24,6 @@ from app.panels.desk import (
 )
 from app.state import ChooseModes, Fade, Show
 from app.worker import Built
-from kinematics.errors import InputError
 from kinematics.mechanism import SolidSpec
 
 ALL, CURRENT, CHOSEN = "All working modes together", "The current working mode", "A chosen set"
@@ -49,6 +46,7 @@ class WorkspacePanel(Panel):
     def __init__(self, desk: Desk, sheet: Sheet) -> None:
         gui, review = desk.gui, sheet.view.review
         self._desk = desk
+        self._known = review.mechanism.modes
         self._switches: dict[str, viser.GuiCheckboxHandle] = {}
         self._opacities: list[tuple[tuple[str, ...], viser.GuiSliderHandle[float]]] = []
         specs = review.mechanism.solids(review.design)
@@ -125,32 +123,13 @@ class WorkspacePanel(Panel):
             self._desk.send(ChooseModes("all" if choice == ALL else "current"), client)
 
     def _choose_set(self, text: str, client: viser.ClientHandle | None) -> None:
-        self._desk.send(ChooseModes(parse_modes(text, len(self._whole))), client)
+        self._desk.send(ChooseModes(matching(text, self._known)), client)
 
     def _show_all(
         self, specs: tuple[SolidSpec, ...], on: bool, client: viser.ClientHandle | None
     ) -> None:
         for key in self._whole:
             self._desk.send(Show(key, on), client)
-
-
-def parse_modes(text: str, limbs: int) -> tuple[str, ...]:
-    """Working modes as a person types them: "+?+++, −−+++", where ? stands for either sign.
-
-    Raises:
-        InputError: something in it is not a working mode; the message says what.
-    """
-    modes: dict[str, None] = {}
-    for word in re.split(r"[,;\s]+", text.strip()):
-        plain = word.replace("−", "-").replace("–", "-")
-        if len(plain) != limbs or set(plain) - set("+-?"):
-            raise InputError(
-                f"{word!r} is not a working mode; write one sign (+, − or ? for either) for each "
-                f"of the {limbs} limbs, as {'+' * limbs}"
-            )
-        for signs in product(*("+-" if sign == "?" else sign for sign in plain)):
-            modes["".join(signs)] = None
-    return tuple(modes)
 
 
 def _choice(sheet: Sheet) -> str:

@@ -68,7 +68,7 @@ def test_help_names_every_command(bohemia: Run) -> None:
     done = bohemia("--help")
     assert done.code == 0
     assert done.stderr == ""
-    for command in ("serve", "designs", "ik", "workspace", "vertex-space"):
+    for command in ("serve", "designs", "ik", "fk", "workspace", "vertex-space"):
         assert re.search(rf"^ +{command}\b", done.stdout, re.M), command
         assert bohemia(command, "--help").code == 0
 
@@ -120,7 +120,7 @@ def test_version(bohemia: Run) -> None:
     ("arguments", "said"),
     [
         (["ikk"], "there is no command 'ikk'; did you mean 'ik'"),
-        (["qqq"], "there are serve, designs, ik, workspace, vertex-space"),
+        (["qqq"], "there are serve, designs, ik, fk, workspace, vertex-space"),
         (["ik"], "required: DESIGN, --pose"),
         (["ik", "rpur-table1"], "required: --pose"),
         (["ik", "rpur-table1", "--pose"], "--pose: expected one argument"),

@@ -1,0 +1,188 @@
+"""What the command line says in words and tables: results → text. Angles are degrees here."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import degrees, isfinite, radians
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from kinematics.mechanism import Coordinate
+    from kinematics.solids import BuiltSolid
+    from kinematics.solutions import ForwardSolutions, Posture, Reason
+
+
+def unit(axis: Coordinate) -> str:
+    """The unit that people read and write."""
+    return "degrees" if axis.unit == "rad" else axis.unit
+
+
+def key(axis: Coordinate) -> str:
+    """The coordinate's key in JSON, which names degrees."""
+    return f"{axis.key}_deg" if axis.unit == "rad" else axis.key
+
+
+def inner(value: float, axis: Coordinate) -> float:
+    """mm stay, degrees become radians."""
+    return radians(value) if axis.unit == "rad" else value
+
+
+def outer(values: Sequence[float], axes: Sequence[Coordinate]) -> list[float]:
+    """mm stay, radians become degrees."""
+    return [
+        degrees(value) if axis.unit == "rad" else float(value)
+        for value, axis in zip(values, axes, strict=True)
+    ]
+
+
+def with_units(typed: Sequence[float], axes: Sequence[Coordinate]) -> str:
+    """Numbers in people's units, each with its symbol: "x = -10 mm, θ = 3°"."""
+    return ", ".join(
+        f"{axis.symbol} = {value:g}{'°' if axis.unit == 'rad' else ' mm'}"
+        for value, axis in zip(typed, axes, strict=True)
+    )
+
+
+def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Columns as wide as their widest cell."""
+    widths = [max(map(len, column)) for column in zip(header, *rows, strict=True)]
+    return "\n".join(
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in (header, *rows)
+    )
+
+
+def beyond_stroke(value: float, axis: Coordinate) -> str:
+    """Says that a joint (mm or rad) lies outside its stroke."""
+    shown, low, high = (outer([v], [axis])[0] for v in (value, axis.lower, axis.upper))
+    mark = "°" if axis.unit == "rad" else " mm"
+    return f"{axis.symbol} = {shown:g}{mark} is outside its stroke, {low:g} to {high:g}{mark}"
+
+
+def inverse_text(
+    closing: Sequence[Posture], nearest: Posture, joints: Sequence[Coordinate], reachable: bool
+) -> str:
+    """The working modes that close at a pose, and how many of them are within the strokes."""
+    lines = [""]
+    if closing:
+        header = ["mode", *(f"{j.symbol} ({unit(j)})" for j in joints), "within its stroke"]
+        symbols = {joint.limb: joint.symbol for joint in joints}
+        rows = [
+            (
+                posture.mode,
+                *(f"{joint:.4f}" for joint in outer(posture.joints, joints)),
+                ", ".join(_beyond(reason, symbols) for reason in posture.reasons) or "yes",
+            )
+            for posture in closing
+        ]
+        lines += [table(header, rows), ""]
+    if reachable:
+        count = sum(posture.reachable for posture in closing)
+        lines.append(f"Reachable in {count} of {len(closing)} working modes.")
+    else:
+        where = f" The nearest working mode is {nearest.mode}:" if closing else ""
+        lines.append(f"Not reachable in any working mode.{where}")
+        lines += [f"  {reason.text}" for reason in nearest.reasons]
+    return "\n".join(lines)
+
+
+def _beyond(reason: Reason, symbols: dict[int | None, str]) -> str:
+    """A reason short enough for a table: "ρ₃ 40.3 too long"."""
+    direction = "too short" if reason.bound == "rho_min" else "too long"
+    return f"{symbols.get(reason.limb, f'limb {reason.limb}')} {reason.amount:.1f} {direction}"
+
+
+def forward_text(found: ForwardSolutions, shown: Sequence[int], axes: Sequence[Coordinate]) -> str:
+    """Solutions ``shown`` (indices, in this order) as a table, and what is known of the set."""
+    lines = [""]
+    if shown:
+        header = [
+            *(["mode"] if any(found.modes) else []),
+            *(f"{axis.symbol} ({'°' if axis.unit == 'rad' else axis.unit})" for axis in axes),
+            "condition",
+            "within strokes",
+            "remark",
+        ]
+        rows = [
+            (
+                *([found.modes[n]] if any(found.modes) else []),
+                *(f"{v:.4f}" for v in outer(found.poses[n], axes)),
+                condition_text(float(found.condition[n])),
+                "yes" if found.within_stroke[n] else "no",
+                remark(int(found.multiplicity[n]), float(found.gap[n])),
+            )
+            for n in shown
+        ]
+        lines += [table(header, rows), ""]
+    lines += [motion.text for motion in found.self_motions]
+    lines += found.notes
+    if len(shown) < len(found):
+        lines.append(f"{len(shown)} of {len(found)} real solutions are within the strokes.")
+    lines.append(counted(found))
+    return "\n".join(lines)
+
+
+def counted(found: ForwardSolutions) -> str:
+    """ "34 real of 1560 complex solutions (complete: …); how; 0.31 s"."""
+    real = sum(int(m) for m in found.multiplicity)
+    doubles = f", {len(found)} of them distinct" if real != len(found) else ""
+    return (
+        f"{real} real{doubles} of {found.complex_count} complex solutions ({known(found)}); "
+        f"{found.method}; {seconds_text(found.seconds)}"
+    )
+
+
+def known(found: ForwardSolutions) -> str:
+    """Whether the solutions are all of them, and how that is known."""
+    if found.complete:
+        return "complete: count and conjugation closure hold"
+    if found.expected_count is None:
+        return "not known to be complete"
+    return f"not known to be complete: {found.expected_count} are expected"
+
+
+def remark(multiplicity: int, gap: float, near: float = 0.5) -> str:
+    """What is particular about one solution; "" as a rule. ``gap`` and ``near`` in mm."""
+    if multiplicity > 1:
+        return f"{_TIMES.get(multiplicity, f'{multiplicity}-fold')} solution"
+    return f"near-double: another {gap:.2g} mm away" if gap < near else ""
+
+
+_TIMES = {2: "double", 3: "triple"}
+
+
+def condition_text(value: float) -> str:
+    """Three digits as a rule; infinite at a singularity."""
+    if not isfinite(value):
+        return "singular"
+    return f"{value:.3g}" if value < 1e4 else f"{value:.0e}"
+
+
+def seconds_text(value: float) -> str:
+    """ms below a tenth of a second."""
+    return f"{value:.2f} s" if value >= 0.1 else f"{1e3 * value:.1f} ms"
+
+
+def solid_text(
+    built: BuiltSolid, title: str, where: str, modes: tuple[str, ...] | None, file: str | None
+) -> str:
+    """What a solid is; ``modes`` is None for all, () where they do not matter."""
+    if modes is None:
+        where += ", all working modes"
+    elif modes:
+        where += f", working mode {', '.join(modes)}"
+    pieces = ", ".join(_volume(piece.volume) for piece in built.pieces)
+    lines = [
+        f"{title} {where}",
+        f"volume     {_volume(built.volume)} ± {_volume(built.volume_error)}",
+        f"pieces     {len(built.pieces)}" + (f": {pieces}" if len(built.pieces) > 1 else ""),
+        f"triangles  {built.triangles}" + ("" if built.watertight else ", not watertight"),
+    ]
+    if file is not None:
+        lines.append(f"file       {file} (mm, base coordinates)")
+    return "\n".join(lines)
+
+
+def _volume(value: float) -> str:
+    number = f"{value:,.0f}".replace(",", "\u202f") if value >= 100 else f"{value:.3g}"
+    return f"{number} mm³"
