@@ -93,8 +93,8 @@ class Arrangements:
 
 
 @dataclass(frozen=True, slots=True)
-class _Class:
-    """Same-mode forward kinematics of a simplified class."""
+class SimplifiedClass:
+    """Same-mode forward kinematics of a simplified class: how many θ, how many solutions."""
 
     angles: int
     solutions: int
@@ -103,16 +103,16 @@ class _Class:
 
 # Counts of θ and of all complex solutions in which each group stands in one mode. For {A1A2} the
 # paper states 48 (section 3.2): the two solutions for B1 and B2 are counted once there.
-_CLASSES = {
-    "{A1A1}": _Class(8, 96, True),
-    "{A1A2}": _Class(8, 96, True),
-    "{A1A3}": _Class(12, 144, False),
-    "{A2A2}": _Class(8, 96, False),
-    "{A2A3}": _Class(12, 144, False),
-    "{A3A3}": _Class(16, 192, False),
-    "{MpA1}": _Class(4, 96, True),
-    "{MpA2}": _Class(4, 96, True),
-    "{MpA3}": _Class(6, 144, False),
+CLASSES = {
+    "{A1A1}": SimplifiedClass(8, 96, True),
+    "{A1A2}": SimplifiedClass(8, 96, True),
+    "{A1A3}": SimplifiedClass(12, 144, False),
+    "{A2A2}": SimplifiedClass(8, 96, False),
+    "{A2A3}": SimplifiedClass(12, 144, False),
+    "{A3A3}": SimplifiedClass(16, 192, False),
+    "{MpA1}": SimplifiedClass(4, 96, True),
+    "{MpA2}": SimplifiedClass(4, 96, True),
+    "{MpA3}": SimplifiedClass(6, 144, False),
 }
 
 
@@ -392,7 +392,7 @@ def _group_finding(group: Group) -> Finding:
 
 
 def _class_findings(design: FiveRPURDesign, found: Arrangements) -> list[Finding]:
-    known = _CLASSES.get(found.name)
+    known = CLASSES.get(found.name)
     if known is None or found.reasons:
         if found.groups or found.reasons:
             return []
