@@ -63,7 +63,7 @@ def same_mode_roots(design: FiveRPURDesign, joints: ArrayLike) -> tuple[Complex,
     machine = _machine(design)
     rho2 = np.ascontiguousarray(parameters(design, joints).rho2)
     parts = [_solve(machine, rho2[:, chunk]) for chunk in _chunks(machine, rho2.shape[1])]
-    found = np.concatenate(parts, axis=2) if parts else np.empty((UNKNOWNS, 0, 0), dtype=complex)
+    found = np.concatenate(parts, axis=1) if parts else np.empty((UNKNOWNS, 0, 0), dtype=complex)
     good = np.isfinite(found).all(axis=0)
     owner = np.broadcast_to(np.arange(found.shape[1]), found.shape[1:])
     return found[:, good], owner[good]
