@@ -65,7 +65,7 @@ def same_mode_roots(design: FiveRPURDesign, joints: ArrayLike) -> tuple[Complex,
     parts = [_solve(machine, rho2[:, chunk]) for chunk in _chunks(machine, rho2.shape[1])]
     found = np.concatenate(parts, axis=1) if parts else np.empty((UNKNOWNS, 0, 0), dtype=complex)
     good = np.isfinite(found).all(axis=0)
-    owner = np.broadcast_to(np.arange(found.shape[1]), found.shape[1:])
+    owner = np.broadcast_to(np.arange(found.shape[1])[:, None], found.shape[1:])
     return found[:, good], owner[good]
 
 
