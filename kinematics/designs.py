@@ -18,6 +18,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NoReturn, cast
 
+from kinematics.assets import asset_folder
 from kinematics.errors import DesignError, InputError
 from kinematics.mechanism import Design, DesignField, mechanism, mechanism_kinds
 
@@ -283,10 +284,7 @@ def _preset(name: str) -> Design:
 
 @cache
 def _preset_paths() -> dict[str, Path]:
-    here = Path(__file__).parent
-    wheel = here / "_assets"  # where a wheel carries the assets
-    folder = (wheel if wheel.is_dir() else here.parent / "assets") / "designs"
-    return {path.stem: path for path in sorted(folder.glob("*.toml"))}
+    return {path.stem: path for path in sorted(asset_folder("designs").glob("*.toml"))}
 
 
 def _path_text(path: Sequence[str | int], end: str = ": ") -> str:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Protocol, Self
+from typing import NamedTuple, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,10 @@ class Homotopy(Protocol):
         """Newton's step at fixed t and du/dt, (K, N) each, at u (K, N) and t (N,)."""
         ...
 
+    def extent(self, u: Complex) -> Real:
+        """How far out the points are, (N,) > 0: grows without bound only towards infinity."""
+        ...
+
     def take(self, columns: Index) -> Self:
         """The homotopy of some of the paths."""
         ...
@@ -53,49 +57,60 @@ class Control:
         first: the first step in t.
         error: largest first correction of a step, relative to max(1, |u|).
         contraction: largest ratio of the second correction to the first.
-        shortest: a step below this is given up, as a part of 1 − t.
+        shortest: a step below this part of 1 − t is given up.
         most: steps after which a path is given up.
-        ends: how close Newton's method has to settle at t = 1.
+        edge: 1 − t at which a path that has not arrived is judged by its growth.
     """
 
     first: float = 0.05
-    error: float = 2e-2
+    error: float = 5e-2
     contraction: float = 0.1
-    shortest: float = 1e-6
-    most: int = 400
-    ends: float = 1e-11
+    shortest: float = 1e-7
+    most: int = 1000
+    edge: float = 1e-10
 
 
-CAREFUL = Control(first=0.01, error=2e-3, contraction=0.03, shortest=1e-9, most=4000)
+CAREFUL = Control(first=0.005, error=2e-3, contraction=0.02, shortest=1e-10, most=8000)
 """For paths that have to be followed again."""
+
+_ROUNDING = 1e-10  # a correction below this may be rounding, far out where paths are ill-conditioned
+_AIM = 0.25  # of what is allowed, for the next step
+_SPAN = 10.0  # ratio of 1 − t between the marks by which a path's growth is judged
+_NEAR_END = 1e-4  # 1 − t below which a path that is stuck may be judged
+_FAR = 1e3  # extent beyond which it may be judged earlier, as it is ill-conditioned out there
+_GROWS = 0.04  # growth exponent beyond which a path runs off; at least 1/winding number if so
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Tracked:
-    """Where paths led: values (K, N), `Ending` (N,), the last correction (N,), steps (N,)."""
+    """Where paths led.
+
+    Attributes:
+        values: (K, N) at t = 1, or where a path was left.
+        endings: (N,) `Ending`.
+        error: (N,) the last correction, relative.
+        steps: (N,) steps taken and tried.
+    """
 
     values: Complex
     endings: NDArray[np.int8]
     error: Real
     steps: NDArray[np.int32]
 
-    def count(self, ending: Ending) -> int:
-        """How many paths ended so."""
-        return int(np.count_nonzero(self.endings == ending))
+    def ended(self, ending: Ending) -> Index:
+        """Which paths ended so."""
+        return np.flatnonzero(self.endings == ending)
 
 
 def solve_columns(matrix: Complex, right: Complex) -> Complex:
-    """Solutions x (K, M, N) of A x = b for A (K, K, N) and b (K, M, N), column by column of N.
+    """Solutions x (K, M, N) of A x = b for A (K, K, N) and b (K, M, N), for each of N.
 
-    Elimination without a search for pivots: far quicker along the columns than a solver call
+    Elimination without a search for pivots: far quicker along the columns than one solver call
     each. A bad pivot spoils a single Newton step, which is seen in the next.
     """
     size = matrix.shape[0]
-    a = [[matrix[i, j] for j in range(size)] for i in range(size)]
-    x = [right[i] for i in range(size)]
-    inverses = []
     rows: list[Complex] = [np.concatenate([matrix[i], right[i]]) for i in range(size)]
-    del a, x
+    inverses = []
     for k in range(size):
         inverse = 1.0 / rows[k][k]
         inverses.append(inverse)
@@ -103,17 +118,16 @@ def solve_columns(matrix: Complex, right: Complex) -> Complex:
             rows[i][k + 1 :] -= (rows[i][k] * inverse) * rows[k][k + 1 :]
     answer = np.empty(right.shape, dtype=complex)
     for k in range(size - 1, -1, -1):
-        x_k = rows[k][size:]
+        rest = rows[k][size:]
         for j in range(k + 1, size):
-            x_k -= rows[k][j] * answer[j]
-        np.multiply(x_k, inverses[k], out=answer[k])
+            rest -= rows[k][j] * answer[j]
+        np.multiply(rest, inverses[k], out=answer[k])
     return answer
 
 
-def size_of(du: Complex, u: Complex) -> Real:
-    """The size of steps relative to max(1, |u|), unknown by unknown: the largest, (N,)."""
-    scale = np.maximum(_modulus(u), 1.0)
-    ratio: Real = (_modulus(du) / scale).max(axis=0)
+def relative_size(du: Complex, u: Complex) -> Real:
+    """The size of steps relative to max(1, |u|), the largest over the unknowns: (N,)."""
+    ratio: Real = (_modulus(du) / np.maximum(_modulus(u), 1.0)).max(axis=0)
     return ratio
 
 
@@ -121,104 +135,175 @@ def _modulus(u: Complex) -> Real:
     return np.sqrt(u.real * u.real + u.imag * u.imag)
 
 
-def refine(homotopy: Homotopy, u: Complex, t: Complex | Real, rounds: int) -> tuple[Complex, Real]:
-    """Newton's method at fixed t; the points and the size of their last correction."""
-    error = np.full(u.shape[1], np.inf)
-    for _ in range(rounds):
-        du, _ = homotopy.step(u, t)
-        u = u + du
-        error = size_of(du, u)
-    return u, error
-
-
-def track(homotopy: Homotopy, starts: Complex, control: Control = Control()) -> Tracked:
+def track(homotopy: Homotopy, starts: Complex, control: Control | None = None) -> Tracked:
     """Follow all paths from solutions at t = 0, (K, N), to t = 1."""
-    with np.errstate(all="ignore"):  # a path at infinity is found out, not warned about
-        return _Tracker(homotopy, starts, control).run()
+    with np.errstate(all="ignore"):  # a path that runs off is found out, not warned about
+        return _Tracker(homotopy, starts, control or Control()).run()
+
+
+class _Mark(NamedTuple):
+    """How far out the paths were when 1 − t was ``rest``."""
+
+    extent: Real
+    rest: Real
+
+    def take(self, keep: Index) -> _Mark:
+        return _Mark(self.extent[keep], self.rest[keep])
+
+
+@dataclass(eq=False, slots=True)
+class _Paths:
+    """The paths under way; ``back`` is the place before."""
+
+    index: Index
+    homotopy: Homotopy
+    u: Complex
+    tangent: Complex
+    t: Real
+    h: Real
+    back: Complex
+    back_tangent: Complex
+    back_h: Real
+    fresh: NDArray[np.bool_]
+    steps: NDArray[np.int32]
+    marks: tuple[_Mark, _Mark]  # the older one first
+
+    def take(self, keep: Index) -> _Paths:
+        return _Paths(
+            self.index[keep],
+            self.homotopy.take(keep),
+            self.u[:, keep],
+            self.tangent[:, keep],
+            self.t[keep],
+            self.h[keep],
+            self.back[:, keep],
+            self.back_tangent[:, keep],
+            self.back_h[keep],
+            self.fresh[keep],
+            self.steps[keep],
+            (self.marks[0].take(keep), self.marks[1].take(keep)),
+        )
 
 
 class _Tracker:
     def __init__(self, homotopy: Homotopy, starts: Complex, control: Control) -> None:
         count = starts.shape[1]
         self.control = control
-        self.homotopy = homotopy
         self.values = starts.astype(complex)
         self.endings = np.full(count, Ending.LOST, dtype=np.int8)
         self.error = np.full(count, np.inf)
         self.steps = np.zeros(count, dtype=np.int32)
+        zero = np.zeros(count)
+        newton, tangent = homotopy.step(self.values, zero)
+        u = self.values + newton
+        far = homotopy.extent(u)
+        self.paths = _Paths(
+            index=np.arange(count),
+            homotopy=homotopy,
+            u=u,
+            tangent=tangent,
+            t=zero,
+            h=np.full(count, control.first),
+            back=u,
+            back_tangent=tangent,
+            back_h=np.ones(count),
+            fresh=np.ones(count, dtype=bool),
+            steps=np.zeros(count, dtype=np.int32),
+            marks=(_Mark(far, zero + 1.0), _Mark(far.copy(), zero + 1.0)),
+        )
 
     def run(self) -> Tracked:
-        control = self.control
-        index = np.arange(self.values.shape[1])
-        active = self.homotopy
-        u = self.values.copy()
-        t = np.zeros(len(index))
-        newton, tangent = active.step(u, t)
-        u = u + newton
-        before, h0 = tangent, np.ones(len(index))  # a first step along the tangent
-        start = u
-        h = np.full(len(index), control.first)
-        fresh = np.ones(len(index), dtype=bool)
-        taken = np.zeros(len(index), dtype=np.int32)
-        for _ in range(control.most):
-            if not len(index):
+        for _ in range(self.control.most):
+            if not len(self.paths.index):
                 break
-            h = np.minimum(h, 1.0 - t)
-            guess = _predict(u, tangent, start, before, h0, h, fresh)
-            there = t + h
-            last = there >= 1.0 - 1e-14
-            there = np.where(last, 1.0, there)
-            du, _ = active.step(guess, there)
-            first = size_of(du, guess)
-            point = guess + du
-            du, slope = active.step(point, there)
-            second = size_of(du, point)
-            point = point + du
-            good = (first <= control.error) & (
-                second <= np.maximum(control.contraction * first, 1e-13)
-            )
-            good &= np.isfinite(first + second)
-            taken += 1
-            # accepted
-            start = np.where(good, u, start)
-            before = np.where(good, tangent, before)
-            h0 = np.where(good, h, h0)
-            u = np.where(good, point, u)
-            tangent = np.where(good, slope, tangent)
-            t = np.where(good, there, t)
-            order = np.where(fresh, 0.5, 0.25)
-            fresh = fresh & ~good
-            wanted = (0.25 * control.error / np.maximum(first, 1e-12)) ** order
-            wanted = np.minimum(wanted, (0.25 * control.contraction * first/ np.maximum(second, 1e-16)) ** 0.5 )
-            h = h * np.where(
-                good, np.clip(wanted, 0.4, 3.0), np.clip(np.nan_to_num(wanted, nan=0.2), 0.1, 0.5)
-            )
-            arrived = good & last
-            stuck = ~arrived & (h < control.shortest * np.maximum(1.0 - t, 1e-9))
-            out = arrived | stuck
-            if out.any():
-                who = index[out]
-                self.values[:, who] = u[:, out]
-                self.steps[who] = taken[out]
-                self.error[who] = second[out]
-                self.endings[index[arrived]] = Ending.REGULAR
-                keep = np.flatnonzero(~out)
-                index, u, t, tangent, start, before, h0, h, fresh, taken = (
-                    index[keep], u[:, keep], t[keep], tangent[:, keep], start[:, keep],
-                    before[:, keep], h0[keep], h[keep], fresh[keep], taken[keep],
-                )
-                active = active.take(keep)
+            self._advance()
+        if len(self.paths.index):
+            every = np.ones(len(self.paths.index), dtype=bool)
+            self._leave(~every, every)
         return Tracked(self.values, self.endings, self.error, self.steps)
 
+    def _advance(self) -> None:
+        """One step of every path."""
+        control, p = self.control, self.paths
+        h = np.minimum(p.h, 1.0 - p.t)
+        last = p.t + h >= 1.0 - 1e-15
+        there = np.where(last, 1.0, p.t + h)
+        guess = _predict(p, h)
+        step, _ = p.homotopy.step(guess, there)
+        point = guess + step
+        first = relative_size(step, point)
+        step, slope = p.homotopy.step(point, there)
+        point += step
+        second = relative_size(step, point)
+        good = (first <= control.error) & (
+            second <= np.maximum(control.contraction * first, _ROUNDING)
+        )
+        arrived = good & last
+        # Both corrections say how long the next step may be: the first grows as the predictor's
+        # error, the second as the square of the first.
+        room = (_AIM * control.error / np.maximum(first, 1e-12)) ** np.where(p.fresh, 0.5, 0.25)
+        sharp = _AIM * control.contraction * first / np.maximum(second, 1e-16)
+        room = np.minimum(room, np.sqrt(np.sqrt(sharp)))
+        room = np.where(np.isnan(room), 0.1, room)
+        p.h = h * np.where(good, np.clip(room, 0.4, 3.0), np.clip(room, 0.1, 0.5))
+        p.steps += 1
+        if good.all():
+            p.back, p.back_tangent, p.back_h = p.u, p.tangent, h
+            p.u, p.tangent, p.t = point, slope, there
+            p.fresh = np.zeros_like(good)
+        else:
+            g = np.flatnonzero(good)
+            p.back, p.back_tangent = p.back.copy(), p.back_tangent.copy()
+            p.u, p.tangent = p.u.copy(), p.tangent.copy()
+            p.back[:, g], p.back_tangent[:, g] = p.u[:, g], p.tangent[:, g]
+            p.u[:, g], p.tangent[:, g] = point[:, g], slope[:, g]
+            p.back_h = np.where(good, h, p.back_h)
+            p.t = np.where(good, there, p.t)
+            p.fresh = p.fresh & ~good
+        rest = 1.0 - p.t
+        self._mark(rest)
+        stuck = ~arrived & ((p.h < control.shortest * rest) | (rest < control.edge))
+        if arrived.any():
+            self.error[p.index[arrived]] = second[arrived]
+        if arrived.any() or stuck.any():
+            self._leave(arrived, stuck)
 
-def _predict(
-    u: Complex, tangent: Complex, start: Complex, before: Complex, h0: Real, h: Real, fresh: NDArray[np.bool_]
-) -> Complex:
-    """The cubic through the last two points and tangents (a line where there is only one)."""
-    s = h / h0
-    chord = (u - start) / h0
-    # u + h·[ tangent + s·(…) ] of the Hermite cubic, extrapolated
-    c2 = 2.0 * tangent + before - 3.0 * chord
-    c3 = tangent + before - 2.0 * chord
-    s = np.where(fresh, 0.0, s)
-    return u + h * (tangent + s * (c2 + s * c3))
+    def _mark(self, rest: Real) -> None:
+        """Note how far out the paths are, at every tenth of 1 − t."""
+        p = self.paths
+        older, newer = p.marks
+        due = np.flatnonzero(rest * _SPAN < newer.rest)
+        if due.size:
+            older.extent[due], older.rest[due] = newer.extent[due], newer.rest[due]
+            newer.extent[due], newer.rest[due] = p.homotopy.extent(p.u)[due], rest[due]
+
+    def _leave(self, arrived: NDArray[np.bool_], stuck: NDArray[np.bool_]) -> None:
+        p = self.paths
+        out = arrived | stuck
+        who = p.index[out]
+        self.values[:, who] = p.u[:, out]
+        self.steps[who] = p.steps[out]
+        self.endings[p.index[arrived]] = Ending.REGULAR
+        self.endings[p.index[stuck]] = self._judge()[stuck]
+        self.paths = p.take(np.flatnonzero(~out))
+
+    def _judge(self) -> NDArray[np.int8]:
+        """What the growth of the paths towards t = 1 says of their ends."""
+        p = self.paths
+        rest = np.maximum(1.0 - p.t, 1e-16)
+        older, extent = p.marks[0], p.homotopy.extent(p.u)
+        growth = np.log(extent / older.extent) / np.log(older.rest / rest)
+        near = (rest < _NEAR_END) | ((extent > _FAR) & (rest < 0.1))
+        runs_off = near & ((growth > _GROWS) | ~np.isfinite(growth))
+        kinds = np.where(runs_off, Ending.INFINITE, np.where(near, Ending.SINGULAR, Ending.LOST))
+        return kinds.astype(np.int8)
+
+
+def _predict(p: _Paths, h: Real) -> Complex:
+    """The cubic through the last two points and tangents; a line where there is only one."""
+    chord = (p.u - p.back) / p.back_h
+    s = np.where(p.fresh, 0.0, h / p.back_h)
+    square = 2.0 * p.tangent + p.back_tangent - 3.0 * chord
+    cube = p.tangent + p.back_tangent - 2.0 * chord
+    guess: Complex = p.u + h * (p.tangent + s * (square + s * cube))
+    return guess

@@ -17,6 +17,7 @@ the platform points: so all machines are of one size and near each other.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -25,7 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.five_rpur.inverse import wrap_angle
 from kinematics.spatial import Array
-from kinematics.tracking import solve_columns
+from kinematics.tracking import relative_size, solve_columns
 
 Complex = NDArray[np.complex128]
 
@@ -62,15 +63,14 @@ class Frame(NamedTuple):
 
     @classmethod
     def of(cls, design: FiveRPURDesign) -> Frame:
-        """The unit is the root mean square of the design's lengths."""
+        """The unit is a root mean square of the design's lengths, whatever the strokes."""
         base, platform = design.base.mean(axis=0), design.platform.mean(axis=0)
         squares = (
             ((design.base - base) ** 2).sum(axis=1).mean(),
             ((design.platform - platform) ** 2).sum(axis=1).mean(),
             (design.link**2).mean(),
-            (design.stroke.mean(axis=1) ** 2).mean(),
         )
-        return cls(float(np.sqrt(np.mean(squares))), base, platform)
+        return cls(float(np.sqrt(np.sum(squares))), base, platform)
 
 
 def parameters(design: FiveRPURDesign, joints: ArrayLike, frame: Frame | None = None) -> Parameters:
@@ -132,23 +132,32 @@ def _residuals(g: Parameters, t: Terms) -> tuple[Complex, Complex]:
 
 
 def matrix(t: Terms) -> Complex:
-    """q dF1 + p dF2 over (X, y, Z, φ, θ), free of dw: (5 limbs, 5 columns, n)."""
+    """q dF1 + p dF2 over (X, θ, y, Z, φ), free of dw: (5 limbs, 5 columns, n).
+
+    In this order no leading minor vanishes for good: limbs in one working mode of a simplified
+    arrangement have parallel entries in the last three columns.
+    """
     rows = np.empty((LIMBS, 5, t.p.shape[1]), dtype=complex)
     np.multiply(t.q, t.big_p, out=rows[:, 0])
-    np.multiply(t.p, t.big_y, out=rows[:, 1])
-    np.multiply(t.p, t.q, out=rows[:, 2])
-    np.multiply(t.p, t.q * t.my - t.big_y * t.mz, out=rows[:, 3])
-    np.multiply(t.q, t.big_p * t.b - t.p * t.a, out=rows[:, 4])
+    np.multiply(t.q, t.big_p * t.b - t.p * t.a, out=rows[:, 1])
+    np.multiply(t.p, t.big_y, out=rows[:, 2])
+    np.multiply(t.p, t.q, out=rows[:, 3])
+    np.multiply(t.p, t.q * t.my - t.big_y * t.mz, out=rows[:, 4])
     return rows
 
 
-def steps(u: Complex, t: Terms, *sides: tuple[Complex, Complex]) -> list[Complex]:
+def steps(
+    u: Complex,
+    t: Terms,
+    *sides: tuple[Complex, Complex],
+    solve: Callable[[Complex, Complex], Complex] = solve_columns,
+) -> list[Complex]:
     """du with dF1 = −f1 and dF2 = −f2 for every pair (f1, f2) of (5, n), halved as F1, F2 are."""
     rows = matrix(t)
     right = np.empty((LIMBS, len(sides), u.shape[1]), dtype=complex)
     for k, (f1, f2) in enumerate(sides):
         right[:, k] = -(t.q * f1 + t.p * f2)
-    angles = solve_columns(rows, right)
+    solved = solve(rows, right)
     # dw by least squares from its two equations, which agree: one of p, q may vanish.
     cp, cq = t.p.conj(), t.q.conj()
     weight = (t.p * cp + t.q * cq).real
@@ -156,12 +165,13 @@ def steps(u: Complex, t: Terms, *sides: tuple[Complex, Complex]) -> list[Complex
     turn, tilt = t.big_p * t.b - t.p * t.a, t.q * t.my - t.big_y * t.mz
     answer = []
     for k, (f1, f2) in enumerate(sides):
-        d = angles[:, k]
+        dx, dtheta, dy, dz, dphi = solved[:, k]
         du = np.empty_like(u)
-        du[:3] = d[:3]
-        du[PHI : THETA + 1] = 1j * u[PHI : THETA + 1] * d[3:]
-        e1 = f1 + t.big_p * d[0] + turn * d[4]
-        e2 = f2 + t.big_y * d[1] + t.q * d[2] + tilt * d[3]
+        du[X], du[Y], du[Z] = dx, dy, dz
+        du[PHI] = 1j * u[PHI] * dphi
+        du[THETA] = 1j * u[THETA] * dtheta
+        e1 = f1 + t.big_p * dx + turn * dtheta
+        e2 = f2 + t.big_y * dy + t.q * dz + tilt * dphi
         du[W] = cq * e2 - cp * e1
         answer.append(du)
     return answer
@@ -171,6 +181,35 @@ def newton_step(g: Parameters, u: Complex) -> Complex:
     """Newton's step of machines ``g`` at configurations u (10, n)."""
     t = terms(g, u)
     return steps(u, t, _residuals(g, t))[0]
+
+
+def polish(g: Parameters, u: Complex, *, rounds: int = 3) -> tuple[Complex, Array]:
+    """Newton's method with a pivoting solver: the points, and their last correction (n,)."""
+    error = np.full(u.shape[1], np.inf)
+    with np.errstate(all="ignore"):
+        for _ in range(rounds):
+            t = terms(g, u)
+            du = steps(u, t, _residuals(g, t), solve=_solve_pivoting)[0]
+            u = u + du
+            error = relative_size(du, u)
+    return u, error
+
+
+def _solve_pivoting(rows: Complex, right: Complex) -> Complex:
+    a, b = rows.transpose(2, 0, 1), right.transpose(2, 0, 1)
+    # Rows of one order; a singular matrix is made regular, its step is too long and seen.
+    size = np.abs(a).max(axis=2, keepdims=True)
+    size[~(size > 0.0)] = 1.0
+    a, b = a / size, b / size
+    bad = ~np.isfinite(a).all(axis=(1, 2)) | ~np.isfinite(b).all(axis=(1, 2))
+    if bad.any():
+        a, b = np.where(bad[:, None, None], np.eye(5), a), np.where(bad[:, None, None], 1.0, b)
+    try:
+        x = np.linalg.solve(a, b)
+    except np.linalg.LinAlgError:
+        x = np.linalg.solve(a + 1e-15 * np.eye(5), b)
+    answer: Complex = x.transpose(1, 2, 0)
+    return answer
 
 
 class Deformation:
@@ -232,6 +271,14 @@ class Deformation:
             f2 += at.q * (dg.sy * at.sin_phi + dg.sz * at.cos_phi)
         newton, tangent = steps(u, at, _residuals(g, at), (f1, f2))
         return newton, tangent
+
+
+    def extent(self, u: Complex) -> Array:
+        """The largest of all moduli and of 1/|e^{iφ}|, 1/|e^{iθ}|, (n,)."""
+        size = np.abs(u)
+        angles = size[PHI : THETA + 1]
+        answer: Array = np.maximum(size.max(axis=0), (1.0 / angles).max(axis=0))
+        return answer
 
 
 _NOTHING = np.zeros((1, 1))

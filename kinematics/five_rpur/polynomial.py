@@ -18,7 +18,7 @@ from kinematics.spatial import Array
 Complex = NDArray[np.complex128]
 
 _ROUNDS = 80  # of the iteration; it takes 8 or so, more where roots coincide
-_SETTLED = 1e-9  # relative correction after which cubic convergence leaves only rounding
+_SETTLED = 1e-6  # relative correction after which cubic convergence leaves only rounding
 _COMPANION = 4500  # n² × columns up to which LAPACK is the quicker
 _SPREAD = 1e8  # of the coefficients over the leading one, up to which it is accurate
 _NO_LEAD = 1e-30  # of the largest coefficient: what stands in for a leading one that is 0
@@ -88,11 +88,11 @@ def _step(c: Complex, z: Complex) -> Complex:
         value *= z
         value += c[power]
     i, j = _pairs(degree)
-    inverse = _reciprocal(z[i] - z[j])
+    inverse = 1.0 / (z[i] - z[j])
     table = np.zeros((degree, *z.shape), dtype=complex)
     table[i, j] = inverse
     table[j, i] = -inverse
-    return value * _reciprocal(slope - value * table.sum(axis=1))
+    return value / (slope - value * table.sum(axis=1))
 
 
 def _starts(c: Complex) -> Complex:
@@ -118,10 +118,4 @@ def _pairs(count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
 def modulus(z: Complex) -> Array:
     """|z|, several times as quick as np.abs, for numbers whose squares are in range."""
     answer: Array = np.sqrt(z.real * z.real + z.imag * z.imag)
-    return answer
-
-
-def _reciprocal(z: Complex) -> Complex:
-    answer: Complex = z.conj()
-    answer /= z.real * z.real + z.imag * z.imag
     return answer

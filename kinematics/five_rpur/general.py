@@ -1,0 +1,309 @@
+"""Every complex solution of the forward kinematics of any 5-RPUR, by a parameter homotopy.
+
+A design's own start set is all solutions for its geometry and complex actuator lengths. It is
+made once, by following the start set of the design's family (`kinematics.five_rpur.families`).
+From there only the lengths have to move, which takes a few steps a path.
+
+That nothing is missing is seen from the count, every path accounted for, and from the set being
+closed under complex conjugation, as that of a real machine must be. Paths that are lost, or that
+end at one solution together, are followed again with care, then around through other complex
+lengths, and the union is taken.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
+from kinematics.five_rpur.equations import (
+    Complex,
+    Deformation,
+    Parameters,
+    conjugate,
+    parameters,
+    polish,
+    signature,
+)
+from kinematics.five_rpur.families import StartSet, kept_set, membership, start_set
+from kinematics.spatial import Array
+from kinematics.tracking import CAREFUL, Control, Ending, Tracked, relative_size, track
+
+SAME = 1e-7
+"""Relative distance below which two complex solutions are one."""
+_REGULAR = 1e-9  # largest last correction of a regular solution, relative
+_STAYS = 1e-2  # largest way from a path's end to the solution it is taken for, relative
+_KEPT = 16  # own start sets in memory
+_DETOURS = 4
+_QUICK = Control(first=0.2)  # from a start set with the same geometry
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Roots:
+    """All complex solutions at one vector of lengths.
+
+    Attributes:
+        values: (10, M) distinct ones, regular first.
+        multiplicity: (M,) how many paths end there.
+        infinite: paths that run off to infinity.
+        lost: paths that could not be followed to their end.
+        expected: how many paths there were.
+        closed: the conjugate of every solution is one.
+        whole: nothing is missing in the set that the paths began from.
+        detours: how often some paths had to be followed again.
+    """
+
+    values: Complex
+    multiplicity: NDArray[np.intp]
+    infinite: int
+    lost: int
+    expected: int
+    closed: bool
+    whole: bool
+    detours: int
+
+    @property
+    def count(self) -> int:
+        """Finite solutions with their multiplicity."""
+        return int(self.multiplicity.sum())
+
+    @property
+    def complete(self) -> bool:
+        """Every path is accounted for, and the set is closed under conjugation."""
+        accounted = self.lost == 0 and self.count + self.infinite == self.expected
+        return accounted and self.closed and self.whole
+
+
+# --- a design's own start set ---------------------------------------------------------------
+
+_own: OrderedDict[tuple[object, ...], StartSet] = OrderedDict()
+
+
+def own_start_set(design: FiveRPURDesign) -> StartSet:
+    """All solutions for a design's geometry at complex lengths; kept for the next call."""
+    key = tuple((limb.base, limb.platform, limb.link) for limb in design.limbs)
+    found = _own.get(key)
+    if found is None:
+        found = kept_set(design) or make_own(design)
+        _own[key] = found
+        while len(_own) > _KEPT:
+            _own.popitem(last=False)
+    _own.move_to_end(key)
+    return found
+
+
+def has_own_start_set(design: FiveRPURDesign) -> bool:
+    """The design's own start set is at hand, so that solving it takes a tenth of a second."""
+    key = tuple((limb.base, limb.platform, limb.link) for limb in design.limbs)
+    return key in _own or kept_set(design) is not None
+
+
+def make_own(design: FiveRPURDesign) -> StartSet:
+    """Follow the family's start set to the design's geometry."""
+    start = start_set(membership(design))
+    target = parameters(design, np.zeros(LIMBS))
+    target = target._replace(rho2=_complex_lengths(target))
+    target = Parameters(*(v.astype(complex) for v in target))
+    found = _solve(start, target, real=False)
+    return StartSet(target, found.values[:, found.multiplicity == 1], found.complete)
+
+
+def _complex_lengths(g: Parameters) -> Complex:
+    """ρ² of a start set: as long as actuators are, and well away from the real ones."""
+    turns = np.array([0.9, -1.3, 0.5, 1.7, -0.7])[:, None]
+    size = 1.0 + float(np.mean(np.abs(g.rx) ** 2 + np.abs(g.rz) ** 2))
+    lengths: Complex = size * np.array([1.1, 0.8, 1.3, 0.9, 1.0])[:, None] * np.exp(1j * turns)
+    return lengths
+
+
+# --- solving --------------------------------------------------------------------------------
+
+
+def roots_at(design: FiveRPURDesign, joints: ArrayLike) -> Roots:
+    """All complex solutions for actuator lengths (5,), mm."""
+    start = own_start_set(design)
+    return _solve(start, _moved(start.parameters, design, joints), real=True, control=_QUICK)
+
+
+def roots_from(
+    design: FiveRPURDesign, known: Complex, before: ArrayLike, joints: ArrayLike
+) -> Roots:
+    """The same from all solutions ``known`` at the lengths ``before``: quicker if they are near.
+
+    The way leads around through complex lengths, as real solutions merge on a straight one.
+    """
+    own = own_start_set(design).parameters
+    start = StartSet(_moved(own, design, before), known)
+    target = _moved(own, design, joints)
+    size = float(np.abs(target.rho2 - start.parameters.rho2).max())
+    return _solve(start, target, real=True, bend=size * _bend(0), control=_QUICK)
+
+
+def _moved(own: Parameters, design: FiveRPURDesign, joints: ArrayLike) -> Parameters:
+    return own._replace(rho2=parameters(design, joints).rho2.astype(complex))
+
+
+def _bend(n: int) -> Complex:
+    """A way around through complex lengths, another for every n; of size 1."""
+    angles = np.array([1.0, 2.1, 1.6, 0.7, 1.9]) + 2.399963 * n * np.arange(1, LIMBS + 1)
+    bend: Complex = np.exp(1j * angles)[:, None] * (1.0 + 0.5 * n)
+    return bend
+
+
+def _solve(
+    start: StartSet,
+    target: Parameters,
+    *,
+    real: bool,
+    bend: Complex | None = None,
+    control: Control | None = None,
+) -> Roots:
+    def followed(columns: NDArray[np.intp], way: Complex | None, how: Control | None) -> Tracked:
+        deformation = Deformation(start.parameters, target, _only_lengths(way))
+        return track(deformation, start.roots[:, columns], how)
+
+    paths = start.roots.shape[1]
+    ends = followed(np.arange(paths), bend, control)
+    values, endings = ends.values.copy(), ends.endings.copy()
+    _settle(target, values, endings)
+    detours = 0
+    for n in range(_DETOURS):
+        again = _doubtful(values, endings)
+        if not again.size:
+            break
+        detours += 1
+        way = bend if n == 0 else _bend(n)
+        ends = followed(again, way, CAREFUL)
+        values[:, again], endings[again] = ends.values, ends.endings
+        _settle(target, values, endings, again)
+    return _gathered(
+        target, values, endings, detours=detours, whole=start.complete, real=real
+    )
+
+
+def _only_lengths(bend: Complex | None) -> Parameters | None:
+    if bend is None:
+        return None
+    nothing = np.zeros((1, 1))
+    return Parameters(*[nothing] * 7, bend)
+
+
+def _settle(
+    target: Parameters,
+    values: Complex,
+    endings: NDArray[np.int8],
+    columns: NDArray[np.intp] | None = None,
+) -> None:
+    """Bring the ends down to rounding: what settles at once is a regular solution, else not."""
+    chosen = endings != Ending.LOST
+    if columns is not None:
+        some = np.zeros_like(chosen)
+        some[columns] = True
+        chosen &= some
+    who = np.flatnonzero(chosen)
+    if not who.size:
+        return
+    ends, error = polish(target, values[:, who])
+    settled = (error <= _REGULAR) & (relative_size(ends - values[:, who], ends) < _STAYS)
+    values[:, who[settled]] = ends[:, settled]
+    arrived = endings[who] == Ending.REGULAR
+    endings[who[settled]] = Ending.REGULAR
+    endings[who[arrived & ~settled]] = Ending.SINGULAR
+
+
+def _doubtful(values: Complex, endings: NDArray[np.int8]) -> NDArray[np.intp]:
+    """Paths that were lost, and those that claim the same regular solution."""
+    regular = np.flatnonzero(endings == Ending.REGULAR)
+    groups = cluster(values[:, regular])
+    crowded = regular[np.bincount(groups)[groups] > 1] if regular.size else regular
+    return np.sort(np.concatenate([np.flatnonzero(endings == Ending.LOST), crowded]))
+
+
+def cluster(values: Complex, distance: float = SAME) -> NDArray[np.intp]:
+    """Labels 0 … m − 1 of solutions (10, n): the same for those within a relative distance."""
+    count = values.shape[1]
+    labels = np.arange(count)
+    if count < 2:
+        return labels
+    marks = signature(values)
+    order = np.argsort(marks.real)
+    sorted_marks, ordered = marks[order], values[:, order]
+    scale = distance * (1.0 + np.abs(sorted_marks))
+    for k in range(1, count):  # ends at once unless many share a real part
+        near = sorted_marks[k:].real - sorted_marks[:-k].real <= 16.0 * scale[k:]
+        if not near.any():
+            break
+        left = np.flatnonzero(near)
+        away = relative_size(ordered[:, left] - ordered[:, left + k], ordered[:, left])
+        for i in left[away <= distance]:
+            one, two = labels[order[i]], labels[order[i + k]]
+            if one != two:
+                labels[labels == max(one, two)] = min(one, two)
+    return np.unique(labels, return_inverse=True)[1].astype(np.intp)
+
+
+def _gathered(
+    target: Parameters,
+    values: Complex,
+    endings: NDArray[np.int8],
+    *,
+    detours: int,
+    whole: bool,
+    real: bool,
+) -> Roots:
+    paths = values.shape[1]
+    regular = values[:, endings == Ending.REGULAR]
+    groups = cluster(regular)
+    regular = regular[:, np.unique(groups, return_index=True)[1]] if groups.size else regular
+    if real:
+        regular = _with_conjugates(target, regular)
+    singular = _singular_ends(target, values[:, endings == Ending.SINGULAR])
+    groups = cluster(singular, 1e-4)
+    firsts = np.unique(groups, return_index=True)[1] if groups.size else groups
+    found = np.concatenate([regular, singular[:, firsts]], axis=1)
+    weights = np.bincount(groups) if groups.size else np.zeros(0, dtype=np.intp)
+    infinite = int(np.count_nonzero(endings == Ending.INFINITE))
+    return Roots(
+        values=found,
+        multiplicity=np.concatenate([np.ones(regular.shape[1], dtype=np.intp), weights]),
+        infinite=infinite,
+        lost=max(paths - infinite - regular.shape[1] - singular.shape[1], 0),
+        expected=paths,
+        closed=not real or _closed(found),
+        whole=whole,
+        detours=detours,
+    )
+
+
+def _singular_ends(target: Parameters, values: Complex) -> Complex:
+    """Newton's method halves the way to a double solution at every step; some steps are enough."""
+    if not values.size:
+        return values
+    ends, _ = polish(target, values, rounds=24)
+    strayed = ~(relative_size(ends - values, values) < _STAYS)
+    ends[:, strayed] = values[:, strayed]
+    return ends
+
+
+def _with_conjugates(target: Parameters, regular: Complex) -> Complex:
+    """The conjugate of a solution of a real machine is one too, whether a path led there or not."""
+    mirrored = conjugate(regular)
+    both = np.concatenate([regular, mirrored], axis=1)
+    groups = cluster(both)
+    count = regular.shape[1]
+    known = np.zeros(int(groups.max(initial=-1)) + 1, dtype=bool)
+    known[groups[:count]] = True
+    fresh = np.flatnonzero(~known[groups[count:]])
+    if not fresh.size:
+        return regular
+    return np.concatenate([regular, polish(target, mirrored[:, fresh])[0]], axis=1)
+
+
+def _closed(values: Complex) -> bool:
+    both = np.concatenate([values, conjugate(values)], axis=1)
+    groups = cluster(both, 1e-4)
+    count = values.shape[1]
+    return bool(np.isin(groups[count:], groups[:count]).all())
