@@ -18,8 +18,8 @@ from kinematics.spatial import Array
 Complex = NDArray[np.complex128]
 
 _ROUNDS = 80  # of the iteration; it takes 8 or so, more where roots coincide
-_SETTLED = 1e-6  # relative correction after which cubic convergence leaves only rounding
-_COMPANION = 4500  # n² × columns up to which LAPACK is the quicker
+_SETTLED = 1e-6  # relative correction after which cubic convergence leaves little but rounding
+_COMPANION = 256  # degree × columns up to which LAPACK is the quicker
 _SPREAD = 1e8  # of the coefficients over the leading one, up to which it is accurate
 _NO_LEAD = 1e-30  # of the largest coefficient: what stands in for a leading one that is 0
 _THINNED = 0.75  # part of the columns that are still moving below which they are packed
@@ -43,7 +43,7 @@ def roots(coefficients: Complex | Array) -> Complex:
     c[-1] = np.where(size[-1] < _NO_LEAD, _NO_LEAD, c[-1])
     degree, count = len(c) - 1, c.shape[1]
     with np.errstate(all="ignore"):
-        plain = degree * degree * count <= _COMPANION
+        plain = degree * count <= _COMPANION
         if plain and bool((size.max(axis=0) < _SPREAD * size[-1]).all()):
             return _eigenvalues(c)
         return _aberth(c)
@@ -54,7 +54,8 @@ def _eigenvalues(c: Complex) -> Complex:
     companion = np.zeros((c.shape[1], degree, degree), dtype=complex)
     companion[:, np.arange(1, degree), np.arange(degree - 1)] = 1.0
     companion[:, :, -1] = -(c[:-1] / c[-1]).T
-    return np.linalg.eigvals(companion).T
+    values = np.linalg.eigvals(companion).astype(complex)
+    return values.T
 
 
 def _aberth(c: Complex) -> Complex:
@@ -92,7 +93,8 @@ def _step(c: Complex, z: Complex) -> Complex:
     table = np.zeros((degree, *z.shape), dtype=complex)
     table[i, j] = inverse
     table[j, i] = -inverse
-    return value / (slope - value * table.sum(axis=1))
+    correction: Complex = value / (slope - value * table.sum(axis=1))
+    return correction
 
 
 def _starts(c: Complex) -> Complex:

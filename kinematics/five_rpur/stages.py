@@ -37,6 +37,7 @@ from kinematics.five_rpur.equations import (
     UNKNOWNS,
     Complex,
     Parameters,
+    W,
     X,
     Y,
     Z,
@@ -50,7 +51,8 @@ Index = NDArray[np.intp]
 FAR = 1e8
 """|e^{iθ}|, |e^{iφ}| or an inverse beyond this belongs to a root at infinity."""
 _ONE = 1e-7  # what differs from its conjugate by less is worked out on its own
-_SETTLED = 1e-9  # size of a step after which Newton's method has only rounding left
+SETTLED = 1e-9
+"""Size of a step after which Newton's method has only rounding left."""
 _ROUNDS = 12  # of Newton's method; three do for a simple root
 _ACCEPTED = 1e-6  # size of its last step: halved each time where roots coincide
 
@@ -107,7 +109,13 @@ class Machine:
     @property
     def sextics(self) -> int:
         """Planar 3-RPRs a length vector."""
-        return 2 * self.degree * 2 ** (sum(self.shared) + len(self.free))
+        signs = sum(self.shared) + len(self.free)
+        return 2 * self.degree << signs
+
+    @property
+    def legs(self) -> tuple[tuple[int, ...], ...]:
+        """The limbs that make one leg in the y'z' plane, for each of three."""
+        return (*self.groups, *((i,) for i in self.free))
 
     def turned(self, t: Complex, limbs: Sequence[int] = range(LIMBS)) -> tuple[Complex, Complex]:
         """a_i, b_i of some limbs, (n, N), at e^{iθ} (N,)."""
@@ -137,7 +145,8 @@ def solve(m: Machine, rho2: Complex | Array) -> tuple[Complex, Index]:
     real = not np.iscomplexobj(rho2)
     with np.errstate(all="ignore"):
         planar = _planar(m, rho2, real)
-        planar = planar.take(_polish(planar.state, _planar_step(m, rho2, planar.owner)))
+        step = _planar_step(m, rho2, planar.owner)
+        planar = planar.take(_polish(planar.state, step) < _ACCEPTED)
         if real:
             planar = planar.take(planar.side() >= 0.0)
         legs = _free(m, rho2, planar)
@@ -172,8 +181,8 @@ class _Found(NamedTuple):
 _Step = Callable[[Complex, Index], tuple[Complex, Array]]
 
 
-def _polish(state: Complex, step: _Step) -> NDArray[np.bool_]:
-    """Newton's method on the columns of ``state``, in place; True where it settled.
+def _polish(state: Complex, step: _Step) -> Array:
+    """Newton's method on the columns of ``state``, in place; the size of the last step of each.
 
     ``step`` gives the change of some columns and how large it is.
     """
@@ -183,11 +192,10 @@ def _polish(state: Complex, step: _Step) -> NDArray[np.bool_]:
         change, now = step(state[:, moving], moving)
         state[:, moving] += change
         size[moving] = now
-        moving = moving[now > _SETTLED]
+        moving = moving[~(now <= SETTLED)]
         if not len(moving):
             break
-    answer: NDArray[np.bool_] = size < _ACCEPTED
-    return answer
+    return size
 
 
 def _cramer(columns: tuple[Complex, Complex, Complex], right: Complex) -> list[Complex]:
@@ -198,7 +206,10 @@ def _cramer(columns: tuple[Complex, Complex, Complex], right: Complex) -> list[C
     return [_dot(right, v) * scale for v in (minors, _cross(three, one), _cross(one, two))]
 
 
-def _dot(u: Complex, v: Complex) -> Complex:
+_Three = Complex | tuple[Complex, Complex, Complex]
+
+
+def _dot(u: _Three, v: _Three) -> Complex:
     answer: Complex = u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
     return answer
 
@@ -287,7 +298,7 @@ class _Plane:
             ) * (c.linear * d.constant - d.linear * c.constant)
         return value
 
-    def positions(self) -> list[Complex]:
+    def positions(self) -> list[Complex | Array]:
         """Where the eliminant is zero: X and w of each group, one after the other in rows.
 
         A row is (N,), or (2, N) for both signs of w of an A2 pair.
@@ -306,7 +317,7 @@ class _Plane:
             c, d = (self.quadratic(*group[:2]) for group in groups)
             x = d.square * c.constant - c.square * d.constant
             x = x / (c.square * d.linear - d.square * c.linear)
-        rows = [x]
+        rows: list[Complex | Array] = [x]
         for (i, j), is_shared in zip(groups, shared, strict=True):
             big_p = x + self.m.s[i] - self.a[i]
             if is_shared:
@@ -323,7 +334,7 @@ def _both(square: Complex | Array) -> Complex:
     return np.stack([root, -root])
 
 
-def _combined(rows: Sequence[Complex], owner: Index) -> _Found:
+def _combined(rows: Sequence[Complex | Array], owner: Index) -> _Found:
     """All combinations of rows (N,) or (2, N) as columns."""
     two = [k for k, row in enumerate(rows) if row.ndim > 1]
     spread = []
@@ -369,7 +380,9 @@ def _planar_step(m: Machine, rho2: Complex | Array, owner: Index) -> _Step:
             change[0], turned, change[2] = _cramer((big_p, turn, p), f1)
         else:
             # p_j × row i − p_i × row j is free of the pair's w.
-            big, tilt, right = (p[second] * v[first] - p[first] * v[second] for v in (big_p, turn, f1))
+            big, tilt, right = (
+                p[second] * v[first] - p[first] * v[second] for v in (big_p, turn, f1)
+            )
             scale = 1.0 / (big[0] * tilt[1] - big[1] * tilt[0])
             change[0] = (right[1] * tilt[0] - right[0] * tilt[1]) * scale
             turned = (right[0] * big[1] - right[1] * big[0]) * scale
@@ -400,7 +413,7 @@ class _Legs:
     """Three legs in the y'z' plane in isotropic coordinates: B_k at n, C_k at tip e^{iφ}."""
 
     def __init__(self, m: Machine, w: Complex) -> None:
-        limbs = [*(group[0] for group in m.groups), *m.free]
+        limbs = [limbs[0] for limbs in m.legs]
         self.tip, self.link2 = m.tip[limbs], m.link2[limbs]
         self.n, self.nc = m.ry[limbs] + 1j * w, m.ry[limbs] - 1j * w
 
@@ -484,12 +497,44 @@ def _platform(m: Machine, found: _Found) -> tuple[Complex, Index, Index]:
     f, column = f[finite], column[finite]
     legs = legs.take(column)
     state = legs.place(f)
-    settled = _polish(state, legs.step)
-    state, column = state[:, settled], column[settled]
-    u = np.empty((UNKNOWNS, len(column)), dtype=complex)
-    v, vc, u[PHI] = state
+    settled = _polish(state, legs.step) < _ACCEPTED
+    column = column[settled]
+    return (
+        _configurations(m, found.state[:, column], state[:, settled]),
+        found.owner[column],
+        column,
+    )
+
+
+def _configurations(m: Machine, linkage: Complex, platform: Complex) -> Complex:
+    """The unknowns of `kinematics.five_rpur.equations` from those of stages 1, 2 and of 3."""
+    u = np.empty((UNKNOWNS, linkage.shape[1]), dtype=complex)
+    v, vc, u[PHI] = platform
     u[Y], u[Z] = 0.5 * (v + vc), -0.5j * (v - vc)
-    leg_of = {i: k for k, group in enumerate([*m.groups, *((i,) for i in m.free)]) for i in group}
-    rows = [X, THETA, *(5 + i for i in range(LIMBS))]
-    u[rows] = found.state[[0, 1, *(2 + leg_of[i] for i in range(LIMBS))]][:, column]
-    return u, found.owner[column], column
+    u[X], u[THETA] = linkage[:2]
+    for k, limbs in enumerate(m.legs):
+        for i in limbs:
+            u[W][i] = linkage[2 + k]
+    return u
+
+
+def polish(m: Machine, rho2: Complex | Array, u: Complex, owner: Index) -> Array:
+    """Newton's method, stage by stage, on configurations u (10, M) in place.
+
+    Returns:
+        The size of the last step of each: beyond `SETTLED` where solutions coincide.
+    """
+    with np.errstate(all="ignore"):
+        linkage = u[[X, THETA, *(5 + limbs[0] for limbs in m.legs)]]
+        groups = len(m.groups)
+        size = _polish(linkage[: 2 + groups], _planar_step(m, rho2, owner))
+        limbs = list(m.free)
+        a, b = m.turned(linkage[1], limbs)
+        big_p = linkage[0] + m.s[limbs] - a
+        both = _both(rho2[limbs][:, owner] - big_p * big_p) + b
+        off = modulus(both - linkage[2 + groups :])
+        linkage[2 + groups :] = np.where(off[0] <= off[1], *both)
+        platform = np.stack([u[Y] + 1j * u[Z], u[Y] - 1j * u[Z], u[PHI]])
+        size = np.maximum(size, _polish(platform, _Legs(m, linkage[2:]).step))
+        u[:] = _configurations(m, linkage, platform)
+    return size
