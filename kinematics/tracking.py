@@ -77,7 +77,7 @@ _ROUNDING = 1e-10  # a correction below this may be rounding, far out where path
 _AIM = 0.25  # of what is allowed, for the next step
 _SPAN = 10.0  # ratio of 1 − t between the marks by which a path's growth is judged
 _NEAR_END = 1e-4  # 1 − t below which a path that is stuck may be judged
-_FAR = 1e3  # extent beyond which it may be judged earlier, as it is ill-conditioned out there
+_FAR, _NEAR_END_FAR = 1e3, 1e-2  # out there, where paths are ill-conditioned, it is judged earlier
 _GROWS = 0.04  # growth exponent beyond which a path runs off; at least 1/winding number if so
 
 
@@ -291,9 +291,13 @@ class _Tracker:
         """What the growth of the paths towards t = 1 says of their ends."""
         p = self.paths
         rest = np.maximum(1.0 - p.t, 1e-16)
-        older, extent = p.marks[0], p.homotopy.extent(p.u)
+        older, newer = p.marks
+        extent = p.homotopy.extent(p.u)
         growth = np.log(extent / older.extent) / np.log(older.rest / rest)
-        near = (rest < _NEAR_END) | ((extent > _FAR) & (rest < 0.1))
+        lately = np.log(extent / newer.extent) / np.log(newer.rest / rest)
+        steady = (lately > 0.5 * growth) & (lately < 2.0 * growth)
+        far = (extent > _FAR) & (rest < _NEAR_END_FAR) & steady
+        near = (rest < _NEAR_END) | far
         runs_off = near & ((growth > _GROWS) | ~np.isfinite(growth))
         kinds = np.where(runs_off, Ending.INFINITE, np.where(near, Ending.SINGULAR, Ending.LOST))
         return kinds.astype(np.int8)
