@@ -33,6 +33,7 @@ STEEL = "#C3C9D1"
 JOINT = "#4B525C"
 BASE = "#B9BFC8"
 PLATFORM = "#5D6B7E"
+GHOST = "#7C8FA8"  # the platform in another assembly mode
 INK = "#2E343C"
 INK_DARK = "#D8DEE6"  # ink on a dark page
 
@@ -65,6 +66,11 @@ def bar_color(bar: Bar, level: str) -> str:
             return PLATFORM
         case "base":
             return BASE
+
+
+def ghost_color(*, stale: bool, dark: bool) -> str:
+    """The platform in another assembly mode; fainter while that belongs to other actuators."""
+    return mixed(GHOST, (-0.55 if dark else 0.6) if stale else 0.0)
 
 
 def solid_color(spec: SolidSpec) -> str:

@@ -122,7 +122,7 @@ class Scene:
         length = np.linalg.norm(along, axis=1)
         radius[length < 1e-6] = 0.0  # a bar that is not there this time has no size
         arrays: dict[str, Any] = {
-            "batched_wxyzs": _turns_z_to(along, length),
+            "batched_wxyzs": turns_z_to(along, length),
             "batched_positions": start,
             "batched_scales": np.stack([radius, radius, length], axis=1),
             "batched_colors": colors,
@@ -146,7 +146,7 @@ class Scene:
         shape = (body.points, body.radius)
         node = self._nodes.get(name)
         if node is None or self._shape.get(name) != shape:
-            vertices, faces = _hull(body)
+            vertices, faces = body_mesh(body)
             if node is None:
                 color = palette.PLATFORM if body.role == "platform" else palette.BASE
                 node = self._nodes[name] = self.server.scene.add_mesh_simple(
@@ -350,7 +350,7 @@ def _wxyz(rotation: Array) -> tuple[float, ...]:
     return tuple(float(v) for v in tf.SO3.from_matrix(rotation).wxyz)
 
 
-def _turns_z_to(along: np.ndarray, length: np.ndarray) -> np.ndarray:
+def turns_z_to(along: np.ndarray, length: np.ndarray) -> np.ndarray:
     """The shortest rotations that take +z to vectors (N, 3) of these lengths; (N, 4) wxyz."""
     x, y, z = (along / np.maximum(length, 1e-6)[:, None]).T
     w = 1.0 + z
@@ -361,7 +361,7 @@ def _turns_z_to(along: np.ndarray, length: np.ndarray) -> np.ndarray:
     return turned.astype(np.float32)
 
 
-def _cylinder(sides: int) -> tuple[np.ndarray, np.ndarray]:
+def cylinder(sides: int) -> tuple[np.ndarray, np.ndarray]:
     """A closed unit cylinder on z from 0 to 1; caps have vertices of their own for crisp edges."""
     a = 2 * np.pi * np.arange(sides) / sides
     ring = np.stack([np.cos(a), np.sin(a)], axis=1)
@@ -390,7 +390,7 @@ def _ball(rings: int = 6, sides: int = 12) -> Array:
     )
 
 
-def _hull(body: Body) -> tuple[np.ndarray, np.ndarray]:
+def body_mesh(body: Body) -> tuple[np.ndarray, np.ndarray]:
     """The hull of balls about the body's points, turned outwards."""
     points = np.array(body.points, dtype=float)
     cloud = (points[:, None, :] + body.radius * _ball()[None]).reshape(-1, 3)
@@ -403,4 +403,4 @@ def _hull(body: Body) -> tuple[np.ndarray, np.ndarray]:
     return cloud[used].astype(np.float32), faces.reshape(-1, 3).astype(np.uint32)
 
 
-_CYLINDER = _cylinder(24)
+_CYLINDER = cylinder(24)

@@ -9,7 +9,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from app.state import Options, Review, Shown, new_review
+from app.state import Atlas, Options, Review, Shown, checked, new_review
 from kinematics.designs import read_design, write_design
 from kinematics.errors import InputError
 
@@ -33,6 +33,7 @@ def to_text(review: Review) -> str:
         "workspace_modes": review.modes,
         "solids": {s.key: s.opacity for s in review.solids},
         "options": {f.name: getattr(review.options, f.name) for f in fields(Options)},
+        "solutions": {f.name: getattr(review.atlas, f.name) for f in fields(Atlas)},
     }
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
 
@@ -77,7 +78,7 @@ def from_text(text: str, *, origin: str) -> Review:
     )
     given = _typed(content, "options", dict, origin)
     options = Options(**{f.name: bool(given.get(f.name, f.default)) for f in fields(Options)})
-    return Review(design, pose, mode, modes, solids, options)
+    return Review(design, pose, mode, modes, solids, options, _atlas(content, review, origin))
 
 
 def load(path: Path) -> Review:
@@ -120,6 +121,21 @@ def _pose(given: dict[str, Any], review: Review, origin: str) -> tuple[float, ..
         value = value if c.unit == "mm" else math.radians(value)
         values.append(min(max(value, c.lower), c.upper))
     return tuple(values)
+
+
+def _atlas(content: dict[str, Any], review: Review, origin: str) -> Atlas:
+    """How solutions are shown; sessions saved before there were any have nothing of it."""
+    given = content.get("solutions", {})
+    if not isinstance(given, dict):
+        raise InputError(f"{origin}: 'solutions' is not of the right kind")
+    values = {f.name: given.get(f.name, f.default) for f in fields(Atlas)}
+    for f in fields(Atlas):
+        if not isinstance(values[f.name], type(f.default)):
+            raise InputError(f"{origin}: solutions: {f.name} is not of the right kind")
+    try:
+        return checked(Atlas(**values), review.mechanism)
+    except InputError as error:
+        raise InputError(f"{origin}: solutions: {error}") from None
 
 
 def _typed(content: dict[str, Any], key: str, kind: type, origin: str) -> Any:

@@ -9,11 +9,15 @@ import math
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from app.modes import matching
 from kinematics.errors import InputError
 from kinematics.mechanism import Coordinate, Design, Mechanism, mechanism
 from kinematics.solutions import Posture
 
 ModeChoice = Literal["all", "current"]
+Sort = Literal["distance", "condition", "height", "mode"]
+SORTS: tuple[Sort, ...] = ("distance", "condition", "height", "mode")
+SAME_MODE = "same"
 QUIET_GAP = 1.0  # s; a gesture that pauses longer than this becomes a step of its own in undo
 MAX_HISTORY = 300
 
@@ -40,6 +44,22 @@ class Shown:
 
 
 @dataclass(frozen=True, slots=True)
+class Atlas:
+    """How the solutions for the present actuators are shown.
+
+    ``mixed`` asks for those of simplified designs in which the limbs of an arrangement stand in
+    different working modes. ``modes`` filters the list: "" for all, `SAME_MODE` for the present
+    working mode, else patterns that `app.modes.matching` understands.
+    """
+
+    ghosts: bool = False
+    mixed: bool = False
+    sort: Sort = "distance"
+    within_stroke: bool = False
+    modes: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class Review:
     """Everything a review consists of; equal reviews look the same.
 
@@ -52,6 +72,7 @@ class Review:
     modes: ModeChoice | tuple[str, ...] = "all"
     solids: tuple[Shown, ...] = (Shown("workspace", 0.35),)
     options: Options = Options()
+    atlas: Atlas = Atlas()
 
     @property
     def mechanism(self) -> Mechanism:
@@ -122,6 +143,15 @@ class Flip:
 
 
 @dataclass(frozen=True, slots=True)
+class Visit:
+    """Put the machine into another assembly mode: a pose and a working mode, taken as they are."""
+
+    pose: tuple[float, ...]
+    mode: str
+    gesture: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class GoHome:
     """Back to the design's home posture."""
 
@@ -186,6 +216,18 @@ class SetOption:
 
 
 @dataclass(frozen=True, slots=True)
+class SetAtlas:
+    """Set one thing about how solutions are shown; the value is of the kind that `Atlas` has."""
+
+    name: str
+    value: bool | str
+
+    @property
+    def gesture(self) -> str:
+        return f"atlas {self.name}" if isinstance(self.value, str) else ""
+
+
+@dataclass(frozen=True, slots=True)
 class Restore:
     """Open a saved review."""
 
@@ -198,6 +240,7 @@ Change = (
     | Place
     | Drive
     | Flip
+    | Visit
     | GoHome
     | UseDesign
     | EditDesign
@@ -205,6 +248,7 @@ Change = (
     | Fade
     | ChooseModes
     | SetOption
+    | SetAtlas
     | Restore
 )
 
@@ -232,6 +276,11 @@ def change(review: Review, what: Change) -> tuple[Review, str]:
             if mode not in review.mechanism.modes:
                 raise InputError(f"there is no working mode {mode!r}")
             return replace(review, mode=mode), ""
+        case Visit(pose, mode):
+            # Not kept within the sliders' range: a solution next to it would be none.
+            if mode not in review.mechanism.modes or not all(map(math.isfinite, pose)):
+                raise InputError("that is not a solution of this mechanism")
+            return replace(review, pose=tuple(pose), mode=mode), ""
         case GoHome():
             home = review.mechanism.home(review.design)
             return replace(review, pose=home.pose, mode=home.mode), ""
@@ -250,8 +299,24 @@ def change(review: Review, what: Change) -> tuple[Review, str]:
             return replace(review, modes=modes), ""
         case SetOption(name, on):
             return replace(review, options=replace(review.options, **{name: on})), ""
+        case SetAtlas(name, value):
+            wanted = replace(review.atlas, **{name: value})  # type: ignore[arg-type]
+            return replace(review, atlas=checked(wanted, review.mechanism)), ""
         case Restore(saved):
             return saved, ""
+
+
+def checked(atlas: Atlas, kind: Mechanism) -> Atlas:
+    """The same, once it is known to be sound.
+
+    Raises:
+        InputError: there is no such order, or a filter that is no working mode.
+    """
+    if atlas.sort not in SORTS:
+        raise InputError(f"solutions are sorted by {', '.join(SORTS)}, not by {atlas.sort!r}")
+    if atlas.modes not in ("", SAME_MODE):
+        matching(atlas.modes, kind.modes)
+    return atlas
 
 
 def _within(coordinate: Coordinate, value: float) -> tuple[float, str]:
@@ -297,7 +362,15 @@ def _use_design(review: Review, design: Design) -> Review:
         modes=modes,
         solids=tuple(s for s in review.solids if s.key in known),
         options=review.options,
+        atlas=_atlas_for(fresh.mechanism, review.atlas),
     )
+
+
+def _atlas_for(kind: Mechanism, atlas: Atlas) -> Atlas:
+    try:
+        return checked(atlas, kind)
+    except InputError:  # a filter in another mechanism's working modes
+        return replace(atlas, modes="")
 
 
 def _edit(

@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     from kinematics.solids import BuiltSolid
     from kinematics.solutions import ForwardSolutions, Posture, Reason
 
+NEAR_DOUBLE = 1.0  # mm between two solutions: a small error of a length may make them one
+
 
 def unit(axis: Coordinate) -> str:
     """The unit that people read and write."""
@@ -114,7 +116,6 @@ def forward_text(found: ForwardSolutions, shown: Sequence[int], axes: Sequence[C
             for n in shown
         ]
         lines += [table(header, rows), ""]
-    lines += [motion.text for motion in found.self_motions]
     lines += found.notes
     if len(shown) < len(found):
         lines.append(f"{len(shown)} of {len(found)} real solutions are within the strokes.")
@@ -124,12 +125,16 @@ def forward_text(found: ForwardSolutions, shown: Sequence[int], axes: Sequence[C
 
 def counted(found: ForwardSolutions) -> str:
     """ "34 real of 1560 complex solutions (complete: …); how; 0.31 s"."""
-    real = sum(int(m) for m in found.multiplicity)
-    doubles = f", {len(found)} of them distinct" if real != len(found) else ""
     return (
-        f"{real} real{doubles} of {found.complex_count} complex solutions ({known(found)}); "
-        f"{found.method}; {seconds_text(found.seconds)}"
+        f"{real_of_complex(found)} ({known(found)}); {found.method}; {seconds_text(found.seconds)}"
     )
+
+
+def real_of_complex(found: ForwardSolutions) -> str:
+    """ "34 real of 1560 complex solutions"; real ones are counted as often as they coincide."""
+    real = int(found.multiplicity.sum())
+    distinct = "" if real == len(found) else f" ({len(found)} distinct)"
+    return f"{real} real{distinct} of {found.complex_count} complex solutions"
 
 
 def known(found: ForwardSolutions) -> str:
@@ -141,11 +146,11 @@ def known(found: ForwardSolutions) -> str:
     return f"not known to be complete: {found.expected_count} are expected"
 
 
-def remark(multiplicity: int, gap: float, near: float = 0.5) -> str:
-    """What is particular about one solution; "" as a rule. ``gap`` and ``near`` in mm."""
+def remark(multiplicity: int, gap: float) -> str:
+    """What is particular about one solution; "" as a rule. ``gap`` in mm."""
     if multiplicity > 1:
         return f"{_TIMES.get(multiplicity, f'{multiplicity}-fold')} solution"
-    return f"near-double: another {gap:.2g} mm away" if gap < near else ""
+    return f"near-double: another {gap:.2g} mm away" if gap < NEAR_DOUBLE else ""
 
 
 _TIMES = {2: "double", 3: "triple"}

@@ -32,7 +32,7 @@ CACHE = 48  # solids kept, over all resolutions
 
 T = TypeVar("T")
 
-LaneName = Literal["coarse", "fine"]
+LaneName = Literal["coarse", "fine", "solutions"]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -118,7 +118,7 @@ class Worker:
         Raises:
             BohemiaError: its own failure, its death, or it took longer than ``timeout`` seconds.
         """
-        process = _Process()
+        process = Process("solids", _load_solids)
         try:
             return process.run(timeout, function, *arguments)
         except EOFError:
@@ -214,12 +214,12 @@ class _Lane:
     name: LaneName
     worker: Worker
     resolutions: tuple[Resolution, ...]
-    process: _Process | None = None
+    process: Process | None = None
     thread: threading.Thread = field(init=False)
     _interrupted: bool = False
 
     def start(self) -> None:
-        self.process = _Process()
+        self.process = Process("solids", _load_solids)
         self.thread = threading.Thread(target=self._work, name=f"solids-{self.name}", daemon=True)
         self.thread.start()
 
@@ -236,7 +236,7 @@ class _Lane:
             wish, resolution = job
             request = wish.requests[resolution]
             if self.process is None or not self.process.alive:
-                self.process = _Process()
+                self.process = Process("solids", _load_solids)
             self._interrupted = False
             title = f"{wish.spec.title}, {resolution}"
             worker.report(Busy(self.name, title, time.monotonic()))
@@ -264,14 +264,14 @@ class _Lane:
                 worker.report(Busy(self.name, None, time.monotonic()))
 
 
-class _Process:
-    """A spawned process that builds solids, one request at a time."""
+class Process:
+    """A spawned process that calls functions, one at a time; ``prepare`` is called first."""
 
-    def __init__(self) -> None:
+    def __init__(self, name: str, prepare: Callable[[], None]) -> None:
         context = multiprocessing.get_context("spawn")
         self._pipe, theirs = context.Pipe()
         self._process: SpawnProcess = context.Process(
-            target=_serve, args=(theirs,), daemon=True, name="bohemia-solids"
+            target=_serve, args=(theirs, prepare), daemon=True, name=f"bohemia-{name}"
         )
         self._process.start()
         theirs.close()
@@ -310,13 +310,16 @@ def build(request: SolidRequest) -> BuiltSolid:
     return mechanism(request.mechanism).build_solid(request)
 
 
-def _serve(pipe: Connection) -> None:
+def _load_solids() -> None:
+    import kinematics.solids  # noqa: F401  # manifold3d is loaded while nobody waits yet
+
+
+def _serve(pipe: Connection, prepare: Callable[[], None]) -> None:
     """What a spawned process does until its parent goes away."""
     import signal
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server; it ends us
-    import kinematics.solids  # noqa: F401  # manifold3d is loaded while nobody waits yet
-
+    prepare()
     while True:
         try:
             function, arguments = pipe.recv()

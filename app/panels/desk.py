@@ -13,8 +13,10 @@ from typing import Any, Literal, Protocol
 import viser
 
 from app import palette
+from app.atlas import Atlas, Known
 from app.compute import View
 from app.exporting import ExportedFile
+from app.folds import Ahead
 from app.state import Change
 from app.worker import Built
 from kinematics.errors import BohemiaError
@@ -77,6 +79,9 @@ class Desk(Protocol):
     def redo(self) -> None: ...
     def fit_view(self) -> None: ...
     def cancel(self) -> None: ...
+    def visit(self, identity: int, client: viser.ClientHandle | None) -> None: ...
+    def find_again(self) -> None: ...
+    def choose_fold(self, index: int, longer: bool) -> None: ...
     def export(self, save: Save) -> None: ...
     def download(self, file: ExportedFile, client: viser.ClientHandle | None) -> None: ...
     def picture(self, client: viser.ClientHandle | None) -> None: ...
@@ -95,6 +100,21 @@ class Sheet:
     can_redo: bool
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class Solutions:
+    """The forward solutions as panels draw them.
+
+    ``ahead`` is empty while the folds are being looked for; ``fold`` is the one that is told of;
+    ``trouble`` says why there are no solutions, if that is so.
+    """
+
+    atlas: Atlas
+    known: Known | None
+    ahead: tuple[Ahead, ...]
+    fold: Ahead | None
+    trouble: str
+
+
 class Panel(Protocol):
     """One tab: made once for a mechanism, then redrawn."""
 
@@ -103,6 +123,9 @@ class Panel(Protocol):
 
     def draw_solids(self, sheet: Sheet) -> None:
         """Only solids came since the last `draw`; most tabs show nothing of them."""
+
+    def draw_solutions(self, sheet: Sheet, solutions: Solutions) -> None:
+        """The solutions changed, or their distances from here; most tabs show nothing of them."""
 
 
 def answer(desk: Desk, handle: Any, act: Callable[[Any, viser.ClientHandle | None], None]) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import viser.transforms as tf
 
 from app import palette
-from app.scene import _CYLINDER, _hull, _turns_z_to
+from app.scene import _CYLINDER, turns_z_to, body_mesh
 from kinematics.mechanism import Body
 
 
@@ -20,14 +20,14 @@ def test_turns_take_z_to_any_direction() -> None:
     along = rng.normal(size=(200, 3))
     along[:4] = [(0, 0, 1), (0, 0, -1), (1e-9, 0, -1), (3, 0, 0)]
     length = np.linalg.norm(along, axis=1)
-    turns = _turns_z_to(along, length)
+    turns = turns_z_to(along, length)
     for turn, vector, size in zip(turns, along, length, strict=True):
         turned = tf.SO3(turn.astype(float)).as_matrix()[:, 2]
         assert np.allclose(turned, vector / size, atol=1e-5)
 
 
 def test_a_bar_that_is_not_there_turns_into_no_nan() -> None:
-    assert np.isfinite(_turns_z_to(np.zeros((1, 3)), np.zeros(1))).all()
+    assert np.isfinite(turns_z_to(np.zeros((1, 3)), np.zeros(1))).all()
 
 
 def test_the_unit_cylinder_is_closed_and_looks_outwards() -> None:
@@ -37,7 +37,7 @@ def test_the_unit_cylinder_is_closed_and_looks_outwards() -> None:
 
 def test_hulls_look_outwards_even_of_one_point() -> None:
     for points in (((0.0, 0.0, 0.0),), ((0.0, 0.0, 0.0), (50.0, 0.0, 0.0), (0.0, 80.0, 5.0))):
-        vertices, faces = _hull(Body("b", points, 10.0, "platform", "platform"))
+        vertices, faces = body_mesh(Body("b", points, 10.0, "platform", "platform"))
         assert _volume(vertices, faces) > 0.9 * 4 / 3 * np.pi * 1000 * 0.8
 
 

@@ -1,0 +1,172 @@
+"""What is known of the solutions while a review changes: found anew, gone on from, looked ahead of.
+
+Called from the page's loop alone. Quick designs are solved right there, the others by the
+`Solver`'s process once the hand rests; until then the last set stays, and its view says so.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from app.atlas import Atlas, Known, atlas, mixes
+from app.compute import View
+from app.folds import Ahead, nearest_first
+from app.solver import Foreseen, Solved, Solver, Unsolved, Wish, solve
+from app.state import QUIET_GAP, Visit
+from app.worker import Busy
+from kinematics.errors import BohemiaError
+
+Found = Solved | Foreseen | Unsolved
+
+
+class Explorer:
+    """Holds the last set of solutions and the folds ahead, and sees that they become true."""
+
+    def __init__(self, on_event: Callable[[Found | Busy], None]) -> None:
+        self.solver = Solver(on_event)
+        self.known: Known | None = None
+        self.trouble = ""
+        self._driven: int | None = None
+        self._ahead: tuple[Ahead, ...] = ()
+        self._ahead_of: object = None
+        self._chosen: tuple[int, bool] | None = None
+        self._asked: object = None
+        self._awaited: int | None = None
+        self._joints: tuple[float, ...] = ()
+        self._moved_at = 0.0
+        self._rested = True
+
+    # --- bringing it up to date
+
+    def look(self, view: View) -> None:
+        """The present review: ask for what is missing. Cheap; call it for every change."""
+        review, posture = view.review, view.posture
+        if posture.joints != self._joints:
+            now = time.monotonic()
+            self._rested |= now - self._moved_at > QUIET_GAP
+            self._joints, self._moved_at = posture.joints, now
+        key = (review.design, mixes(review), posture.pose, posture.mode)
+        if key == self._asked:
+            return
+        wish: Wish | None = None
+        if posture.closes:
+            if not self._is_current(view):
+                if not self._quick(view):
+                    before = self.known.solutions if self._goes_on(view) and self.known else None
+                    wish = Wish(review.design, posture.joints, mixes(review), before)
+            elif self._ahead_of != _of(view):
+                wish = Wish(review.design, posture.joints, mixes(review), posture=posture)
+        self._asked = key
+        self.solver.want(wish)
+
+    def catch_up(self, view: View) -> None:
+        """Solve a quick design for the present actuators, at once."""
+        if not view.posture.closes or self._is_current(view) or not self._quick(view):
+            return
+        review = view.review
+        before = self.known.solutions if self._goes_on(view) and self.known else None
+        wish = Wish(review.design, view.posture.joints, mixes(review), before)
+        try:
+            found = solve(wish.design, wish.joints, wish.mixed, wish.before)
+        except BohemiaError as error:
+            self.trouble = str(error)
+        else:
+            self._keep(Solved(wish, found))
+        self._asked = None  # the folds ahead can be looked for now
+        self.look(view)
+
+    def take(self, event: Found, view: View) -> None:
+        """The solver found something; what is of another design or other modes is dropped."""
+        match event:
+            case Solved(wish):
+                if wish.design == view.review.design and wish.mixed == mixes(view.review):
+                    self._keep(event)
+                    self._asked = None
+            case Foreseen(wish, ahead):
+                assert wish.posture is not None
+                self._ahead = ahead
+                self._ahead_of = (wish.design, wish.posture.pose, wish.posture.mode)
+            case Unsolved(_, text):
+                self.trouble = text
+                self._awaited = None
+        self.look(view)
+
+    def find_again(self, view: View) -> None:
+        """Forget the set, so that all solutions are found from scratch."""
+        self.known = self._asked = None
+        self.trouble = ""
+        self.look(view)
+
+    def _keep(self, solved: Solved) -> None:
+        wish = solved.wish
+        if wish.before is not None and self.known is not None:
+            self.known = self.known.after(solved.refreshed, rested=self._rested)
+        else:
+            self.known = Known(wish.design, wish.mixed, solved.refreshed.solutions)
+        self._rested = False
+        self.trouble = ""
+
+    @staticmethod
+    def _quick(view: View) -> bool:
+        review = view.review
+        return review.mechanism.forward_is_quick(review.design, mixed_modes=mixes(review))
+
+    def _goes_on(self, view: View) -> bool:
+        return self.known is not None and self.known.is_of(view.review)
+
+    def _is_current(self, view: View) -> bool:
+        return (
+            self.known is not None
+            and self.known.is_of(view.review)
+            and self.known.stands_at(view.posture.joints)
+        )
+
+    # --- what is shown and asked
+
+    def atlas(self, view: View) -> Atlas:
+        """The solutions as they are shown."""
+        return atlas(view, self.known)
+
+    def await_visit(self, identity: int | None) -> None:
+        """A person wants to go to this solution as soon as the set is of the present actuators."""
+        self._awaited = identity
+
+    def visit(self, view: View) -> Visit | None:
+        """The visit that is due, once.
+
+        Raises:
+            BohemiaError: that solution is not there any more.
+        """
+        if self._awaited is None or not self._is_current(view) or self.known is None:
+            return None
+        identity, self._awaited = self._awaited, None
+        index = self.known.index(identity)
+        if index is None:
+            raise BohemiaError(f"solution #{identity} is not there any more: it merged on the way")
+        found = self.known.solutions
+        return Visit(tuple(float(v) for v in found.poses[index]), found.modes[index])
+
+    def drove(self, index: int) -> None:
+        """A person drives this actuator: its folds are told of before the others'."""
+        if index != self._driven:
+            self._driven, self._chosen = index, None
+
+    def choose_fold(self, choice: tuple[int, bool] | None) -> None:
+        """Which fold to tell of and to mark: the actuator, and whether it grows."""
+        self._chosen = choice
+
+    def folds(self, view: View) -> tuple[tuple[Ahead, ...], Ahead | None]:
+        """Both directions of every actuator from here, and the fold that is told of.
+
+        Nothing while they are being looked for.
+        """
+        if self._ahead_of != _of(view):
+            return (), None
+        folds = nearest_first(self._ahead, self._driven)
+        chosen = next((a for a in folds if (a.index, a.longer) == self._chosen), None)
+        return self._ahead, chosen or (folds[0] if folds else None)
+
+
+def _of(view: View) -> tuple[object, ...]:
+    return view.review.design, view.posture.pose, view.posture.mode
