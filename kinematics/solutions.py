@@ -148,7 +148,7 @@ class SelfMotion:
     """A motion that stays free with all actuators locked: a curve of solutions, not a point.
 
     Attributes:
-        pose: one pose on it.
+        pose: one pose on it, among the solutions.
         mode: the working mode there.
         direction: d(pose) along it, mm and rad, of unit length with angles times the
             characteristic length.
@@ -185,7 +185,8 @@ class ForwardSolutions:
         seconds: how long that took.
         notes: sentences for the user: doubles, why something may be missing, why there are none.
         self_motions: what stays free with the actuators locked.
-        roots: (M, K) every complex solution in the mechanism's own unknowns, to track on from.
+        roots: (K, M) every complex solution in the mechanism's own unknowns, to track on from.
+        mixed_modes: also solutions outside of the design's closed form were asked for.
     """
 
     joints: tuple[float, ...]
@@ -206,6 +207,7 @@ class ForwardSolutions:
     notes: tuple[str, ...]
     self_motions: tuple[SelfMotion, ...]
     roots: np.ndarray
+    mixed_modes: bool = False
 
     def __len__(self) -> int:
         return len(self.modes)

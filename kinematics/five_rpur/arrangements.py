@@ -116,6 +116,7 @@ CLASSES = {
 }
 
 
+@lru_cache(maxsize=64)
 def arrangements(design: FiveRPURDesign) -> Arrangements:
     """The simplified arrangements of a design, compared to `TOLERANCE` × `size`."""
     equal = TOLERANCE * size(design)

@@ -18,6 +18,7 @@ the platform points: so all machines are of one size and near each other.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -61,8 +62,9 @@ class Frame(NamedTuple):
     base: Array
     platform: Array
 
-    @classmethod
-    def of(cls, design: FiveRPURDesign) -> Frame:
+    @staticmethod
+    @lru_cache(maxsize=64)
+    def of(design: FiveRPURDesign) -> Frame:
         """The unit is a root mean square of the design's lengths, whatever the strokes."""
         base, platform = design.base.mean(axis=0), design.platform.mean(axis=0)
         squares = (
@@ -70,7 +72,7 @@ class Frame(NamedTuple):
             ((design.platform - platform) ** 2).sum(axis=1).mean(),
             (design.link**2).mean(),
         )
-        return cls(float(np.sqrt(np.sum(squares))), base, platform)
+        return Frame(float(np.sqrt(np.sum(squares))), base, platform)
 
 
 def parameters(design: FiveRPURDesign, joints: ArrayLike, frame: Frame | None = None) -> Parameters:

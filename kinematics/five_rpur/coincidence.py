@@ -1,0 +1,174 @@
+"""Solutions of the 5-RPUR that coincide, nearly coincide, or belong to a curve of solutions."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
+from kinematics.five_rpur.equations import (
+    PHI,
+    THETA,
+    Complex,
+    Frame,
+    Parameters,
+    conjugate,
+    from_real,
+    parameters,
+    real_part,
+    residuals,
+    terms,
+    to_poses,
+)
+from kinematics.solutions import SelfMotion
+from kinematics.spatial import Array
+
+NEAR = 1.0
+"""mm, angles times the characteristic length: closer solutions are near a fold."""
+
+REAL = 1e-7
+"""Relative distance of a solution from its conjugate below which it is real."""
+
+_SINGULAR = 1e-5  # smallest singular value of the equations, relative to the largest
+_TRIES = (2e-2, 1e-1)  # how far along a free direction solutions must exist, in units
+_CLOSES = 1e-12  # of the equations, relative
+
+
+def describe(multiplicity: NDArray[np.intp], gap: Array, pairs: int) -> tuple[str, ...]:
+    """A sentence each for doubles, for near-doubles and for pairs that are nearly real."""
+    notes = [
+        f"Solution {n + 1} counts {multiplicity[n]}-fold: assembly modes merge there."
+        for n in np.flatnonzero(multiplicity > 1)
+    ]
+    near = np.flatnonzero(gap < NEAR)
+    if near.size:
+        listed = ", ".join(str(n + 1) for n in near)
+        notes.append(
+            f"Solutions {listed} lie within {gap[near].max():.2g} mm of another: a fold is near."
+        )
+    if pairs:
+        notes.append(
+            f"{pairs} complex pair{'s are' if pairs > 1 else ' is'} within {NEAR:g} mm of being "
+            "real: assembly modes are about to appear."
+        )
+    return tuple(notes)
+
+
+def nearly_real(frame: Frame, roots: Complex, length: float) -> NDArray[np.intp]:
+    """The complex solutions that are less than NEAR from their conjugates and not real."""
+    away = np.abs(roots - conjugate(roots))
+    linear, angular = frame.unit * away[:PHI], length * away[PHI : THETA + 1]
+    mm2 = (linear**2).sum(axis=0) + (angular**2).sum(axis=0)
+    near = np.flatnonzero(mm2 < NEAR * NEAR)
+    relative = (away[:, near] / np.maximum(np.abs(roots[:, near]), 1.0)).max(axis=0)
+    found: NDArray[np.intp] = near[relative > REAL]
+    return found
+
+
+# --- curves of solutions ---------------------------------------------------------------------
+
+
+def self_motions(
+    design: FiveRPURDesign,
+    rho: Array,
+    frame: Frame,
+    u: Complex,
+    poses: Array,
+    modes: tuple[str, ...],
+    doubtful: NDArray[np.intp],
+    length: float,
+) -> tuple[SelfMotion, ...]:
+    """The motions that stay free, actuators locked, at the doubtful of real solutions u (10, n).
+
+    Where the equations are singular, solutions are sought a finite way along their free
+    direction: at a fold there are none, on a self-motion they exist on both sides.
+    """
+    if not doubtful.size:
+        return ()
+    g = parameters(design, rho, frame)
+    sizes = np.linalg.svd(real_jacobian(g, u[:, doubtful]), compute_uv=False)
+    answer = []
+    for n in doubtful[sizes[:, -1] <= _SINGULAR * sizes[:, 0]]:
+        free = _free_direction(g, u[:, [n]])
+        if free is None:
+            continue
+        ahead = to_poses(frame, (real_part(u[:, [n]])[0] + 1e-6 * free[:5, None]))[0]
+        d = ahead - poses[n]
+        d[3:] = np.mod(d[3:] + np.pi, 2.0 * np.pi) - np.pi
+        d /= np.sqrt((d[:3] ** 2).sum() + ((length * d[3:]) ** 2).sum())
+        answer.append(
+            SelfMotion(tuple(poses[n].tolist()), modes[n], tuple(d.tolist()), _text(d, length))
+        )
+    return tuple(answer)
+
+
+def _text(d: Array, length: float) -> str:
+    parts = np.abs(d) * np.array([1.0, 1.0, 1.0, length, length])
+    names = ("x", "y", "z", "φ", "θ")
+    free = [name for name, part in zip(names, parts, strict=True) if part > 0.05 * parts.max()]
+    return (
+        f"Self-motion: the platform moves freely ({', '.join(free)}) with all actuators locked; "
+        "infinitely many solutions belong to it."
+    )
+
+
+def real_jacobian(g: Parameters, u: Complex) -> Array:
+    """d(F1, F2)/d(X, y, Z, φ, θ, w) at real configurations, (n, 10, 10), without unit."""
+    t = terms(g, u)
+    count = u.shape[1]
+    j = np.zeros((count, 2 * LIMBS, 10))
+    limb = np.arange(LIMBS)
+    p, q, big_p, big_y = (v.real.T for v in (t.p, t.q, t.big_p, t.big_y))
+    j[:, :LIMBS, 0] = big_p
+    j[:, :LIMBS, 4] = (t.big_p * t.b - t.p * t.a).real.T
+    j[:, limb, 5 + limb] = p
+    j[:, LIMBS:, 1] = big_y
+    j[:, LIMBS:, 2] = q
+    j[:, LIMBS:, 3] = (t.q * t.my - t.big_y * t.mz).real.T
+    j[:, LIMBS + limb, 5 + limb] = -q
+    return j
+
+
+def _free_direction(g: Parameters, u: Complex) -> Array | None:
+    """The unit direction (X, y, Z, φ, θ, w) of a curve of solutions through u; None at a fold."""
+    values, w = real_part(u)
+    here = np.concatenate([values, w])[:, 0]
+    # Newton's method stops well short of a solution of higher multiplicity.
+    closed = _closed(g, here)
+    here = here if closed is None else closed
+    _, sizes, vectors = np.linalg.svd(real_jacobian(g, _configuration(here))[0])
+    for direction in vectors[sizes <= 10.0 * _SINGULAR * sizes[0]][::-1]:
+        if all(
+            _reaches(g, here, sign * step * direction) for step in _TRIES for sign in (1.0, -1.0)
+        ):
+            found: Array = direction
+            return found
+    return None
+
+
+def _reaches(g: Parameters, here: Array, step: Array) -> bool:
+    """There is a solution about ``step`` away."""
+    there = _closed(g, here + step)
+    if there is None:
+        return False
+    moved = there - here
+    size = float(np.linalg.norm(step))
+    return bool(moved @ step > 0.5 * size * size and np.linalg.norm(moved) < 3.0 * size)
+
+
+def _closed(g: Parameters, guess: Array) -> Array | None:
+    """The nearest solution by Gauss-Newton steps of least length; None if there is none."""
+    point = guess
+    for _ in range(30):
+        u = _configuration(point)
+        f = np.concatenate([part.real[:, 0] for part in residuals(g, u)])
+        if np.abs(f).max() <= _CLOSES * max(1.0, float(g.rho2.real.max())):
+            return point
+        j = real_jacobian(g, u)[0]
+        step = np.linalg.lstsq(j, -f, rcond=1e-9)[0]
+        point = point + step * min(1.0, 0.2 / max(float(np.abs(step).max()), 1e-300))
+    return None
+
+
+def _configuration(point: Array) -> Complex:
+    return from_real(point[:5, None], point[5:, None])
