@@ -36,15 +36,13 @@ def roots(coefficients: Complex | Array) -> Complex:
         all do, or one is not finite, roots are NaN.
     """
     c = np.asarray(coefficients, dtype=complex)
-    size = modulus(c)
-    largest = size.max(axis=0, initial=0.0)
-    c = np.where(np.isfinite(largest) & (largest > 0.0), c / largest, np.nan)
-    size = modulus(c)
-    c[-1] = np.where(size[-1] < _NO_LEAD, _NO_LEAD, c[-1])
-    degree, count = len(c) - 1, c.shape[1]
     with np.errstate(all="ignore"):
-        plain = degree * count <= _COMPANION
-        if plain and bool((size.max(axis=0) < _SPREAD * size[-1]).all()):
+        largest = modulus(c).max(axis=0, initial=0.0)
+        c = np.where((largest > 0.0) & np.isfinite(largest), c / largest, np.nan)
+        size = modulus(c)
+        c[-1] = np.where(size[-1] < _NO_LEAD, _NO_LEAD, c[-1])
+        few = (len(c) - 1) * c.shape[1] <= _COMPANION
+        if few and bool((size.max(axis=0) < _SPREAD * size[-1]).all()):
             return _eigenvalues(c)
         return _aberth(c)
 
@@ -104,7 +102,8 @@ def _starts(c: Complex) -> Complex:
     first, second = np.arange(degree + 1)[:, None], np.arange(degree + 1)
     gap = np.where(second > first, second - first, 1)[..., None]
     slope = (logarithm[:, None] - logarithm) / gap
-    # The edge of the polygon over [k, k + 1] has the largest slope that keeps above all of it.
+    # Over [k, k + 1] the upper hull of the points (power, logarithm) has the slope
+    # min over i ≤ k of max over j > k of that from i to j; here slopes have the other sign.
     edge = np.stack([slope[: k + 1, k + 1 :].min(axis=1).max(axis=0) for k in range(degree)])
     turn = np.exp(1j * (2.0 * np.pi * np.arange(degree) / degree + 0.4))
     points: Complex = np.exp(edge) * turn[:, None]

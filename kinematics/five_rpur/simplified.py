@@ -27,8 +27,11 @@ from kinematics.five_rpur.equations import (
     Complex,
     Frame,
     Parameters,
+    matrix,
     parameters,
     residuals,
+    steps,
+    terms,
 )
 from kinematics.five_rpur.polynomial import modulus
 from kinematics.spatial import Array, finite
@@ -39,9 +42,11 @@ _CHUNK = 2048  # sextics at a time: their temporaries stay in the processor's ca
 _SAME = 1e-8  # relative; two copies of a simple root agree to rounding
 _PROBES = 3  # complex length vectors from which the number of solutions is known
 
-_FIRST, _RATIO, _STEPS = 1e-3, 0.3, 18  # offsets of ρ² on the way back, and how many
+_OFFSETS = np.logspace(-3, -11, 9)  # of ρ², relative, on the way back along a ray
 _RAYS = 3  # to try
-_CLOSED = 1e-11  # of the equations, relative to the squares in them
+_SHORTEST = 4  # shortest steps at the end of a ray; two do
+_SINGULAR = 1e-6  # ratio of singular values of the equations' linear parts
+_CLOSED = 1e-12  # of the equations, relative to the squares in them
 
 
 def expected(design: FiveRPURDesign) -> int | None:
@@ -79,12 +84,13 @@ def same_mode_roots(design: FiveRPURDesign, joints: ArrayLike) -> tuple[Complex,
             "the design is none of the nine simplified ones: two pairs of limbs, or three limbs, "
             "must satisfy the conditions of a simplified arrangement"
         )
-    rho2 = np.square(rho / known.unit)
     size = max(1, _CHUNK // known.machine.sextics)
     parts = [(np.empty((UNKNOWNS, 0), dtype=complex), np.empty(0, dtype=np.intp))]
-    for start in range(0, rho2.shape[1], size):
-        u, owner = _all(known, rho2[:, start : start + size])
-        parts.append((u, owner + start))
+    with np.errstate(all="ignore"):  # what goes wrong is not finite, or shows in the count
+        rho2 = np.square(rho / known.unit)
+        for start in range(0, rho2.shape[1], size):
+            u, owner = _all(known, rho2[:, start : start + size])
+            parts.append((u, owner + start))
     if len(parts) == 2:
         return parts[1]
     return np.concatenate([u for u, _ in parts], axis=1), np.concatenate([o for _, o in parts])
@@ -109,7 +115,8 @@ def _simplified(design: FiveRPURDesign) -> _Simplified | None:
     machine = stages.Machine.of(fixed, found.groups)
     rng = np.random.default_rng(2011)
     probes = np.exp(rng.normal(size=(LIMBS, _PROBES)) + 1j * rng.normal(size=(LIMBS, _PROBES)))
-    _, owner = _without_copies(*stages.solve(machine, probes))
+    with np.errstate(all="ignore"):
+        _, owner = _without_copies(*stages.solve(machine, probes))
     total = int(np.bincount(owner).max(initial=0))
     return _Simplified(machine, fixed, frame.unit, total) if total else None
 
@@ -138,28 +145,60 @@ def _all(known: _Simplified, rho2: Array) -> tuple[Complex, Index]:
 def _approached(known: _Simplified, rho2: Array, ray: Complex) -> tuple[Complex, Index]:
     """Solutions at ρ² (5, B) as limits of those at ρ² (1 + ε ray), ε → 0; coinciding ones too."""
     m = known.machine
-    with np.errstate(all="ignore"):
-        ray = ray * rho2.max(axis=0)
-        offset = _FIRST
-        u, owner = _without_copies(*stages.solve(m, rho2 + offset * ray))
-        for _ in range(_STEPS):
-            offset *= _RATIO
-            stages.polish(m, rho2 + offset * ray, u, owner)
-        size = stages.polish(m, rho2, u, owner)
-        closed = _misfit(known, rho2, u, owner) < _CLOSED
-    u, owner, size = u[:, closed], owner[closed], size[closed]
+    ray = ray * rho2.max(axis=0)
+    u, owner = _without_copies(*stages.solve(m, rho2 + _OFFSETS[0] * ray))
+    for offset in _OFFSETS[1:]:
+        stages.polish(m, rho2 + offset * ray, u, owner)
+    g = known.fixed._replace(rho2=rho2[:, owner])
+    u, misfit = _closed(m, g, rho2, u, owner)
+    good = misfit < _CLOSED
+    u, owner, g = u[:, good], owner[good], g.take(np.flatnonzero(good))
     # Of two paths that end at one simple solution, one has left its own.
-    lost = _copies(u, owner) & (size <= stages.SETTLED)
-    return u[:, ~lost], owner[~lost]
+    copies = np.flatnonzero(_copies(u, owner))
+    lost = copies[~_singular(g.take(copies), u[:, copies])]
+    return np.delete(u, lost, axis=1), np.delete(owner, lost)
 
 
-def _misfit(known: _Simplified, rho2: Array, u: Complex, owner: Index) -> Array:
+def _closed(
+    m: stages.Machine, g: Parameters, rho2: Array, u: Complex, owner: Index
+) -> tuple[Complex, Array]:
+    """Solutions next to u (10, M) as exact as they can be, and their misfit (M,).
+
+    Newton's method does for simple solutions and for isolated ones that coincide; where a curve
+    of them passes, its steps along the curve are arbitrary, and the shortest ones do.
+    """
+    newton, shortest = u.copy(), u
+    stages.polish(m, rho2, newton, owner)
+    for _ in range(_SHORTEST):
+        f = residuals(g, shortest)
+        shortest = shortest + steps(shortest, terms(g, shortest), f, solve=_shortest)[0]
+    misfits = _misfit(g, newton), _misfit(g, shortest)
+    better = misfits[1] < misfits[0]
+    return np.where(better, shortest, newton), np.where(better, misfits[1], misfits[0])
+
+
+def _shortest(rows: Complex, right: Complex) -> Complex:
+    """Of rows (5, 5, M) and right sides (5, K, M): the shortest that fits, (5, K, M)."""
+    rows = np.where(np.isfinite(rows), rows, 0.0).transpose(2, 0, 1)
+    answer: Complex = np.linalg.pinv(rows, rcond=_SINGULAR) @ right.transpose(2, 0, 1)
+    return answer.transpose(1, 2, 0)
+
+
+def _singular(g: Parameters, u: Complex) -> NDArray[np.bool_]:
+    """Where the equations' linear parts are dependent, (M,)."""
+    rows = matrix(terms(g, u)).transpose(2, 0, 1)
+    values = np.linalg.svd(rows, compute_uv=False)
+    answer: NDArray[np.bool_] = values[:, -1] <= _SINGULAR * values[:, 0]
+    return answer
+
+
+def _misfit(g: Parameters, u: Complex) -> Array:
     """The largest residual of the equations, relative to the squares in them; (M,)."""
     far = modulus(u)
     extent = np.maximum(far.max(axis=0), 1.0 / far[PHI : THETA + 1].min(axis=0))
-    f1, f2 = residuals(known.fixed._replace(rho2=rho2[:, owner]), u)
+    f1, f2 = residuals(g, u)
     worst: Array = np.maximum(modulus(f1), modulus(f2)).max(axis=0) / (1.0 + extent * extent)
-    return worst
+    return np.where(np.isfinite(worst), worst, np.inf)
 
 
 def _without_copies(u: Complex, owner: Index) -> tuple[Complex, Index]:

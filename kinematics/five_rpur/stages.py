@@ -51,8 +51,7 @@ Index = NDArray[np.intp]
 FAR = 1e8
 """|e^{iθ}|, |e^{iφ}| or an inverse beyond this belongs to a root at infinity."""
 _ONE = 1e-7  # what differs from its conjugate by less is worked out on its own
-SETTLED = 1e-9
-"""Size of a step after which Newton's method has only rounding left."""
+_SETTLED = 1e-9  # size of a step after which Newton's method has only rounding left
 _ROUNDS = 12  # of Newton's method; three do for a simple root
 _ACCEPTED = 1e-6  # size of its last step: halved each time where roots coincide
 
@@ -140,23 +139,22 @@ def solve(m: Machine, rho2: Complex | Array) -> tuple[Complex, Index]:
 
     Of real lengths, only one of two conjugate solutions of stages 1 and 2 is worked out; the
     other's solutions are its conjugates. A solution that is not settled, as where several
-    coincide, may be missing.
+    coincide, may be missing. Divisions by zero are meant to pass: callers silence them.
     """
     real = not np.iscomplexobj(rho2)
-    with np.errstate(all="ignore"):
-        planar = _planar(m, rho2, real)
-        step = _planar_step(m, rho2, planar.owner)
-        planar = planar.take(_polish(planar.state, step) < _ACCEPTED)
-        if real:
-            planar = planar.take(planar.side() >= 0.0)
-        legs = _free(m, rho2, planar)
-        if real:
-            legs = legs.take(legs.side() >= 0.0)
-        u, owner, column = _platform(m, legs)
-        if real:
-            twins = np.flatnonzero((legs.side() > 0.0)[column])
-            u = np.concatenate([u, conjugate(u[:, twins])], axis=1)
-            owner = np.concatenate([owner, owner[twins]])
+    planar = _planar(m, rho2, real)
+    step = _planar_step(m, rho2, planar.owner)
+    planar = planar.take(_polish(planar.state, step) < _ACCEPTED)
+    if real:
+        planar = planar.take(planar.side() >= 0.0)
+    legs = _free(m, rho2, planar)
+    if real:
+        legs = legs.take(legs.side() >= 0.0)
+    u, owner, column = _platform(m, legs)
+    if real:
+        twins = np.flatnonzero((legs.side() > 0.0)[column])
+        u = np.concatenate([u, conjugate(u[:, twins])], axis=1)
+        owner = np.concatenate([owner, owner[twins]])
     return u, owner
 
 
@@ -190,9 +188,12 @@ def _polish(state: Complex, step: _Step) -> Array:
     moving = np.arange(state.shape[1])
     for _ in range(_ROUNDS):
         change, now = step(state[:, moving], moving)
+        regular = np.isfinite(now)
+        if not regular.all():  # at a singular point itself: there it stays
+            moving, change, now = moving[regular], change[:, regular], now[regular]
         state[:, moving] += change
         size[moving] = now
-        moving = moving[~(now <= SETTLED)]
+        moving = moving[now > _SETTLED]
         if not len(moving):
             break
     return size
@@ -518,23 +519,17 @@ def _configurations(m: Machine, linkage: Complex, platform: Complex) -> Complex:
     return u
 
 
-def polish(m: Machine, rho2: Complex | Array, u: Complex, owner: Index) -> Array:
-    """Newton's method, stage by stage, on configurations u (10, M) in place.
-
-    Returns:
-        The size of the last step of each: beyond `SETTLED` where solutions coincide.
-    """
-    with np.errstate(all="ignore"):
-        linkage = u[[X, THETA, *(5 + limbs[0] for limbs in m.legs)]]
-        groups = len(m.groups)
-        size = _polish(linkage[: 2 + groups], _planar_step(m, rho2, owner))
-        limbs = list(m.free)
-        a, b = m.turned(linkage[1], limbs)
-        big_p = linkage[0] + m.s[limbs] - a
-        both = _both(rho2[limbs][:, owner] - big_p * big_p) + b
-        off = modulus(both - linkage[2 + groups :])
-        linkage[2 + groups :] = np.where(off[0] <= off[1], *both)
-        platform = np.stack([u[Y] + 1j * u[Z], u[Y] - 1j * u[Z], u[PHI]])
-        size = np.maximum(size, _polish(platform, _Legs(m, linkage[2:]).step))
-        u[:] = _configurations(m, linkage, platform)
-    return size
+def polish(m: Machine, rho2: Complex | Array, u: Complex, owner: Index) -> None:
+    """Newton's method, stage by stage, on configurations u (10, M) in place."""
+    linkage = u[[X, THETA, *(5 + limbs[0] for limbs in m.legs)]]
+    groups = len(m.groups)
+    _polish(linkage[: 2 + groups], _planar_step(m, rho2, owner))
+    limbs = list(m.free)
+    a, b = m.turned(linkage[1], limbs)
+    big_p = linkage[0] + m.s[limbs] - a
+    both = _both(rho2[limbs][:, owner] - big_p * big_p) + b
+    off = modulus(both - linkage[2 + groups :])
+    linkage[2 + groups :] = np.where(off[0] <= off[1], *both)
+    platform = np.stack([u[Y] + 1j * u[Z], u[Y] - 1j * u[Z], u[PHI]])
+    _polish(platform, _Legs(m, linkage[2:]).step)
+    u[:] = _configurations(m, linkage, platform)
