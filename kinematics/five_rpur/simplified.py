@@ -127,13 +127,14 @@ def _all(known: _Simplified, rho2: Array) -> tuple[Complex, Index]:
     found = np.bincount(owner, minlength=rho2.shape[1])
     rng = np.random.default_rng(2011)
     for _ in range(_RAYS):
-        short = np.flatnonzero(found < known.total)
+        # Too many, where a double root came apart and its halves' conjugates were added.
+        short = np.flatnonzero(found != known.total)
         if not len(short):
             break
         ray = rng.normal(size=(LIMBS, len(short))) + 1j * rng.normal(size=(LIMBS, len(short)))
         limits, of_short = _approached(known, rho2[:, short], ray)
         now = np.bincount(of_short, minlength=len(short))
-        better = now > found[short]
+        better = np.abs(now - known.total) < np.abs(found[short] - known.total)
         found[short[better]] = now[better]
         kept, added = ~np.isin(owner, short[better]), better[of_short]
         u = np.concatenate([u[:, kept], limits[:, added]], axis=1)

@@ -391,7 +391,9 @@ def _planar_step(m: Machine, rho2: Complex | Array, owner: Index) -> _Step:
             weight = p.real * p.real + p.imag * p.imag
             change[2:] = -(rest[first] + rest[second]) / (weight[first] + weight[second])
         change[1] = 1j * t * turned
-        size = np.maximum(modulus(change[0]) / (1.0 + modulus(x)), modulus(turned))
+        moved = modulus(change) / (1.0 + modulus(state))
+        moved[1] = modulus(turned)
+        size = moved.max(axis=0)
         return change, size
 
     return step
