@@ -73,7 +73,9 @@ class Control:
 CAREFUL = Control(first=0.005, error=2e-3, contraction=0.02, shortest=1e-10, most=8000)
 """For paths that have to be followed again."""
 
-_ROUNDING = 1e-10  # a correction below this may be rounding, far out where paths are ill-conditioned
+_ROUNDING = (
+    1e-10  # a correction below this may be rounding, far out where paths are ill-conditioned
+)
 _AIM = 0.25  # of what is allowed, for the next step
 _SPAN = 10.0  # ratio of 1 − t between the marks by which a path's growth is judged
 _NEAR_END = 1e-4  # 1 − t below which a path that is stuck may be judged
@@ -88,12 +90,14 @@ class Tracked:
     Attributes:
         values: (K, N) at t = 1, or where a path was left.
         endings: (N,) `Ending`.
+        reached: (N,) t there.
         error: (N,) the last correction, relative.
         steps: (N,) steps taken and tried.
     """
 
     values: Complex
     endings: NDArray[np.int8]
+    reached: Real
     error: Real
     steps: NDArray[np.int32]
 
@@ -191,6 +195,7 @@ class _Tracker:
         self.control = control
         self.values = starts.astype(complex)
         self.endings = np.full(count, Ending.LOST, dtype=np.int8)
+        self.reached = np.zeros(count)
         self.error = np.full(count, np.inf)
         self.steps = np.zeros(count, dtype=np.int32)
         zero = np.zeros(count)
@@ -220,7 +225,7 @@ class _Tracker:
         if len(self.paths.index):
             every = np.ones(len(self.paths.index), dtype=bool)
             self._leave(~every, every)
-        return Tracked(self.values, self.endings, self.error, self.steps)
+        return Tracked(self.values, self.endings, self.reached, self.error, self.steps)
 
     def _advance(self) -> None:
         """One step of every path."""
@@ -282,7 +287,7 @@ class _Tracker:
         out = arrived | stuck
         who = p.index[out]
         self.values[:, who] = p.u[:, out]
-        self.steps[who] = p.steps[out]
+        self.steps[who], self.reached[who] = p.steps[out], p.t[out]
         self.endings[p.index[arrived]] = Ending.REGULAR
         self.endings[p.index[stuck]] = self._judge()[stuck]
         self.paths = p.take(np.flatnonzero(~out))

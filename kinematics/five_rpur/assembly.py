@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -42,7 +42,13 @@ from kinematics.solutions import ForwardSolutions
 from kinematics.spatial import Array, finite
 from kinematics.tracking import relative_size
 
+_T = TypeVar("_T", bound=np.generic)
+
+MODE_SIGNS = {mode: tuple(1.0 if s == "+" else -1.0 for s in mode) for mode in MODES}
+"""σ_i of every working mode."""
+
 _DOUBLE = 1e-5  # of the size of a solution: closer ones are one, seen twice
+_NEAR_LENGTHS = 0.1  # largest change of a length over which all solutions are tracked on
 _REAL_ENOUGH = 1e-12  # relative distance from its conjugate at which a root is polished enough
 _NEARLY_SINGULAR = 1e-3  # determinant below which a self-motion is looked for
 
@@ -90,6 +96,24 @@ def forward(
             for one in rho
         )
     return tuple(_answers(design, rho, _by_stages(design, rho), began, mixed_modes))
+
+
+def forward_from(
+    design: FiveRPURDesign, before: ForwardSolutions, joints: ArrayLike
+) -> ForwardSolutions:
+    """All assembly modes at lengths (5,), mm, tracked from those known if these are near."""
+    rho = finite(joints, name="the joints", last=LIMBS).reshape(LIMBS)
+    quick = forward_is_quick(design, mixed_modes=before.mixed_modes)
+    known = before.roots.shape[1]
+    near = np.abs(rho - before.joints).max() <= _NEAR_LENGTHS * float(np.abs(rho).max())
+    if quick or not near or not before.complete or known != before.complex_count:
+        return forward(design, rho, mixed_modes=before.mixed_modes)[0]
+    began = perf_counter()
+    roots = general.roots_from(design, before.roots, before.joints, rho)
+    if not roots.complete:
+        return forward(design, rho, mixed_modes=before.mixed_modes)[0]
+    found = _by_homotopy(design, rho, roots)
+    return _answers(design, rho[None], [found], began, before.mixed_modes)[0]
 
 
 def forward_is_quick(design: FiveRPURDesign, *, mixed_modes: bool = False) -> bool:
@@ -196,9 +220,7 @@ def _completeness(found: general.Roots, family: int) -> tuple[str, ...]:
     elif not found.closed:
         notes.append("A solution lacks its complex conjugate: solutions may be missing.")
     elif not found.complete:
-        notes.append(
-            f"{found.expected} paths led to {found.count} solutions: some may be missing."
-        )
+        notes.append(f"{found.expected} paths led to {found.count} solutions: some may be missing.")
     if found.detours:
         notes.append(f"Some paths had to be followed again, {found.detours} times at most.")
     return tuple(notes)
@@ -290,7 +312,15 @@ class _Table(NamedTuple):
     determinant: Array
 
     def take(self, rows: NDArray[np.intp]) -> _Table:
-        return _Table(*(v[:, rows] if v is self.u else v[rows] for v in self))
+        return _Table(
+            self.poses[rows],
+            self.u[:, rows],
+            self.mode[rows],
+            self.residual[rows],
+            self.weight[rows],
+            self.condition[rows],
+            self.determinant[rows],
+        )
 
 
 def _made_real(g: Parameters, u: Complex) -> tuple[Array, Array]:
@@ -298,9 +328,7 @@ def _made_real(g: Parameters, u: Complex) -> tuple[Array, Array]:
     values, w = real_part(u)
     rough = np.flatnonzero(relative_size(u - conjugate(u), u) > _REAL_ENOUGH)
     if rough.size:
-        fine, error = polish(
-            g.take(rough), from_real(values[:, rough], w[:, rough]), rounds=2
-        )
+        fine, error = polish(g.take(rough), from_real(values[:, rough], w[:, rough]), rounds=2)
         better = rough[error <= _REAL_ENOUGH]
         values[:, better], w[:, better] = real_part(fine[:, error <= _REAL_ENOUGH])
     return values, w
@@ -325,7 +353,7 @@ def _conditioning(
 ) -> dict[str, Array]:
     """Condition number of J5 and determinant of the unit wrenches, as in `velocity`.
 
-    The rows of `equations.matrix` are −f_i ρ_i l_i and its moments in the turned frame, about
+    The rows of `equations.matrix` are −ρ_i l_i f_i and its moments in the turned frame, about
     the platform's centroid: what is left is to take them about O'.
     """
     unit = Frame.of(design).unit
@@ -350,12 +378,12 @@ def _conditioning(
     )
     force = np.sqrt((rows[..., :3] ** 2).sum(axis=-1))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        wrenches = np.where(force[..., None] > 0.0, -rows / force[..., None], 0.0)
-        jacobian = rows / (t.q.real * np.sqrt(t.big_p.real**2 + t.p.real**2)).T[..., None]
-        regular = np.isfinite(jacobian).all(axis=(-1, -2))
-        sizes = np.linalg.svd(
-            np.where(regular[:, None, None], jacobian, np.eye(LIMBS)), compute_uv=False
-        )
+        wrenches = np.where(force[..., None] > 0.0, rows / force[..., None], 0.0)
+        lengths = np.sqrt(t.big_p.real**2 + t.p.real**2)
+        jacobian: Array = rows / (t.q.real * lengths).T[..., None]
+        regular = np.isfinite(jacobian.reshape(-1, LIMBS * LIMBS)).all(axis=1)
+        jacobian[~regular] = np.eye(LIMBS)
+        sizes = np.linalg.svd(jacobian, compute_uv=False)
         number = np.where(regular, sizes[:, 0] / sizes[:, -1], np.inf)
     return {"condition": number, "determinant": np.linalg.det(wrenches)}
 
@@ -376,16 +404,21 @@ def _merged(part: _Table, length: float) -> tuple[_Table, Array]:
     return part, _neighbours(part.poses, length)[1]
 
 
-def _neighbours(poses: Array, length: float) -> tuple[NDArray[np.intp], Array]:
-    """The nearest other of each pose, and how far it is, mm.
+def pose_points(poses: Array, length: float) -> Array:
+    """Poses (n, 5) as points (n, 7), whose distances are those of the poses, mm.
 
     Angles count as the chord of a circle with the characteristic length as its radius.
     """
+    angles = poses[:, 3:]
+    return np.hstack([poses[:, :3], length * np.cos(angles), length * np.sin(angles)])
+
+
+def _neighbours(poses: Array, length: float) -> tuple[NDArray[np.intp], Array]:
+    """The nearest other of each pose, and how far it is, mm."""
     count = len(poses)
     if count < 2:
         return np.zeros(count, dtype=np.intp), np.full(count, np.inf)
-    angles = poses[:, 3:]
-    points = np.hstack([poses[:, :3], length * np.cos(angles), length * np.sin(angles)])
+    points = pose_points(poses, length)
     points -= points.mean(axis=0)
     square = (points * points).sum(axis=1)
     apart = square[:, None] + square - 2.0 * (points @ points.T)  # good enough to choose by
@@ -394,6 +427,6 @@ def _neighbours(poses: Array, length: float) -> tuple[NDArray[np.intp], Array]:
     return nearest, np.sqrt(((points - points[nearest]) ** 2).sum(axis=1))
 
 
-def _frozen(values: Array) -> Array:
+def _frozen(values: NDArray[_T]) -> NDArray[_T]:
     values.setflags(write=False)
     return values

@@ -82,7 +82,7 @@ def parameters(design: FiveRPURDesign, joints: ArrayLike, frame: Frame | None = 
     r = ((design.base - frame.base) / frame.unit).T[:, :, None]
     s = ((design.platform - frame.platform) / frame.unit).T[:, :, None]
     link = (design.link / frame.unit)[:, None]
-    return Parameters(*r, *s, link * link, rho * rho)
+    return Parameters(r[0], r[1], r[2], s[0], s[1], s[2], link * link, rho * rho)
 
 
 # --- the equations -------------------------------------------------------------------------
@@ -210,7 +210,7 @@ def _solve_pivoting(rows: Complex, right: Complex) -> Complex:
         x = np.linalg.solve(a, b)
     except np.linalg.LinAlgError:
         x = np.linalg.solve(a + 1e-15 * np.eye(5), b)
-    answer: Complex = x.transpose(1, 2, 0)
+    answer: Complex = x.transpose(1, 2, 0).astype(complex, copy=False)
     return answer
 
 
@@ -220,9 +220,7 @@ class Deformation:
     What stays the same may be given as the same array on both sides; then it costs nothing.
     """
 
-    def __init__(
-        self, start: Parameters, end: Parameters, bend: Parameters | None = None
-    ) -> None:
+    def __init__(self, start: Parameters, end: Parameters, bend: Parameters | None = None) -> None:
         self._start, self._end, self._bend = start, end, bend
         self._moving = tuple(a is not b for a, b in zip(start, end, strict=True))
 
@@ -273,7 +271,6 @@ class Deformation:
             f2 += at.q * (dg.sy * at.sin_phi + dg.sz * at.cos_phi)
         newton, tangent = steps(u, at, _residuals(g, at), (f1, f2))
         return newton, tangent
-
 
     def extent(self, u: Complex) -> Array:
         """The largest of all moduli and of 1/|e^{iφ}|, 1/|e^{iθ}|, (n,)."""
@@ -354,7 +351,8 @@ def signature(u: Complex) -> Complex:
     cosine = 0.5 * (u[PHI : THETA + 1] + inverse)
     sine = -0.5j * (u[PHI : THETA + 1] - inverse)
     parts = np.concatenate([u[:3], cosine, sine, u[W]])
-    return _WEIGHTS @ parts
+    marks: Complex = _WEIGHTS @ parts
+    return marks
 
 
 _WEIGHTS = np.array(

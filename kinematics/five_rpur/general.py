@@ -13,7 +13,7 @@ lengths, and the union is taken.
 from __future__ import annotations
 
 from collections import OrderedDict
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,7 +29,6 @@ from kinematics.five_rpur.equations import (
     signature,
 )
 from kinematics.five_rpur.families import StartSet, kept_set, membership, start_set
-from kinematics.spatial import Array
 from kinematics.tracking import CAREFUL, Control, Ending, Tracked, relative_size, track
 
 SAME = 1e-7
@@ -106,7 +105,6 @@ def make_own(design: FiveRPURDesign) -> StartSet:
     start = start_set(membership(design))
     target = parameters(design, np.zeros(LIMBS))
     target = target._replace(rho2=_complex_lengths(target))
-    target = Parameters(*(v.astype(complex) for v in target))
     found = _solve(start, target, real=False)
     return StartSet(target, found.values[:, found.multiplicity == 1], found.complete)
 
@@ -115,8 +113,8 @@ def _complex_lengths(g: Parameters) -> Complex:
     """ρ² of a start set: as long as actuators are, and well away from the real ones."""
     turns = np.array([0.9, -1.3, 0.5, 1.7, -0.7])[:, None]
     size = 1.0 + float(np.mean(np.abs(g.rx) ** 2 + np.abs(g.rz) ** 2))
-    lengths: Complex = size * np.array([1.1, 0.8, 1.3, 0.9, 1.0])[:, None] * np.exp(1j * turns)
-    return lengths
+    sizes = size * np.array([1.1, 0.8, 1.3, 0.9, 1.0])[:, None]
+    return sizes * np.exp(1j * turns).astype(complex)
 
 
 # --- solving --------------------------------------------------------------------------------
@@ -179,16 +177,14 @@ def _solve(
         ends = followed(again, way, CAREFUL)
         values[:, again], endings[again] = ends.values, ends.endings
         _settle(target, values, endings, again)
-    return _gathered(
-        target, values, endings, detours=detours, whole=start.complete, real=real
-    )
+    return _gathered(target, values, endings, detours=detours, whole=start.complete, real=real)
 
 
 def _only_lengths(bend: Complex | None) -> Parameters | None:
     if bend is None:
         return None
     nothing = np.zeros((1, 1))
-    return Parameters(*[nothing] * 7, bend)
+    return Parameters(*(nothing,) * 7, rho2=bend)
 
 
 def _settle(

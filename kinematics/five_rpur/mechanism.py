@@ -10,7 +10,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics.errors import InputError
-from kinematics.five_rpur import arrangements, drawing, forward, home, inverse
+from kinematics.five_rpur import (
+    arrangements,
+    assembly,
+    carrying,
+    drawing,
+    forward,
+    home,
+    inverse,
+)
 from kinematics.five_rpur import design as designs
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanism import (
@@ -21,7 +29,14 @@ from kinematics.mechanism import (
     SolidRequest,
     SolidSpec,
 )
-from kinematics.solutions import Finding, Followed, InverseSolutions, Posture
+from kinematics.solutions import (
+    Finding,
+    Followed,
+    ForwardSolutions,
+    InverseSolutions,
+    Posture,
+    Refreshed,
+)
 from kinematics.spatial import Array, homogeneous, rotation_x, rotation_y
 
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
@@ -95,6 +110,19 @@ class FiveRPUR:
 
     def follow(self, design: FiveRPURDesign, posture: Posture, joints: Sequence[float]) -> Followed:
         return forward.follow(design, posture, joints)
+
+    def forward(
+        self, design: FiveRPURDesign, joints: ArrayLike, *, mixed_modes: bool = False
+    ) -> tuple[ForwardSolutions, ...]:
+        return assembly.forward(design, joints, mixed_modes=mixed_modes)
+
+    def refresh(
+        self, design: FiveRPURDesign, before: ForwardSolutions, joints: Sequence[float]
+    ) -> Refreshed:
+        return carrying.refresh(design, before, joints)
+
+    def forward_is_quick(self, design: FiveRPURDesign, *, mixed_modes: bool = False) -> bool:
+        return assembly.forward_is_quick(design, mixed_modes=mixed_modes)
 
     def transform(self, design: FiveRPURDesign, poses: ArrayLike) -> Array:
         return inverse.transform(poses)

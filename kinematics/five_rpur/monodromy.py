@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -47,7 +48,9 @@ def general_set(rng: np.random.Generator, report: Report) -> StartSet:
     u = _random(rng, UNKNOWNS, 1)
     u[PHI : THETA + 1] /= np.abs(u[PHI : THETA + 1]) ** 0.5
     f1, f2 = residuals(g._replace(link2=np.zeros((LIMBS, 1)), rho2=np.zeros((LIMBS, 1))), u)
-    return _completed(StartSet(g._replace(link2=2.0 * f2, rho2=2.0 * f1), u), FAMILIES[0], rng, report)
+    return _completed(
+        StartSet(g._replace(link2=2.0 * f2, rho2=2.0 * f1), u), FAMILIES[0], rng, report
+    )
 
 
 def family_set(
@@ -70,7 +73,7 @@ def _completed(
         before = roots.shape[1]
         stops = [machine, _random_machine(rng, family), _random_machine(rng, family), machine]
         moved = roots
-        for here, there in zip(stops, stops[1:], strict=False):
+        for here, there in pairwise(stops):
             ends = track(Deformation(here, there), moved, Control())
             moved = ends.values[:, ends.endings == Ending.REGULAR]
         roots = _distinct(machine, np.concatenate([roots, moved], axis=1))
