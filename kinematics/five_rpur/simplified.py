@@ -42,8 +42,8 @@ _CHUNK = 2048  # sextics at a time: their temporaries stay in the processor's ca
 _SAME = 1e-8  # relative; two copies of a simple root agree to rounding
 _PROBES = 3  # complex length vectors from which the number of solutions is known
 
-_OFFSETS = np.logspace(-3, -11, 9)  # of ρ², relative, on the way back along a ray
-_RAYS = 3  # to try
+_STARTS, _LAST = (-5, -7, -3), -11  # log10 of the first offsets of ρ² to try, and of the last
+_FAR, _LEAVES = 100.0, 0.9  # so far out, and changing so much, a solution runs off
 _SHORTEST = 4  # shortest steps at the end of a ray; two do
 _SINGULAR = 1e-6  # ratio of singular values of the equations' linear parts
 _CLOSED = 1e-12  # of the equations, relative to the squares in them
@@ -126,13 +126,13 @@ def _all(known: _Simplified, rho2: Array) -> tuple[Complex, Index]:
     u, owner = _without_copies(*stages.solve(known.machine, rho2))
     found = np.bincount(owner, minlength=rho2.shape[1])
     rng = np.random.default_rng(2011)
-    for _ in range(_RAYS):
+    for start in _STARTS:
         # Too many, where a double root came apart and its halves' conjugates were added.
         short = np.flatnonzero(found != known.total)
         if not len(short):
             break
         ray = rng.normal(size=(LIMBS, len(short))) + 1j * rng.normal(size=(LIMBS, len(short)))
-        limits, of_short = _approached(known, rho2[:, short], ray)
+        limits, of_short = _approached(known, rho2[:, short], ray, start)
         now = np.bincount(of_short, minlength=len(short))
         better = np.abs(now - known.total) < np.abs(found[short] - known.total)
         found[short[better]] = now[better]
@@ -143,13 +143,19 @@ def _all(known: _Simplified, rho2: Array) -> tuple[Complex, Index]:
     return u[:, order], owner[order]
 
 
-def _approached(known: _Simplified, rho2: Array, ray: Complex) -> tuple[Complex, Index]:
+def _approached(known: _Simplified, rho2: Array, ray: Complex, start: int) -> tuple[Complex, Index]:
     """Solutions at ρ² (5, B) as limits of those at ρ² (1 + ε ray), ε → 0; coinciding ones too."""
     m = known.machine
     ray = ray * rho2.max(axis=0)
-    u, owner = _without_copies(*stages.solve(m, rho2 + _OFFSETS[0] * ray))
-    for offset in _OFFSETS[1:]:
+    first, *offsets = np.logspace(start, _LAST, start - _LAST + 1)
+    u, owner = _without_copies(*stages.solve(m, rho2 + first * ray))
+    for offset in offsets:
+        before = u.copy()
         stages.polish(m, rho2 + offset * ray, u, owner)
+        far = np.maximum(_extent(before), _extent(u)) > _FAR
+        moved = (modulus(u - before) / (1.0 + modulus(before))).max(axis=0)
+        held = ~(far & ~(moved < _LEAVES))
+        u, owner = u[:, held], owner[held]
     g = known.fixed._replace(rho2=rho2[:, owner])
     u, misfit = _closed(m, g, rho2, u, owner)
     good = misfit < _CLOSED
@@ -195,11 +201,17 @@ def _singular(g: Parameters, u: Complex) -> NDArray[np.bool_]:
 
 def _misfit(g: Parameters, u: Complex) -> Array:
     """The largest residual of the equations, relative to the squares in them; (M,)."""
-    far = modulus(u)
-    extent = np.maximum(far.max(axis=0), 1.0 / far[PHI : THETA + 1].min(axis=0))
+    extent = _extent(u)
     f1, f2 = residuals(g, u)
     worst: Array = np.maximum(modulus(f1), modulus(f2)).max(axis=0) / (1.0 + extent * extent)
     return np.where(np.isfinite(worst), worst, np.inf)
+
+
+def _extent(u: Complex) -> Array:
+    """The largest of all moduli and of 1/|e^{iφ}|, 1/|e^{iθ}|, (M,)."""
+    size = modulus(u)
+    answer: Array = np.maximum(size.max(axis=0), 1.0 / size[PHI : THETA + 1].min(axis=0))
+    return answer
 
 
 def _without_copies(u: Complex, owner: Index) -> tuple[Complex, Index]:
