@@ -139,11 +139,11 @@ def atlas(view: View, known: Known | None) -> Atlas:
     stale = not known.stands_at(posture.joints)
     placements = review.mechanism.transform(review.design, found.poses).reshape(-1, 4, 4)
     rows = _rows(view, known, placements, stale=stale)
-    kept = _sorted(review, [row for row in rows if _passes(review, row)])
+    kept = _sorted(review, _filtered(review, rows))
     singular = {motion.text for motion in found.self_motions}
     remarks = [(note, note in singular) for note in found.notes]
     remarks += _news(review, known)
-    if not stale and rows and not any(row.here for row in rows):
+    if not stale and not any(row.here for row in rows):
         remarks.append((_elsewhere(offered, known.mixed, posture.mode), False))
     return Atlas(
         rows=tuple(kept),
@@ -186,13 +186,14 @@ def _rows(view: View, known: Known, placements: Array, *, stale: bool) -> list[R
     ]
 
 
-def _passes(review: Review, row: Row) -> bool:
+def _filtered(review: Review, rows: list[Row]) -> list[Row]:
     wanted = review.atlas
-    if wanted.within_stroke and not row.within_stroke:
-        return False
+    modes: Sequence[str] = review.mechanism.modes
     if wanted.modes == SAME_MODE:
-        return row.mode == review.mode
-    return not wanted.modes or row.mode in matching(wanted.modes, review.mechanism.modes)
+        modes = (review.mode,)
+    elif wanted.modes:
+        modes = matching(wanted.modes, review.mechanism.modes)
+    return [r for r in rows if r.mode in modes and (r.within_stroke or not wanted.within_stroke)]
 
 
 def _sorted(review: Review, rows: list[Row]) -> list[Row]:
@@ -225,7 +226,7 @@ def _news(review: Review, known: Known) -> list[tuple[str, bool]]:
                 continue
             partners |= {gone.partner} if gone.partner is not None else set()
             pair = f" with #{gone.partner}" if gone.partner is not None else ""
-            told.append(f"#{gone.identity}{pair} at {pose_text(review, gone.pose)}")
+            told.append(f"#{gone.identity}{pair} at {place_text(review, gone.pose)}")
         shown = "; ".join(told[:3]) + ("; …" if len(told) > 3 else "")
         news.append((f"{len(known.merged)} merged on the way: {shown}", True))
     return news
@@ -244,9 +245,15 @@ def _elsewhere(offered: bool, mixed: bool, mode: str) -> str:
 def pose_text(review: Review, pose: Sequence[float]) -> str:
     """A pose in the page's units: "x 12.3, y 4.0, z 310.9 mm, φ 5.0°, θ −3.0°"."""
     axes = review.mechanism.pose_coordinates(review.design)
-    lengths = [_value(c, v) for c, v in zip(axes, pose, strict=True) if c.unit == "mm"]
     angles = [f"{_value(c, v)}°" for c, v in zip(axes, pose, strict=True) if c.unit == "rad"]
-    return ", ".join([*(["{} mm".format(", ".join(lengths))] if lengths else []), *angles])
+    return ", ".join(filter(None, (place_text(review, pose), *angles)))
+
+
+def place_text(review: Review, pose: Sequence[float]) -> str:
+    """Its lengths alone: "x 12.3, y 4.0, z 310.9 mm"; "" where a pose has none."""
+    axes = review.mechanism.pose_coordinates(review.design)
+    lengths = [_value(c, v) for c, v in zip(axes, pose, strict=True) if c.unit == "mm"]
+    return f"{', '.join(lengths)} mm" if lengths else ""
 
 
 def _value(axis: Coordinate, value: float) -> str:

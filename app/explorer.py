@@ -27,6 +27,7 @@ class Explorer:
         self.solver = Solver(on_event)
         self.known: Known | None = None
         self.trouble = ""
+        self.fold_trouble = ""
         self._driven: int | None = None
         self._ahead: tuple[Ahead, ...] = ()
         self._ahead_of: object = None
@@ -51,7 +52,7 @@ class Explorer:
             return
         wish: Wish | None = None
         if posture.closes:
-            if not self._is_current(view):
+            if not self.is_current(view):
                 if not self._quick(view):
                     before = self.known.solutions if self._goes_on(view) and self.known else None
                     wish = Wish(review.design, posture.joints, mixes(review), before)
@@ -62,7 +63,7 @@ class Explorer:
 
     def catch_up(self, view: View) -> None:
         """Solve a quick design for the present actuators, at once."""
-        if not view.posture.closes or self._is_current(view) or not self._quick(view):
+        if not view.posture.closes or self.is_current(view) or not self._quick(view):
             return
         review = view.review
         before = self.known.solutions if self._goes_on(view) and self.known else None
@@ -85,11 +86,14 @@ class Explorer:
                     self._asked = None
             case Foreseen(wish, ahead):
                 assert wish.posture is not None
-                self._ahead = ahead
+                self._ahead, self.fold_trouble = ahead, ""
                 self._ahead_of = (wish.design, wish.posture.pose, wish.posture.mode)
-            case Unsolved(_, text):
-                self.trouble = text
+            case Unsolved(wish, text):
                 self._awaited = None
+                if wish.posture is None:
+                    self.trouble = text
+                else:
+                    self.fold_trouble = text
         self.look(view)
 
     def find_again(self, view: View) -> None:
@@ -115,14 +119,15 @@ class Explorer:
     def _goes_on(self, view: View) -> bool:
         return self.known is not None and self.known.is_of(view.review)
 
-    def _is_current(self, view: View) -> bool:
+    # --- what is shown and asked
+
+    def is_current(self, view: View) -> bool:
+        """Whether the last set is of the present actuators, design and working modes."""
         return (
             self.known is not None
             and self.known.is_of(view.review)
             and self.known.stands_at(view.posture.joints)
         )
-
-    # --- what is shown and asked
 
     def atlas(self, view: View) -> Atlas:
         """The solutions as they are shown."""
@@ -138,7 +143,7 @@ class Explorer:
         Raises:
             BohemiaError: that solution is not there any more.
         """
-        if self._awaited is None or not self._is_current(view) or self.known is None:
+        if self._awaited is None or not self.is_current(view) or self.known is None:
             return None
         identity, self._awaited = self._awaited, None
         index = self.known.index(identity)

@@ -21,27 +21,36 @@ import numpy as np
 import viser
 
 from app import compute, session
+from app.explorer import Explorer, Found
 from app.exporting import ExportedFile, build_file, solid_name
+from app.ghosts import Ghosts
+from app.morph import Morph
 from app.panels.design import DesignPanel
-from app.panels.desk import Hands, Panel, Save, Sheet, safely
+from app.panels.desk import Hands, Panel, Save, Sheet, Solutions, safely
 from app.panels.header import Header
+from app.panels.hotkeys import add_hotkeys
 from app.panels.move import MovePanel
 from app.panels.review import ReviewPanel
+from app.panels.solutions import SolutionsPanel
 from app.panels.workspace import WorkspacePanel
 from app.scene import FIELD_OF_VIEW, Scene, machine_bounds
-from app.state import Change, GoHome, History, Place, Review, SetOption, Show
+from app.solver import Foreseen, Solved, Unsolved
+from app.state import Change, Drive, History, Place, Review, Visit
 from app.worker import Built, Busy, Event, Failed, Worker
-from kinematics.errors import InputError
+from kinematics.errors import BohemiaError, InputError
 
 log = logging.getLogger(__name__)
 
 TICK = 0.25  # s between looks at the clock while nothing happens
 MOMENT = 0.03  # s, the same while a widget waits to be brought up to date
+FRAME = 0.02  # s, the same while the machine glides to another solution
+SHARE = 1.0  # the solutions pause as many times as long as bringing them up to date takes
 SETTLED = 0.8  # s without a change before the session is saved
 PANEL_WIDTH = 400  # px
 
 TABS: tuple[tuple[str, Callable[..., Panel]], ...] = (
     ("Move", MovePanel),
+    ("Solutions", SolutionsPanel),
     ("Workspace", WorkspacePanel),
     ("Design", DesignPanel),
     ("Review", ReviewPanel),
@@ -70,6 +79,12 @@ class Page:
         self._history = History(review)
         self._inbox: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self._scene = Scene(server)
+        self._ghosts = Ghosts(self._scene, lambda identity: self.visit(identity, None))
+        self._explorer = Explorer(self._inbox.put)
+        self._morph: Morph | None = None
+        self._solutions_late = False
+        self._solutions_drawn: object = None
+        self._solutions_from = 0.0  # the time from which they may be brought up to date again
         self._view: compute.View | None = None
         self._header: Header | None = None
         self._panels: list[Panel] = []
@@ -101,7 +116,19 @@ class Page:
         self._inbox.put("fit")
 
     def cancel(self) -> None:
-        self.worker.cancel()
+        if self._longest_work() is self._busy.get("solutions"):
+            self._explorer.solver.cancel()
+        else:
+            self.worker.cancel()
+
+    def visit(self, identity: int, client: viser.ClientHandle | None) -> None:
+        self._inbox.put(("visit", identity, client))
+
+    def find_again(self) -> None:
+        self._inbox.put("find again")
+
+    def choose_fold(self, index: int, longer: bool) -> None:
+        self._inbox.put(("fold", index, longer))
 
     def complain(self, text: str, client: viser.ClientHandle | None = None) -> None:
         """Tell the person who asked, or everybody, what is wrong."""
@@ -131,12 +158,13 @@ class Page:
         # Threads hand over to each other within a frame: the lanes must not wait for a drawing.
         sys.setswitchinterval(0.0005)
         self.worker.start()
+        self._explorer.solver.start()
         self._publish()
-        self._commands()
+        add_hotkeys(self, lambda: self._history.present)
         while not self._stopping.is_set():
             items = ["redraw"] if self.hands.owed else []
             with contextlib.suppress(queue.Empty):
-                items.append(self._inbox.get(timeout=MOMENT if items else TICK))
+                items.append(self._inbox.get(timeout=self._patience(bool(items))))
             self.hands.look()
             while True:
                 try:
@@ -150,11 +178,18 @@ class Page:
                 self.complain("Something went wrong in the page itself; the last change was lost.")
         self._save_session()
         self.worker.stop()
+        self._explorer.solver.stop()
 
     def stop(self) -> None:
         """End `run`; the session is saved on the way out."""
         self._stopping.set()
         self._inbox.put("redraw")
+
+    def _patience(self, owing: bool) -> float:
+        """How long to wait for the next input, s."""
+        if self._morph is not None:
+            return FRAME
+        return MOMENT if owing or self._solutions_late else TICK
 
     def _take(self, items: Sequence[Any]) -> None:
         redraw = solids = False
@@ -163,11 +198,10 @@ class Page:
                 case _Asked(change, client):
                     if not _superseded(item, items[n + 1 :]):
                         redraw |= self._apply(change, client)
-                case "undo":
-                    self._history, redraw = self._history.undo(), True
-                    self._touched(())
-                case "redo":
-                    self._history, redraw = self._history.redo(), True
+                case "undo" | "redo":
+                    history = self._history
+                    self._history = history.undo() if item == "undo" else history.redo()
+                    redraw = True
                     self._touched(())
                 case "redraw":
                     redraw = True
@@ -177,12 +211,26 @@ class Page:
                     self._export(item)
                 case Built() | Failed() | Busy():
                     solids |= self._worked(item)
+                case Solved() | Foreseen() | Unsolved():
+                    self._found(item)
+                case "find again":
+                    assert self._view is not None
+                    self._explorer.find_again(self._view)
+                    self._solutions_late = True
+                case ("fold", index, longer):
+                    self._explorer.choose_fold((index, longer))
+                    self._solutions_late = True
+                case ("visit", identity, client):
+                    self._explorer.await_visit(identity)
+                    redraw |= self._visit(client)
                 case ("drag", phase, client_id, pose):
                     redraw |= self._drag(phase, client_id, pose)
         if redraw:
             self._publish()
         elif solids:
             self._publish_solids()
+        self._glide()
+        self._explore()
         self._show_work()
         if self._unsaved and time.monotonic() - self._changed_at > SETTLED:
             self._save_session()
@@ -194,10 +242,26 @@ class Page:
             self.complain(str(error), client)
             return True
         self._touched((note,) if note else ())
+        if isinstance(change, Drive):
+            self._explorer.drove(change.index)
+        if isinstance(change, Visit) and self._view is not None:
+            after = compute.view(self._history.present)
+            self._morph = Morph(self._shown(), after, time.monotonic())
         return True
+
+    def _visit(self, client: viser.ClientHandle | None) -> bool:
+        """Go to the solution that a person chose, if the set is of the present actuators."""
+        assert self._view is not None
+        try:
+            due = self._explorer.visit(self._view)
+        except BohemiaError as error:
+            self.complain(str(error), client)
+            return False
+        return due is not None and self._apply(due, client)
 
     def _touched(self, notes: tuple[str, ...]) -> None:
         self._notes = notes
+        self._morph = None
         self._unsaved = True
         self._changed_at = time.monotonic()
 
@@ -244,7 +308,7 @@ class Page:
             if review.design.mechanism != self._kind:
                 self._assemble(self._sheet())
             self._theme(review)
-            self._scene.show(view, dragging=bool(self._dragging))
+            self._scene.show(self._shown(), dragging=bool(self._dragging))
             self._show_solids(view)
             self._draw_panels()
             if self._framed != review.design:
@@ -252,6 +316,64 @@ class Page:
                 self._framed, self._framed_with_solids = review.design, not view.wishes
                 self._fit()
         self.server.flush()
+        self._solutions_late = True
+
+    def _shown(self) -> compute.View:
+        """The view that the scene has, or is to have now: on the way to a solution, or there."""
+        assert self._view is not None
+        return self._view if self._morph is None else self._morph.at(time.monotonic())
+
+    def _glide(self) -> None:
+        """One more picture of the machine on its way to a solution."""
+        if self._morph is None:
+            return
+        with self.server.atomic():
+            self._scene.show(self._shown(), dragging=bool(self._dragging))
+        self.server.flush()
+        if self._morph.over(time.monotonic()):
+            self._morph = None
+
+    def _found(self, event: Found) -> None:
+        assert self._view is not None
+        self._explorer.take(event, self._view)
+        self._solutions_late = True
+        if self._visit(None):
+            self._publish()
+
+    def _explore(self) -> None:
+        """Bring the solutions up to date, after everything else and for a share of the time."""
+        now = time.monotonic()
+        if not self._solutions_late or self._view is None:
+            return
+        view, explorer = self._view, self._explorer
+        explorer.look(view)
+        if now < self._solutions_from:
+            return
+        self._solutions_late = False
+        explorer.catch_up(view)
+        # Who belongs to other actuators stays as it is while the hand moves: that costs nothing.
+        review, current = view.review, explorer.is_current(view)
+        drawn = explorer.known, review.atlas, review.options.dark, explorer.trouble, current
+        if not current and explorer.known is not None and drawn == self._solutions_drawn:
+            return
+        self._solutions_drawn = drawn
+        ahead, fold = explorer.folds(view)
+        solutions = Solutions(
+            explorer.atlas(view),
+            explorer.known,
+            ahead,
+            fold,
+            explorer.trouble,
+            explorer.fold_trouble,
+        )
+        sheet = self._sheet()
+        with self.server.atomic():
+            self._ghosts.show(view, solutions.atlas, fold)
+            for panel in self._panels:
+                panel.draw_solutions(sheet, solutions)
+        self.server.flush()
+        done = time.monotonic()
+        self._solutions_from = done + SHARE * (done - now)
 
     def _publish_solids(self) -> None:
         """Only solids came: the machine stands as it stood."""
@@ -303,6 +425,7 @@ class Page:
         self.gui.main_panel.dock_right()
         self.gui.main_panel.set_width(PANEL_WIDTH)
         self.gui.set_panel_label("Bohemia")
+        self._ghosts.prepare()
         self._scene.prepare(review.mechanism.solids(review.design), sheet.view.drawing.size)
         self._header = Header(self, sheet)
         tabs = self.gui.add_tab_group()
@@ -346,9 +469,14 @@ class Page:
         )
 
     def _show_work(self) -> None:
-        # The coarse lane is too quick to be worth a bar.
         if self._header is not None:
-            self._header.draw_work(self._busy.get("fine"))
+            self._header.draw_work(self._longest_work())
+
+    def _longest_work(self) -> Busy | None:
+        """What a person waits for; the coarse lane is too quick to be worth a bar."""
+        lanes = (self._busy.get("fine"), self._busy.get("solutions"))
+        at_work = [busy for busy in lanes if busy is not None and busy.title is not None]
+        return min(at_work, key=lambda busy: busy.since, default=None)
 
     def _fit(self) -> None:
         review = self._history.present
@@ -369,37 +497,6 @@ class Page:
                 client.camera.near, client.camera.far = first.near, first.far
                 client.camera.fov = first.fov
                 client.camera.position, client.camera.look_at = position, target
-
-    def _commands(self) -> None:
-        def toggled(name: str) -> Callable[[], None]:
-            return lambda: self.send(
-                SetOption(name, not getattr(self._history.present.options, name))
-            )
-
-        commands: tuple[tuple[str, str, Any, Callable[[], None]], ...] = (
-            ("Undo", "Take back the last change", "Z", self.undo),
-            ("Redo", "Do it again", "Y", self.redo),
-            ("Fit the view", "Show the machine and its solids whole", "F", self.fit_view),
-            ("Home position", "The design's home pose", "H", lambda: self.send(GoHome())),
-            ("Labels", "Show or hide the joints' names", "L", toggled("labels")),
-            ("Axes e₁ and e₂", "Show or hide them", "E", toggled("axes")),
-            ("Machine", "Show or hide it", "M", toggled("machine")),
-            (
-                "Workspace",
-                "Show or hide the workspace solid",
-                "W",
-                lambda: self.send(
-                    Show("workspace", self._history.present.shown("workspace") is None)
-                ),
-            ),
-        )
-        for label, description, hotkey, act in commands:
-            command = self.gui.add_command(label, description=description, hotkey=hotkey)
-
-            def triggered(_: object, act: Callable[[], None] = act) -> None:
-                safely(self, None, act)
-
-            command.on_trigger(triggered)
 
     # --- files
 

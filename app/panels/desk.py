@@ -105,7 +105,7 @@ class Solutions:
     """The forward solutions as panels draw them.
 
     ``ahead`` is empty while the folds are being looked for; ``fold`` is the one that is told of;
-    ``trouble`` says why there are no solutions, if that is so.
+    ``trouble`` and ``fold_trouble`` say why there are none of them, if that is so.
     """
 
     atlas: Atlas
@@ -113,6 +113,7 @@ class Solutions:
     ahead: tuple[Ahead, ...]
     fold: Ahead | None
     trouble: str
+    fold_trouble: str
 
 
 class Panel(Protocol):

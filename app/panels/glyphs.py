@@ -23,8 +23,8 @@ DIAL = 10  # px, the radius of a dial
 
 _LIMBS = "".join(f".sol .l{n + 1}{{stroke:{color}}}" for n, color in enumerate(palette.LIMBS))
 
-STYLE = f"""<style>
-button:has(.sol){{height:auto!important;padding:3px 6px;background:transparent!important;
+_STYLE = f"""
+button:has(.sol){{height:auto!important;padding:3px 4px;background:transparent!important;
 color:inherit!important;border:1px solid rgba(128,138,150,.35);font-weight:400;cursor:pointer}}
 button:has(.sol):hover,button:has(.sol):focus-visible{{background:rgba(86,150,220,.16)!important}}
 button:has(.sol.here){{border-color:currentColor;border-width:2px}}
@@ -33,9 +33,8 @@ button:has(.sol) .mantine-Button-section,button:has(.sol) .mantine-Button-sectio
 width:100%;height:auto;margin:0;position:static}}
 div:has(>button .sol){{margin:0 4px!important;padding-bottom:3px!important}}
 div:has(>div>button .sol){{max-height:19.5rem;overflow-y:auto;padding-top:0!important}}
-.sol{{display:flex;align-items:center;gap:8px;text-align:left;line-height:1.3;font-size:11px;
+.sol{{display:flex;align-items:center;gap:6px;text-align:left;line-height:1.3;font-size:11px;
 white-space:nowrap;font-variant-numeric:tabular-nums}}
-.sol.stale{{opacity:.45}}
 .sol svg{{position:static!important;transform:none!important;flex:none;
 height:{HEIGHT}px!important;width:auto!important;fill:none;stroke:currentColor;stroke-width:1}}
 .sol .t{{stroke-width:3.5}}.sol .a{{opacity:.35}}.sol .h{{stroke-width:2}}
@@ -43,12 +42,17 @@ height:{HEIGHT}px!important;width:auto!important;fill:none;stroke:currentColor;s
 .sol b{{font-weight:600}}.sol i{{font-style:normal;color:{tone("bad")}}}
 .sol u{{text-decoration:none;border:1px solid currentColor;border-radius:3px;padding:0 3px}}
 .sol .n{{position:absolute;width:1px;height:1px;overflow:hidden;clip-path:inset(50%)}}
-{_LIMBS}</style>"""
+{_LIMBS}"""
 
 
-def row_html(row: Row, axes: Sequence[Coordinate], *, stale: bool) -> str:
+def style(*, stale: bool) -> str:
+    """What rows look like; all fade while they belong to other actuators than the present ones."""
+    return f"<style>{_STYLE}{'.sol{opacity:.5}' if stale else ''}</style>"
+
+
+def row_html(row: Row, axes: Sequence[Coordinate]) -> str:
     """One solution: mode, angles and place as a picture, then in numbers."""
-    names = "sol" + (" here" if row.here else "") + (" stale" if stale else "")
+    names = "sol here" if row.here else "sol"
     where = [c for c in axes if c.unit == "mm"]
     turned = [c for c in axes if c.unit == "rad"]
     value = {c.key: in_page_units(c, v) for c, v in zip(axes, row.pose, strict=True)}

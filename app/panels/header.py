@@ -62,8 +62,10 @@ def _legend(view: View) -> str:
     limbs = sorted({row.limb for row in view.joints})
     items = [f"{chip(palette.limb_color(n))}limb {n}" for n in limbs]
     items.append(f"{chip(palette.NEAR)}near its end")
-    items.append(f"{chip(palette.BEYOND)}beyond a limit")
+    items.append(f"{chip(palette.BEYOND)}singular, beyond a limit")
     items.append(f"{chip(palette.WORKSPACE)}workspace")
+    if view.review.atlas.ghosts:
+        items.append(f"{chip(palette.GHOST)}other solutions")
     spans = "".join(
         f'<span style="white-space:nowrap;margin-right:0.9em">{i}</span>' for i in items
     )

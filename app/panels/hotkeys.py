@@ -1,0 +1,45 @@
+"""The command palette, and the keys that do the same."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from app.panels.desk import Desk, safely
+from app.state import GoHome, Review, SetAtlas, SetOption, Show
+
+
+def add_hotkeys(desk: Desk, present: Callable[[], Review]) -> None:
+    """Add every command; ``present`` gives the review at the time at which one is used."""
+
+    def toggled(name: str) -> Callable[[], None]:
+        return lambda: desk.send(SetOption(name, not getattr(present().options, name)))
+
+    commands: tuple[tuple[str, str, Any, Callable[[], None]], ...] = (
+        ("Undo", "Take back the last change", "Z", desk.undo),
+        ("Redo", "Do it again", "Y", desk.redo),
+        ("Fit the view", "Show the machine and its solids whole", "F", desk.fit_view),
+        ("Home position", "The design's home pose", "H", lambda: desk.send(GoHome())),
+        ("Labels", "Show or hide the joints' names", "L", toggled("labels")),
+        ("Axes e₁ and e₂", "Show or hide them", "E", toggled("axes")),
+        ("Machine", "Show or hide it", "M", toggled("machine")),
+        (
+            "Workspace",
+            "Show or hide the workspace solid",
+            "W",
+            lambda: desk.send(Show("workspace", present().shown("workspace") is None)),
+        ),
+        (
+            "Ghosts",
+            "Show or hide the platform in all other solutions",
+            "G",
+            lambda: desk.send(SetAtlas("ghosts", not present().atlas.ghosts)),
+        ),
+    )
+    for label, description, hotkey, act in commands:
+        command = desk.gui.add_command(label, description=description, hotkey=hotkey)
+
+        def triggered(_: object, act: Callable[[], None] = act) -> None:
+            safely(desk, None, act)
+
+        command.on_trigger(triggered)
