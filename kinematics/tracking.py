@@ -70,7 +70,7 @@ class Control:
     edge: float = 1e-10
 
 
-CAREFUL = Control(first=0.005, error=2e-3, contraction=0.02, shortest=1e-10, most=8000)
+CAREFUL = Control(first=0.005, error=2e-3, contraction=0.02, shortest=1e-10, most=3000)
 """For paths that have to be followed again."""
 
 _ROUNDING = (
@@ -114,12 +114,7 @@ def solve_columns(matrix: Complex, right: Complex) -> Complex:
     """
     size = matrix.shape[0]
     rows: list[Complex] = [np.concatenate([matrix[i], right[i]]) for i in range(size)]
-    inverses = []
-    for k in range(size):
-        inverse = 1.0 / rows[k][k]
-        inverses.append(inverse)
-        for i in range(k + 1, size):
-            rows[i][k + 1 :] -= (rows[i][k] * inverse) * rows[k][k + 1 :]
+    inverses = _eliminate(rows)
     answer = np.empty(right.shape, dtype=complex)
     for k in range(size - 1, -1, -1):
         rest = rows[k][size:]
@@ -127,6 +122,25 @@ def solve_columns(matrix: Complex, right: Complex) -> Complex:
             rest -= rows[k][j] * answer[j]
         np.multiply(rest, inverses[k], out=answer[k])
     return answer
+
+
+def determinant_columns(matrix: Complex) -> Complex:
+    """det A (N,) for A (K, K, N), in the same way; NaN where a pivot vanishes."""
+    rows = [row.copy() for row in matrix]
+    inverses = _eliminate(rows)
+    determinant: Complex = 1.0 / np.prod(inverses, axis=0)
+    return determinant
+
+
+def _eliminate(rows: list[Complex]) -> list[Complex]:
+    """Clear what is below the diagonal; the inverses of the pivots."""
+    inverses = []
+    for k, row in enumerate(rows):
+        inverse = 1.0 / row[k]
+        inverses.append(inverse)
+        for below in rows[k + 1 :]:
+            below[k + 1 :] -= (below[k] * inverse) * row[k + 1 :]
+    return inverses
 
 
 def relative_size(du: Complex, u: Complex) -> Real:

@@ -32,6 +32,7 @@ from kinematics.five_rpur.equations import (
     parameters,
     polish,
     real_part,
+    regularity,
     terms,
     to_poses,
 )
@@ -48,9 +49,10 @@ MODE_SIGNS = {mode: tuple(1.0 if s == "+" else -1.0 for s in mode) for mode in M
 """σ_i of every working mode."""
 
 _DOUBLE = 1e-5  # of the size of a solution: closer ones are one, seen twice
+_CHUNK = 128  # length vectors at a time, so that the temporaries stay in the cache
 _NEAR_LENGTHS = 0.1  # largest change of a length over which all solutions are tracked on
 _REAL_ENOUGH = 1e-12  # relative distance from its conjugate at which a root is polished enough
-_NEARLY_SINGULAR = 1e-3  # determinant below which a self-motion is looked for
+_SINGULAR = 1e-9  # regularity below which a self-motion is looked for
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,13 +91,14 @@ def forward(
         raise InputError(
             f"actuator lengths must be positive (mm), got ρ{SUBSCRIPTS[limb]} = {rho.min():g}"
         )
-    began = perf_counter()
-    if mixed_modes or not forward_is_quick(design):
-        return tuple(
-            _answers(design, one[None], [_by_homotopy(design, one)], perf_counter(), mixed_modes)[0]
-            for one in rho
-        )
-    return tuple(_answers(design, rho, _by_stages(design, rho), began, mixed_modes))
+    quick = forward_is_quick(design, mixed_modes=mixed_modes)
+    size = _CHUNK if quick else 1
+    answers: list[ForwardSolutions] = []
+    for part in (rho[k : k + size] for k in range(0, len(rho), size)):
+        began = perf_counter()
+        found = _by_stages(design, part) if quick else [_by_homotopy(design, part[0])]
+        answers += _answers(design, part, found, began, mixed_modes)
+    return tuple(answers)
 
 
 def forward_from(
@@ -221,8 +224,6 @@ def _completeness(found: general.Roots, family: int) -> tuple[str, ...]:
         notes.append("A solution lacks its complex conjugate: solutions may be missing.")
     elif not found.complete:
         notes.append(f"{found.expected} paths led to {found.count} solutions: some may be missing.")
-    if found.detours:
-        notes.append(f"Some paths had to be followed again, {found.detours} times at most.")
     return tuple(notes)
 
 
@@ -257,6 +258,8 @@ def _answers(
         **_conditioning(design, t, poses, length),
     ).take(order)
     bounds = np.searchsorted(owner[order], np.arange(len(rho) + 1))
+    everywhere = parameters(design, rho[numbers], frame)
+    singular = regularity(everywhere, roots) <= _SINGULAR
     pairs = np.bincount(numbers[nearly_real(frame, roots, length)], minlength=len(rho)) // 2
     reach = np.all(
         (rho >= design.stroke[:, 0] - STROKE_SLACK) & (rho <= design.stroke[:, 1] + STROKE_SLACK),
@@ -267,9 +270,9 @@ def _answers(
     for k, one in enumerate(found):
         part, gap = _merged(table.take(np.arange(bounds[k], bounds[k + 1])), length)
         count = len(part.mode)
-        doubtful = np.flatnonzero(np.abs(part.determinant) <= _NEARLY_SINGULAR)
         modes = tuple(MODES[n] for n in part.mode)
-        free = self_motions(design, rho[k], frame, part.u, part.poses, modes, doubtful, length)
+        curved = roots[:, singular & (numbers == k)]
+        free = self_motions(design, rho[k], frame, curved, length)
         notes = (*one.notes, *describe(part.weight, gap, int(pairs[k])), *(m.text for m in free))
         answers.append(
             ForwardSolutions(

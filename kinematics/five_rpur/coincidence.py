@@ -29,7 +29,9 @@ NEAR = 1.0
 REAL = 1e-7
 """Relative distance of a solution from its conjugate below which it is real."""
 
-_SINGULAR = 1e-5  # smallest singular value of the equations, relative to the largest
+_FAR = 100.0  # units
+_MOST = 24  # singular solutions looked at for a self-motion
+_SINGULAR = 1e-4  # smallest singular value of the equations, relative to the largest
 _TRIES = (2e-2, 1e-1)  # how far along a free direction solutions must exist, in units
 _CLOSES = 1e-12  # of the equations, relative
 
@@ -69,46 +71,48 @@ def nearly_real(frame: Frame, roots: Complex, length: float) -> NDArray[np.intp]
 
 
 def self_motions(
-    design: FiveRPURDesign,
-    rho: Array,
-    frame: Frame,
-    u: Complex,
-    poses: Array,
-    modes: tuple[str, ...],
-    doubtful: NDArray[np.intp],
-    length: float,
+    design: FiveRPURDesign, rho: Array, frame: Frame, singular: Complex, length: float
 ) -> tuple[SelfMotion, ...]:
-    """The motions that stay free, actuators locked, at the doubtful of real solutions u (10, n).
+    """The motions that stay free with all actuators locked, from the singular solutions (10, n).
 
-    Where the equations are singular, solutions are sought a finite way along their free
-    direction: at a fold there are none, on a self-motion they exist on both sides.
+    A path that ends on a curve of solutions ends anywhere on it, as a rule not at a real point;
+    that is sought next to its real part. Then solutions are sought a finite way along the free
+    direction there: at a fold there are none, on a self-motion they exist on both sides.
+
+    Returns:
+        One motion for each working mode that some were found in.
     """
-    if not doubtful.size:
+    if not singular.size:
         return ()
     g = parameters(design, rho, frame)
-    sizes = np.linalg.svd(real_jacobian(g, u[:, doubtful]), compute_uv=False)
-    answer = []
-    for n in doubtful[sizes[:, -1] <= _SINGULAR * sizes[:, 0]]:
-        free = _free_direction(g, u[:, [n]])
-        if free is None:
+    # Far out regular solutions look singular; what is nearly real is tried first.
+    singular = singular[:, np.abs(singular).max(axis=0) < _FAR]
+    away = np.abs(singular - conjugate(singular)).max(axis=0)
+    answer: dict[str, SelfMotion] = {}
+    for n in np.argsort(away)[:_MOST]:
+        found = _real_curve(g, singular[:, [n]])
+        if found is None:
             continue
-        ahead = to_poses(frame, (real_part(u[:, [n]])[0] + 1e-6 * free[:5, None]))[0]
-        d = ahead - poses[n]
+        here, free = found
+        mode = "".join(
+            "+" if q >= 0.0 else "-" for q in terms(g, _configuration(here)).q.real[:, 0]
+        )
+        pose, ahead = to_poses(frame, np.stack([here[:5], here[:5] + 1e-6 * free[:5]], axis=1))
+        d = ahead - pose
         d[3:] = np.mod(d[3:] + np.pi, 2.0 * np.pi) - np.pi
         d /= np.sqrt((d[:3] ** 2).sum() + ((length * d[3:]) ** 2).sum())
-        answer.append(
-            SelfMotion(tuple(poses[n].tolist()), modes[n], tuple(d.tolist()), _text(d, length))
-        )
-    return tuple(answer)
+        motion = SelfMotion(tuple(pose.tolist()), mode, tuple(d.tolist()), _text(mode, d, length))
+        answer.setdefault(mode, motion)
+    return tuple(answer.values())
 
 
-def _text(d: Array, length: float) -> str:
+def _text(mode: str, d: Array, length: float) -> str:
     parts = np.abs(d) * np.array([1.0, 1.0, 1.0, length, length])
     names = ("x", "y", "z", "φ", "θ")
     free = [name for name, part in zip(names, parts, strict=True) if part > 0.05 * parts.max()]
     return (
-        f"Self-motion: the platform moves freely ({', '.join(free)}) with all actuators locked; "
-        "infinitely many solutions belong to it."
+        f"Self-motion in mode {mode}: the platform moves freely ({', '.join(free)}) with all "
+        "actuators locked; infinitely many solutions belong to it."
     )
 
 
@@ -129,20 +133,18 @@ def real_jacobian(g: Parameters, u: Complex) -> Array:
     return j
 
 
-def _free_direction(g: Parameters, u: Complex) -> Array | None:
-    """The unit direction (X, y, Z, φ, θ, w) of a curve of solutions through u; None at a fold."""
+def _real_curve(g: Parameters, u: Complex) -> tuple[Array, Array] | None:
+    """A real point (X, y, Z, φ, θ, w) of a curve of solutions near u, and its unit direction."""
     values, w = real_part(u)
-    here = np.concatenate([values, w])[:, 0]
-    # Newton's method stops well short of a solution of higher multiplicity.
-    closed = _closed(g, here)
-    here = here if closed is None else closed
+    here = _closed(g, np.concatenate([values, w])[:, 0])
+    if here is None:
+        return None
     _, sizes, vectors = np.linalg.svd(real_jacobian(g, _configuration(here))[0])
-    for direction in vectors[sizes <= 10.0 * _SINGULAR * sizes[0]][::-1]:
+    for direction in vectors[sizes <= _SINGULAR * sizes[0]][::-1]:
         if all(
             _reaches(g, here, sign * step * direction) for step in _TRIES for sign in (1.0, -1.0)
         ):
-            found: Array = direction
-            return found
+            return here, direction
     return None
 
 

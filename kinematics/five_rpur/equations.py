@@ -27,7 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.five_rpur.inverse import wrap_angle
 from kinematics.spatial import Array
-from kinematics.tracking import relative_size, solve_columns
+from kinematics.tracking import determinant_columns, relative_size, solve_columns
 
 Complex = NDArray[np.complex128]
 
@@ -185,6 +185,22 @@ def newton_step(g: Parameters, u: Complex) -> Complex:
     return steps(u, t, _residuals(g, t))[0]
 
 
+def regularity(g: Parameters, u: Complex) -> Array:
+    """How far the equations are from singular at configurations u (10, n): 0 … 1, (n,).
+
+    |det| of the matrix over (X, θ, y, Z, φ), displacements in the size of the configuration,
+    with rows of length one.
+    """
+    rows = matrix(terms(g, u))
+    size = np.maximum(np.abs(u[:PHI]).max(axis=0), 1.0)
+    with np.errstate(all="ignore"):
+        rows[:, 0] *= size
+        rows[:, 2:4] *= size
+        lengths = np.sqrt((rows.real**2 + rows.imag**2).sum(axis=1)).prod(axis=0)
+        answer: Array = np.abs(determinant_columns(rows)) / lengths
+    return np.nan_to_num(answer, nan=0.0, posinf=0.0)
+
+
 def polish(g: Parameters, u: Complex, *, rounds: int = 3) -> tuple[Complex, Array]:
     """Newton's method with a pivoting solver: the points, and their last correction (n,)."""
     error = np.full(u.shape[1], np.inf)
@@ -199,7 +215,7 @@ def polish(g: Parameters, u: Complex, *, rounds: int = 3) -> tuple[Complex, Arra
 
 def _solve_pivoting(rows: Complex, right: Complex) -> Complex:
     a, b = rows.transpose(2, 0, 1), right.transpose(2, 0, 1)
-    # Rows of one order; a singular matrix is made regular, its step is too long and seen.
+    # Rows of one order; where nothing can be solved the step is nonsense, and long.
     size = np.abs(a).max(axis=2, keepdims=True)
     size[~(size > 0.0)] = 1.0
     a, b = a / size, b / size
@@ -209,7 +225,7 @@ def _solve_pivoting(rows: Complex, right: Complex) -> Complex:
     try:
         x = np.linalg.solve(a, b)
     except np.linalg.LinAlgError:
-        x = np.linalg.solve(a + 1e-15 * np.eye(5), b)
+        x = np.linalg.pinv(a) @ b  # one of many is singular to the last digit
     answer: Complex = x.transpose(1, 2, 0).astype(complex, copy=False)
     return answer
 

@@ -26,6 +26,7 @@ from kinematics.five_rpur.equations import (
     conjugate,
     parameters,
     polish,
+    regularity,
     signature,
 )
 from kinematics.five_rpur.families import StartSet, kept_set, membership, start_set
@@ -34,6 +35,7 @@ from kinematics.tracking import CAREFUL, Control, Ending, Tracked, relative_size
 SAME = 1e-7
 """Relative distance below which two complex solutions are one."""
 _REGULAR = 1e-9  # largest last correction of a regular solution, relative
+_SINGULAR = 1e-12  # regularity of a solution on a curve of them, but for rounding
 _STAYS = 1e-2  # largest way from a path's end to the solution it is taken for, relative
 _KEPT = 16  # own start sets in memory
 _DETOURS = 4
@@ -50,7 +52,7 @@ class Roots:
         infinite: paths that run off to infinity.
         lost: paths that could not be followed to their end.
         expected: how many paths there were.
-        closed: the conjugate of every solution is one.
+        closed: the conjugate of every regular solution is one.
         whole: nothing is missing in the set that the paths began from.
         detours: how often some paths had to be followed again.
     """
@@ -114,7 +116,8 @@ def _complex_lengths(g: Parameters) -> Complex:
     turns = np.array([0.9, -1.3, 0.5, 1.7, -0.7])[:, None]
     size = 1.0 + float(np.mean(np.abs(g.rx) ** 2 + np.abs(g.rz) ** 2))
     sizes = size * np.array([1.1, 0.8, 1.3, 0.9, 1.0])[:, None]
-    return sizes * np.exp(1j * turns).astype(complex)
+    lengths: Complex = (sizes * np.exp(1j * turns)).astype(complex)
+    return lengths
 
 
 # --- solving --------------------------------------------------------------------------------
@@ -203,7 +206,8 @@ def _settle(
     if not who.size:
         return
     ends, error = polish(target, values[:, who])
-    settled = (error <= _REGULAR) & (relative_size(ends - values[:, who], ends) < _STAYS)
+    settled = (error <= _REGULAR) & (regularity(target, ends) > _SINGULAR)
+    settled &= relative_size(ends - values[:, who], ends) < _STAYS
     values[:, who[settled]] = ends[:, settled]
     arrived = endings[who] == Ending.REGULAR
     endings[who[settled]] = Ending.REGULAR
@@ -268,7 +272,7 @@ def _gathered(
         infinite=infinite,
         lost=max(paths - infinite - regular.shape[1] - singular.shape[1], 0),
         expected=paths,
-        closed=not real or _closed(found),
+        closed=not real or _closed(regular),
         whole=whole,
         detours=detours,
     )
