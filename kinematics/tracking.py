@@ -261,8 +261,8 @@ class _Tracker:
         # Both corrections say how long the next step may be: the first grows as the predictor's
         # error, the second as the square of the first.
         room = (_AIM * control.error / np.maximum(first, 1e-12)) ** np.where(p.fresh, 0.5, 0.25)
-        sharp = _AIM * control.contraction * first / np.maximum(second, 1e-16)
-        room = np.minimum(room, np.sqrt(np.sqrt(sharp)))
+        sharp = _AIM * control.contraction * first / second
+        room = np.where(second > _ROUNDING, np.minimum(room, np.sqrt(np.sqrt(sharp))), room)
         room = np.where(np.isnan(room), 0.1, room)
         p.h = h * np.where(good, np.clip(room, 0.4, 3.0), np.clip(room, 0.1, 0.5))
         p.steps += 1
