@@ -385,6 +385,7 @@ def _fk(arguments: argparse.Namespace) -> None:
             "joints": typed,
             "solutions": [
                 {
+                    "identity": found.identities[n],
                     "pose": pose(found.poses[n]),
                     "working_mode": found.modes[n],
                     "joints": typed,

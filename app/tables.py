@@ -99,6 +99,7 @@ def forward_text(found: ForwardSolutions, shown: Sequence[int], axes: Sequence[C
     lines = [""]
     if shown:
         header = [
+            "#",
             *(["mode"] if any(found.modes) else []),
             *(f"{axis.symbol} ({'°' if axis.unit == 'rad' else axis.unit})" for axis in axes),
             "condition",
@@ -107,6 +108,7 @@ def forward_text(found: ForwardSolutions, shown: Sequence[int], axes: Sequence[C
         ]
         rows = [
             (
+                str(found.identities[n]),
                 *([found.modes[n]] if any(found.modes) else []),
                 *(f"{v:.4f}" for v in outer(found.poses[n], axes)),
                 condition_text(float(found.condition[n])),

@@ -28,6 +28,7 @@ from tests.conftest import ROOT, Finished, command_environment
 Run = Callable[..., Finished]
 
 POSE = "-10,100,450,5,-3"  # within reach of Table 1
+JOINTS = "320,360,345,305,375"  # within its strokes
 
 
 def refused(done: Finished, code: int = 2) -> str:
@@ -88,6 +89,7 @@ def test_help_and_mistakes_load_nothing_slow() -> None:
     ("command", "absent"),
     [
         (["ik", "rpur-table1", "--pose", POSE], ("viser", "trimesh", "manifold3d")),
+        (["fk", "rpur-a1a1", "--joints", JOINTS], ("viser", "trimesh", "manifold3d")),
         (["workspace", "rpur-table1", "--resolution", "preview"], ("viser", "trimesh")),
     ],
 )
@@ -137,6 +139,8 @@ def test_version(bohemia: Run) -> None:
         (["workspace", "rpur-table1", "--modes", "--++"], r"'--\+\+' is not a working mode"),
         (["workspace", "rpur-table1", "-o", "a.step"], "a.step"),
         (["ik", "rpur-table1", "--pose", "-1,2"], "needs 5 numbers"),
+        (["fk", "rpur-table1"], "required: --joints"),
+        (["fk", "rpur-table1", "--joints", "1,2"], "--joints needs 5 numbers"),
         (["vertex-space", "rpur-table1", "--limb", "6"], "--limb must be one of"),
     ],
 )
@@ -305,6 +309,118 @@ def test_ik_table_is_readable(here: Run) -> None:
 )
 def test_broken_poses(here: Run, pose: str, said: str) -> None:
     assert re.search(said, refused(here("ik", "rpur-table1", "--pose", pose)))
+
+
+# --- forward kinematics ---------------------------------------------------------------------
+
+FK_KEYS = {"solutions", "complex_count", "complete", "method"}  # the contract's
+FK_SOLUTION_KEYS = {"pose", "working_mode", "residual", "condition", "transform"}
+
+
+def test_fk_gives_all_assembly_modes_and_each_has_the_lengths(bohemia: Run) -> None:
+    answer = answered(bohemia("fk", "rpur-table1", "--joints", JOINTS, "--json"))
+    assert set(answer) >= FK_KEYS
+    assert answer["complex_count"] == answer["expected_count"] == 1560
+    assert answer["complete"] is True
+    assert answer["method"]
+    assert answer["seconds"] > 0
+    solutions = answer["solutions"]
+    assert len(solutions) == answer["real_count"] > 20
+    wanted = [float(v) for v in JOINTS.split(",")]
+    for solution in solutions:
+        assert set(solution) >= FK_SOLUTION_KEYS
+        pose = tuple(solution["pose"][k] for k in ("x", "y", "z", "phi_deg", "theta_deg"))
+        lengths = _limb_lengths(pose, solution["working_mode"])
+        assert lengths == pytest.approx(wanted, abs=1e-7)
+        assert solution["joints"] == wanted
+        assert solution["residual"] < 1e-9
+        assert solution["condition"] is None or solution["condition"] >= 1
+        assert solution["within_stroke"] is True
+        assert np.array(solution["transform"])[:3, 3] == pytest.approx(pose[:3])
+    places = {tuple(round(v, 6) for v in s["pose"].values()) for s in solutions}
+    assert len(places) == len(solutions)
+
+
+def test_fk_finds_the_pose_that_ik_began_from(here: Run) -> None:
+    inverse = answered(here("ik", "rpur-table2", "--pose", POSE, "--json"))["solutions"]
+    wanted = next(s for s in inverse if s["working_mode"] == "+++++")
+    joints = ",".join(repr(v) for v in wanted["joints"])
+    forward = here("fk", "rpur-table2", "--joints", joints, "--json").json["solutions"]
+    pose = [float(v) for v in POSE.split(",")]
+    found = [s for s in forward if list(s["pose"].values()) == pytest.approx(pose, abs=1e-6)]
+    assert [s["working_mode"] for s in found] == ["+++++"]
+
+
+def test_fk_of_a_simplified_design_with_and_without_mixed_modes(here: Run) -> None:
+    arguments = ("fk", "rpur-a3a3", "--joints", "340,330,330,320,330", "--json")
+    few, many = answered(here(*arguments)), answered(here(*arguments, "--mixed-modes"))
+    assert few["complex_count"] == few["expected_count"] == 192
+    assert many["complex_count"] > 1400
+    assert few["complete"]
+    assert many["complete"]
+    for solution in few["solutions"]:
+        pose = pytest.approx(list(solution["pose"].values()), abs=1e-6)
+        assert any(list(other["pose"].values()) == pose for other in many["solutions"])
+    assert len(many["solutions"]) > len(few["solutions"])
+
+
+def test_lengths_beyond_the_strokes_are_answered_with_a_warning(bohemia: Run) -> None:
+    joints = ("--joints", "320,360,345,305,410.5")
+    done = bohemia("fk", "rpur-table1", *joints, "--json")
+    assert done.code == 0
+    assert done.stderr == ("bohemia: warning: ρ₅ = 410.5 mm is outside its stroke, 250 to 400 mm\n")
+    assert done.json["solutions"]
+    assert not any(s["within_stroke"] for s in done.json["solutions"])
+    none = bohemia("fk", "rpur-table1", *joints, "--within-stroke", "--json")
+    assert none.code == 0
+    assert none.json["solutions"] == []
+    assert none.json["complex_count"] == 1560
+
+
+def test_no_solution_is_an_answer_that_says_why(here: Run) -> None:
+    joints = ("--joints", "100,100,100,100,2000")
+    done = here("fk", "rpur-table2", *joints, "--json")
+    assert done.code == 0
+    assert done.json["solutions"] == []
+    assert done.json["notes"]
+    table = here("fk", "rpur-table2", *joints)
+    assert table.code == 0
+    assert all(note in table.stdout for note in done.json["notes"])
+    assert re.search(r"^0 real of \d+ complex solutions", table.stdout, re.M)
+
+
+def test_fk_table_is_readable(here: Run) -> None:
+    done = here("fk", "rpur-a3a3", "--joints", "340,330,330,320,330")
+    assert done.code == 0
+    assert done.stderr == ""
+    assert "Joints ρ₁ = 340 mm" in done.stdout
+    assert "θ (°)" in done.stdout
+    rows = re.findall(r"^\d+ +([+-]{5}) .* yes", done.stdout, re.M)
+    counted = re.search(
+        r"^(\d+) real of 192 complex solutions \(complete: .*\); .*; [\d.]+ m?s$",
+        done.stdout,
+        re.M,
+    )
+    assert counted is not None
+    assert len(rows) == int(counted[1])
+    order = list(map("".join, product("+-", repeat=5)))
+    assert rows == sorted(rows, key=order.index)
+
+
+@pytest.mark.parametrize(
+    ("joints", "said"),
+    [
+        ("1,2,3", r"--joints needs 5 numbers .*ρ₁ \(mm\).*got 3"),
+        ("1,2,3,4,5,6", "needs 5 numbers .*got 6"),
+        ("300,300,300,300,long", "ρ₅ must be a number, got 'long'"),
+        ("300,300,nan,300,300", "ρ₃ must be a finite number, got nan"),
+        ("300,300,300,1e200,300", r"ρ₄ must lie within ±1e\+09"),
+        ("-300,300,300,300,300", "must be positive"),
+        ("300,0,300,300,300", "must be positive"),
+    ],
+)
+def test_broken_joints(here: Run, joints: str, said: str) -> None:
+    assert re.search(said, refused(here("fk", "rpur-table1", "--joints", joints)))
 
 
 # --- solids --------------------------------------------------------------------------------

@@ -6,7 +6,7 @@ import numpy as np
 import viser.transforms as tf
 
 from app import palette
-from app.scene import _CYLINDER, turns_z_to, body_mesh
+from app.scene import _CYLINDER, body_mesh, turns_z_to
 from kinematics.mechanism import Body
 
 

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app import session
-from app.state import Options, Review, Shown, new_review
+from app.state import Atlas, Options, Review, Shown, new_review
 from kinematics.designs import load_design, presets
 from kinematics.errors import InputError
 
@@ -104,3 +104,34 @@ def test_any_text_is_answered(text: str) -> None:
 def test_what_is_too_large_is_refused() -> None:
     with pytest.raises(InputError, match="smaller"):
         session.from_text(" " * (session.MAX_BYTES + 1), origin="x")
+
+
+def test_how_solutions_are_shown_is_kept(review: Review) -> None:
+    shown = replace(
+        review, atlas=Atlas(ghosts=True, mixed=True, sort="condition", modes="+?+?+, -----")
+    )
+    assert session.from_text(session.to_text(shown), origin="x").atlas == shown.atlas
+
+
+def test_sessions_from_before_there_were_solutions_still_open(review: Review) -> None:
+    content = json.loads(session.to_text(review))
+    del content["solutions"]
+    again = session.from_text(json.dumps(content), origin="x")
+    assert again.atlas == Atlas()
+    assert again.mode == review.mode
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ([], "'solutions' is not of the right kind"),
+        ({"ghosts": "yes"}, "solutions: ghosts"),
+        ({"sort": 3}, "solutions: sort"),
+        ({"sort": "colour"}, "sorted by"),
+        ({"modes": "+"}, "not a working mode"),
+    ],
+)
+def test_broken_ways_of_showing_solutions(review: Review, given: object, message: str) -> None:
+    content = json.loads(session.to_text(review)) | {"solutions": given}
+    with pytest.raises(InputError, match=message):
+        session.from_text(json.dumps(content), origin="a.json")

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from app.state import (
+    Atlas,
     ChooseModes,
     Drive,
     EditDesign,
@@ -19,9 +20,11 @@ from app.state import (
     Move,
     Place,
     Review,
+    SetAtlas,
     SetOption,
     Show,
     UseDesign,
+    Visit,
     change,
     new_review,
 )
@@ -221,3 +224,44 @@ def test_what_changes_nothing_is_no_step(review: Review) -> None:
 def test_reviews_are_values(review: Review) -> None:
     assert hash(review) == hash(replace(review))
     assert replace(review, mode="-----") != review
+
+
+# --- solutions ----------------------------------------------------------------------------
+
+
+def test_a_visit_is_one_step_that_can_be_taken_back(review: Review) -> None:
+    (found,) = review.mechanism.forward(review.design, [review.posture.joints])
+    n = int(np.abs(found.poses - review.pose).max(axis=1).argmax())
+    visit = Visit(tuple(found.poses[n].tolist()), found.modes[n])
+    history, note = History(review).apply(visit, 1.0)
+    assert note == ""
+    assert history.present.pose == visit.pose
+    assert history.present.mode == visit.mode
+    assert history.present.posture.joints == pytest.approx(review.posture.joints, abs=1e-7)
+    again, _ = history.apply(Visit(review.pose, review.mode), 1.1)
+    assert len(again.past) == 2  # two quick visits are two steps
+    assert again.undo().present == history.present
+    assert again.undo().undo().present == review
+
+
+def test_a_visit_is_taken_as_it_is_or_not_at_all(review: Review) -> None:
+    far = review.mechanism.pose_coordinates(review.design)[0].upper + 50.0
+    there, note = change(review, Visit((far, *review.pose[1:]), review.mode))
+    assert there.pose[0] == far
+    assert note == ""
+    for pose, mode in (((math.nan, *review.pose[1:]), review.mode), (review.pose, "++")):
+        with pytest.raises(InputError, match="not a solution"):
+            change(review, Visit(pose, mode))
+
+
+def test_how_solutions_are_shown_is_checked(review: Review) -> None:
+    shown, _ = change(review, SetAtlas("ghosts", True))
+    shown, _ = change(shown, SetAtlas("sort", "height"))
+    shown, _ = change(shown, SetAtlas("modes", "?+?++, −−+++"))
+    assert shown.atlas == Atlas(ghosts=True, sort="height", modes="?+?++, −−+++")
+    with pytest.raises(InputError, match="sorted by"):
+        change(review, SetAtlas("sort", "colour"))
+    with pytest.raises(InputError, match="not a working mode"):
+        change(review, SetAtlas("modes", "+?"))
+    other, _ = change(shown, UseDesign(load_design("rpur-table2")))
+    assert other.atlas == shown.atlas

@@ -1,0 +1,182 @@
+"""What is known of the solutions while a review changes, as the page's loop goes through it."""
+
+from __future__ import annotations
+
+import queue
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+
+from app import compute
+from app.explorer import Explorer
+from app.solver import Foreseen, Solved, Unsolved
+from app.state import Drive, Move, Review, SetAtlas, UseDesign, change, new_review
+from kinematics.designs import load_design
+from kinematics.errors import BohemiaError
+
+PATIENCE = 60.0  # s; only a hang is caught by it
+
+
+class Loop:
+    """As much of the page's loop as the explorer needs."""
+
+    def __init__(self) -> None:
+        self.events: queue.Queue[Any] = queue.Queue()
+        self.explorer = Explorer(self.events.put)
+        self.explorer.solver.start()
+
+    def show(self, review: Review) -> compute.View:
+        view = compute.view(review)
+        self.explorer.look(view)
+        self.explorer.catch_up(view)
+        return view
+
+    def until(self, view: compute.View, holds: Callable[[], bool]) -> None:
+        end = time.monotonic() + PATIENCE
+        while not holds():
+            event = self.events.get(timeout=max(0.01, end - time.monotonic()))
+            if isinstance(event, Solved | Foreseen | Unsolved):
+                self.explorer.take(event, view)
+
+    def settle(self, view: compute.View) -> None:
+        """Wait until the solutions and the folds ahead are of this view."""
+        self.until(view, lambda: self.explorer.is_current(view))
+        self.until(view, lambda: bool(self.explorer.folds(view)[0]))
+
+
+@pytest.fixture
+def loop() -> Iterator[Loop]:
+    made = Loop()
+    yield made
+    made.explorer.solver.stop()
+
+
+def test_a_quick_design_is_solved_in_the_same_turn(loop: Loop) -> None:
+    review = new_review(load_design("rpur-a3a3"))
+    view = loop.show(review)
+    assert loop.explorer.is_current(view)
+    assert any(row.here for row in loop.explorer.atlas(view).rows)
+    first = loop.explorer.known
+    moved, _ = change(review, Move(2, review.pose[2] + 0.5))
+    view = loop.show(moved)
+    assert loop.explorer.is_current(view)
+    assert loop.explorer.known is not first
+    (here,) = [row for row in loop.explorer.atlas(view).rows if row.here]
+    assert here.pose == pytest.approx(moved.pose, abs=1e-6)
+
+
+def test_a_general_design_is_solved_apart_and_gone_on_from(loop: Loop) -> None:
+    review = new_review(load_design("rpur-table1"))
+    view = loop.show(review)
+    assert loop.explorer.known is None
+    loop.settle(view)
+    first = loop.explorer.known
+    assert first is not None
+    driven, _ = change(review, Drive(0, review.posture.joints[0] + 2.0))
+    view = loop.show(driven)
+    assert loop.explorer.atlas(view).stale
+    assert loop.explorer.atlas(view).count  # the last ones stay
+    loop.settle(view)
+    second = loop.explorer.known
+    assert second is not None
+    kept = set(first.solutions.identities) & set(second.solutions.identities)
+    assert len(kept) > len(first.solutions) / 2
+    assert kept | second.appeared == set(second.solutions.identities)
+
+
+def test_the_folds_ahead_begin_with_the_actuator_that_was_driven(loop: Loop) -> None:
+    review = new_review(load_design("rpur-table1"))
+    view = loop.show(review)
+    loop.settle(view)
+    ahead, nearest = loop.explorer.folds(view)
+    assert nearest is not None
+    assert nearest.fold is not None
+    distances = {a.index: a.fold.distance for a in ahead if a.fold is not None}
+    assert nearest.fold.distance == min(a.fold.distance for a in ahead if a.fold is not None)
+    other = next(index for index in distances if index != nearest.index)
+    loop.explorer.drove(other)
+    told = loop.explorer.folds(view)[1]
+    assert told is not None
+    assert told.index == other
+    loop.explorer.choose_fold((nearest.index, nearest.longer))
+    assert loop.explorer.folds(view)[1] is nearest
+
+
+def test_a_visit_waits_for_the_present_lengths(loop: Loop) -> None:
+    review = new_review(load_design("rpur-a3a3"))
+    view = loop.show(review)
+    rows = loop.explorer.atlas(view).rows
+    target = rows[1]
+    moved, _ = change(review, Move(2, review.pose[2] + 0.05))
+    later = compute.view(moved)
+    loop.explorer.await_visit(target.identity)
+    assert loop.explorer.visit(later) is None  # the set is of the lengths before
+    loop.show(moved)
+    due = loop.explorer.visit(later)
+    assert due is not None
+    assert due.mode == target.mode
+    assert due.pose == pytest.approx(target.pose, abs=5.0)
+    assert due.pose != target.pose
+    assert loop.explorer.visit(later) is None  # once
+    there, _ = change(moved, due)
+    assert there.posture.joints == pytest.approx(moved.posture.joints, abs=1e-7)
+
+
+def test_a_solution_that_is_gone_is_told(loop: Loop) -> None:
+    view = loop.show(new_review(load_design("rpur-a3a3")))
+    loop.explorer.await_visit(10_000)
+    with pytest.raises(BohemiaError, match="#10000 is not there any more"):
+        loop.explorer.visit(view)
+    assert loop.explorer.visit(view) is None
+
+
+def test_another_design_starts_afresh_and_what_comes_late_is_dropped(loop: Loop) -> None:
+    general = new_review(load_design("rpur-table1"))
+    late = loop.show(general)
+    quick, _ = change(general, UseDesign(load_design("rpur-a3a3")))
+    view = loop.show(quick)
+    assert loop.explorer.is_current(view)
+    known = loop.explorer.known
+    loop.settle(view)
+    assert loop.explorer.known is known
+    assert not loop.explorer.is_current(late)
+
+
+def test_mixed_modes_are_found_apart(loop: Loop) -> None:
+    review, _ = change(new_review(load_design("rpur-a3a3")), SetAtlas("mixed", True))
+    view = loop.show(review)
+    assert not loop.explorer.is_current(view)
+    loop.until(view, lambda: loop.explorer.is_current(view))
+    known = loop.explorer.known
+    assert known is not None
+    assert known.solutions.complex_count > 192
+    narrow, _ = change(review, SetAtlas("mixed", False))
+    loop.show(narrow)
+    known = loop.explorer.known
+    assert known is not None
+    assert known.solutions.complex_count == 192
+
+
+def test_all_can_be_found_from_scratch(loop: Loop) -> None:
+    review = new_review(load_design("rpur-a3a3"))
+    view = loop.show(review)
+    driven, _ = change(review, Drive(0, review.posture.joints[0] + 30.0))
+    view = loop.show(driven)
+    loop.explorer.find_again(view)
+    assert loop.explorer.known is None
+    loop.explorer.catch_up(view)
+    known = loop.explorer.known
+    assert known is not None
+    assert (known.appeared, known.merged) == (frozenset(), ())
+
+
+def test_a_machine_that_does_not_close_asks_for_nothing(loop: Loop) -> None:
+    review = new_review(load_design("rpur-table1"))
+    top = review.mechanism.pose_coordinates(review.design)[1].upper
+    away, _ = change(review, Move(1, top))
+    view = loop.show(away)
+    time.sleep(0.3)
+    assert loop.events.empty()
+    assert "do not close" in loop.explorer.atlas(view).remarks[0][0]
