@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.five_rpur import forward, inverse
+from kinematics.five_rpur import continuation, inverse
 from kinematics.five_rpur.arrangements import arrangements
 from kinematics.five_rpur.design import FiveRPURDesign
 from kinematics.solutions import Posture
@@ -97,7 +97,7 @@ def _least_travel(design: FiveRPURDesign, posture: Posture, enough: float) -> fl
             goal = posture.joints[i] + direction * TRAVEL * (high - low)
             joints = list(posture.joints)
             joints[i] = float(np.clip(goal, low, high))
-            reached = forward.follow(design, posture, joints).posture.joints[i]
+            reached = continuation.follow(design, posture, joints).posture.joints[i]
             least = min(least, abs(reached - posture.joints[i]))
             if least <= enough:
                 return least

@@ -14,8 +14,8 @@ from kinematics.five_rpur import (
     arrangements,
     assembly,
     carrying,
+    continuation,
     drawing,
-    forward,
     home,
     inverse,
 )
@@ -31,6 +31,7 @@ from kinematics.mechanism import (
 )
 from kinematics.solutions import (
     Finding,
+    Fold,
     Followed,
     ForwardSolutions,
     InverseSolutions,
@@ -109,7 +110,12 @@ class FiveRPUR:
         return inverse.inverse(design, poses)
 
     def follow(self, design: FiveRPURDesign, posture: Posture, joints: Sequence[float]) -> Followed:
-        return forward.follow(design, posture, joints)
+        return continuation.follow(design, posture, joints)
+
+    def fold_ahead(
+        self, design: FiveRPURDesign, posture: Posture, joints: Sequence[float]
+    ) -> Fold | None:
+        return continuation.fold_ahead(design, posture, joints)
 
     def forward(
         self, design: FiveRPURDesign, joints: ArrayLike, *, mixed_modes: bool = False

@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 
 from kinematics.designs import load_design
 from kinematics.errors import InputError
-from kinematics.five_rpur import forward
+from kinematics.five_rpur import tracing
+from kinematics.five_rpur.continuation import follow, polish
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
-from kinematics.five_rpur.forward import follow, polish
 from kinematics.five_rpur.inverse import MODES, inverse, joint_points, limb_lengths, posture
 from kinematics.five_rpur.velocity import (
     characteristic_length,
@@ -334,8 +334,8 @@ def test_passing_to_and_fro_is_told_as_such(monkeypatch: pytest.MonkeyPatch) -> 
 
     The excursion is small here, so the steps are made short enough to see it.
     """
-    monkeypatch.setattr(forward, "_LONGEST", 0.003)
-    monkeypatch.setattr(forward, "_FIRST", 0.003)
+    monkeypatch.setattr(tracing, "_LONGEST", 0.003)
+    monkeypatch.setattr(tracing, "_FIRST", 0.003)
     design = with_stroke(preset("rpur-table1"), 1.0, 1000.0)
     rng = np.random.default_rng(8)
     told = 0

@@ -1,0 +1,315 @@
+"""Forward kinematics of the 5-RPUR next to a known posture: polish a guess, follow one assembly
+mode while the actuators move, and see the fold ahead at which it ends.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kinematics.errors import InputError
+from kinematics.five_rpur.curve import (
+    LAMBDA_FIXED,
+    Line,
+    Place,
+    Point,
+    as_posture,
+    correct,
+    lengths,
+    polished,
+    start_point,
+)
+from kinematics.five_rpur.design import LIMBS, SUBSCRIPTS, FiveRPURDesign
+from kinematics.five_rpur.inverse import STROKE_SLACK, posture
+from kinematics.five_rpur.tracing import Reached, Tracer, at_level, first_place, search
+from kinematics.solutions import Fold, Followed, Posture, Stop
+from kinematics.spatial import Array, finite
+
+_BEFORE = 1e-6  # part of the way by which a motion stops before a singularity
+_STILL = 1e-14  # a way of this part of the lengths is none
+_MOST_PIECES = 2000
+
+_TARGET: Stop = "target"
+
+
+def polish(
+    design: FiveRPURDesign, pose: Sequence[float] | ArrayLike, mode: str, joints: ArrayLike
+) -> Posture | None:
+    """The posture with the given lengths that Newton's method reaches from a guess.
+
+    Args:
+        pose: the guess, (x, y, z, φ, θ) in mm and rad.
+        mode: the working mode in which B_i start; where a limb cannot close at the guess, its
+            link starts along e1. The solution's mode is what it came out as.
+        joints: ρ_1 … ρ_5, mm.
+
+    Returns:
+        None where Newton's method does not converge: at a parallel singularity, or from too far.
+
+    Raises:
+        InputError: not five finite numbers, or five signs.
+    """
+    rho = finite(joints, name="the joints", last=LIMBS)
+    line = Line.of(design, rho, np.zeros(LIMBS))
+    found = correct(line, start_point(design, pose, mode), LAMBDA_FIXED, rounds=40)
+    return None if found is None else as_posture(line, polished(line, found.point), mode)
+
+
+def follow(design: FiveRPURDesign, start: Posture, joints: ArrayLike) -> Followed:
+    """Move the actuators on a straight line to ``joints``, the platform on its assembly mode.
+
+    Wanted lengths beyond a stroke are cut off at its end; a limb that is beyond its stroke
+    already may stay there or come back, but not go further. The motion stops just before a
+    parallel singularity (a fold, where two assembly modes merge, or a crossing of branches).
+
+    It never jumps to another branch. What is proven of every step, but for rounding (see
+    `kinematics.five_rpur.certificate`): one curve of configurations joins its ends, no other is
+    near, and the lengths move one way only along it, so that no singularity lies in between.
+    Steps below about 15 µm (1e-4 of a link's length, 1e-4 rad) need not show the last: two folds
+    closer together than that may be passed.
+
+    Args:
+        start: the posture now; pose and working mode count, its lengths follow from them.
+        joints: ρ_1 … ρ_5 wanted, mm.
+
+    Returns:
+        The posture reached and what stopped it; ``text`` also tells which limbs passed into
+        another working mode. ``fraction`` is measured in joint space.
+
+    Raises:
+        InputError: not five finite numbers.
+    """
+    wanted = _one_target(joints)
+    first = start_point(design, start.pose, start.mode)
+    rho = lengths(design, first)
+    if not (start.closes and np.isfinite(rho).all()):
+        return _not_closed(design, start)
+    low = np.minimum(design.stroke[:, 0], rho)
+    high = np.maximum(design.stroke[:, 1], rho)
+    aim = np.clip(wanted, low, high)
+    beyond = np.abs(wanted - aim)
+    blocked = int(beyond.argmax()) if beyond.max() > STROKE_SLACK else None
+    way = float(np.linalg.norm(aim - rho))
+    share = 1.0 if blocked is None else way / float(np.linalg.norm(wanted - rho))
+    if way <= _STILL * float(np.abs(rho).max()):
+        moved, stop, fraction, events, undetermined = start, _TARGET, 1.0, list[int](), False
+    else:
+        line = Line.of(design, rho, (aim - rho) / way)
+        end = _move(line, first, way)
+        stop, events, undetermined = end.stop, end.events, end.undetermined
+        moved = start if end.point is first else as_posture(line, end.point, start.mode)
+        fraction = 1.0 if stop == "target" else end.point.along / way
+    text, limb = "", None
+    if undetermined:
+        text = _UNDETERMINED
+    elif stop == "singularity":
+        text = _singularity_text(aim - rho, moved, fraction * share)
+    elif stop == "stalled":
+        text = f"could not be followed further than {100 * fraction * share:.3g} % of the way"
+    elif blocked is not None:
+        stop, limb = "stroke", blocked + 1
+        text = _stroke_text(design, blocked, float(wanted[blocked]))
+    text = "; ".join(part for part in (_events_text(start.mode, moved.mode, events), text) if part)
+    return Followed(moved, stop, text, fraction * share, limb)
+
+
+def fold_ahead(design: FiveRPURDesign, start: Posture, joints: ArrayLike) -> Fold | None:
+    """The parallel singularity at which the assembly mode ends on the line to ``joints``.
+
+    The line is not cut off at stroke ends, unlike that of `follow`. The curve is followed by
+    proven steps as there, through the fold and on, down to the lengths at the start: whoever
+    is there is the partner.
+
+    Args:
+        start: the posture now, regular; pose and working mode count.
+        joints: ρ_1 … ρ_5 where the line ends, mm, not negative.
+
+    Returns:
+        The fold, its pose exact to about 1e-7 mm; where branches cross instead, or where the
+        other branch turns again before it is back, the fold has no partner. None where the way
+        to ``joints`` is free, and where there is none: the posture does not close, or
+        stands in a singularity.
+
+    Raises:
+        InputError: not five finite numbers, none negative.
+    """
+    wanted = _one_target(joints)
+    if (wanted < 0.0).any():
+        limb = int((wanted < 0.0).argmax())
+        raise InputError(
+            f"the joints must not be negative, got ρ{SUBSCRIPTS[limb]} = {wanted[limb]:g} mm"
+        )
+    first = start_point(design, start.pose, start.mode)
+    rho = lengths(design, first)
+    way = float(np.linalg.norm(wanted - rho))
+    if not start.closes or way <= _STILL * float(np.abs(rho).max()):
+        return None
+    line = Line.of(design, rho, (wanted - rho) / way)
+    here = first_place(line, first)
+    if here is None:
+        return None
+    tracer = Tracer(line, here)
+    piece = _piece_to(tracer, way)
+    if piece is None:
+        return _as_fold(line, start, tracer.here, None)
+    if not piece.turned:
+        return None
+    top = search(line, piece, lambda p: p.slope)
+    if top.point.along >= way:
+        return None
+    back = _piece_to(tracer, 0.0)
+    return _as_fold(line, start, top, None if back is None else _meets(line, back, 0.0))
+
+
+def _one_target(joints: ArrayLike) -> Array:
+    wanted = finite(joints, name="the joints", last=LIMBS)
+    if wanted.shape != (LIMBS,):
+        raise InputError("one set of 5 joints can be followed at a time")
+    return wanted
+
+
+# --- along the curve -----------------------------------------------------------------------
+
+
+class _End(NamedTuple):
+    point: Point
+    stop: Stop
+    events: list[int]  # limbs whose q changed sign, in order
+    undetermined: bool = False  # the path begins in a singularity
+
+
+def _move(line: Line, first: Point, way: float) -> _End:
+    """Follow the curve from λ = 0 to λ = way, or to shortly before where λ turns back."""
+    events: list[int] = []
+    here = first_place(line, first)
+    if here is None:
+        return _End(first, "singularity", events, undetermined=True)
+    tracer = Tracer(line, here)
+    for _ in range(_MOST_PIECES):
+        piece = tracer.advance(way)
+        if piece is None:
+            return _End(polished(line, tracer.here.point), "singularity", events)
+        met = _meets(line, piece, way)
+        if met is not None:
+            _note(events, piece.here, met)
+            return _End(polished(line, met.point), "target", events)
+        if piece.turned:
+            stopped = _before_turn(line, piece, _BEFORE * way)
+            _note(events, piece.here, stopped)
+            return _End(polished(line, stopped.point), "singularity", events)
+        _note(events, piece.here, piece.there)
+    return _End(polished(line, tracer.here.point), "stalled", events)
+
+
+def _piece_to(tracer: Tracer, level: float) -> Reached | None:
+    """The piece on which λ = ``level`` is passed or λ turns back; None where the trace ends."""
+    below = tracer.here.point.along < level
+    for _ in range(_MOST_PIECES):
+        piece = tracer.advance(level)
+        if piece is None:
+            return None
+        if piece.turned or (piece.there.point.along < level) != below:
+            return piece
+    return None
+
+
+def _meets(line: Line, piece: Reached, level: float) -> Place | None:
+    """Where λ = ``level`` first on a piece; None if it turns back before or does not get there."""
+    if piece.exact:
+        return piece.there
+    below = piece.here.point.along < level
+    if piece.turned:
+        piece = piece._replace(there=search(line, piece, lambda p: p.slope))
+    if (piece.there.point.along < level) == below:
+        return None
+    return at_level(line, piece, level)
+
+
+def _before_turn(line: Line, piece: Reached, gap: float) -> Place:
+    """A place where λ is ``gap`` below where it turns back on a piece; ``here`` if that is less."""
+    edge = search(line, piece, lambda p: p.slope)
+    top = edge.point.along
+    if top - piece.here.point.along <= gap:
+        return piece.here
+
+    def rest(at: Place) -> float:  # nearly straight in arc length, unlike λ itself
+        return float(np.sqrt(max(top - at.point.along, 0.0)) - np.sqrt(gap))
+
+    enough = 0.1 * float(np.sqrt(gap))
+    before = search(line, piece._replace(there=edge), rest, enough=enough)
+    # The gap may be below what rounding resolves.
+    return before if before.slope * piece.here.slope > 0.0 else piece.here
+
+
+def _note(events: list[int], before: Place, after: Place) -> None:
+    events += [i for i, (q, r) in enumerate(zip(before.q, after.q, strict=True)) if q * r < 0]
+
+
+def _as_fold(line: Line, start: Posture, at: Place, partner: Place | None) -> Fold:
+    there = as_posture(line, at.point, start.mode)
+    along = at.point.along
+    return Fold(
+        distance=along,
+        joints=tuple(line.joints(along).tolist()),
+        pose=there.pose,
+        mode=there.mode,
+        partner=None
+        if partner is None
+        else as_posture(line, polished(line, partner.point), there.mode),
+    )
+
+
+# --- what is said --------------------------------------------------------------------------
+
+
+def _not_closed(design: FiveRPURDesign, start: Posture) -> Followed:
+    here = posture(design, start.pose, start.mode)
+    limbs = [str(i + 1) for i, rho in enumerate(here.joints) if not np.isfinite(rho)]
+    which = f"limb {limbs[0]}" if len(limbs) == 1 else f"limbs {', '.join(limbs)}"
+    text = (
+        f"{which} cannot close at this pose, so there is no assembly mode to follow; "
+        "move the platform to a pose that the machine can hold"
+    )
+    return Followed(here, "stalled", text, 0.0)
+
+
+_UNDETERMINED = (
+    "the machine stands in a parallel singularity, where its actuators do not determine how it "
+    "moves; move the platform out of it first"
+)
+
+
+def _singularity_text(move: Array, reached: Posture, fraction: float) -> str:
+    moving = np.flatnonzero(np.abs(move) > STROKE_SLACK)
+    if len(moving) == 1:
+        i = int(moving[0])
+        where = "beyond" if move[i] > 0 else "below"
+        return (
+            f"stopped at a parallel singularity: ρ{SUBSCRIPTS[i]} cannot go {where} "
+            f"{reached.joints[i]:.1f} mm on this assembly mode"
+        )
+    return f"stopped at a parallel singularity after {100 * fraction:.3g} % of the way"
+
+
+def _stroke_text(design: FiveRPURDesign, i: int, wanted: float) -> str:
+    low, high = design.limbs[i].stroke
+    name, end = ("max", high) if wanted > high else ("min", low)
+    return f"limb {i + 1} is at the end of its stroke (ρ{SUBSCRIPTS[i]} {name} = {end:g} mm)"
+
+
+def _events_text(before: str, after: str, events: Sequence[int]) -> str:
+    parts = []
+    for i in dict.fromkeys(events):
+        if before[i] != after[i]:
+            parts.append(f"limb {i + 1} passed into working mode {_shown(after[i])}")
+        else:
+            other = "-" if before[i] == "+" else "+"
+            parts.append(f"limb {i + 1} passed into working mode {_shown(other)} and back")
+    return "; ".join(parts)
+
+
+def _shown(sign: str) -> str:
+    return "+" if sign == "+" else "−"
