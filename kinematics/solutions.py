@@ -215,7 +215,10 @@ class ForwardSolutions:
 
 @dataclass(frozen=True, slots=True)
 class Merged:
-    """A solution that ended on the way to the present joints, and the one it merged with."""
+    """A solution that ended on the way to the present joints, and where it was last.
+
+    ``partner`` is who it merged with; None if that one had only appeared on the way.
+    """
 
     identity: int
     partner: int | None

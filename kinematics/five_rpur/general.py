@@ -34,7 +34,7 @@ from kinematics.tracking import CAREFUL, Control, Ending, Tracked, relative_size
 
 SAME = 1e-7
 """Relative distance below which two complex solutions are one."""
-_REGULAR = 1e-9  # largest last correction of a regular solution, relative
+_REGULAR = 1e-10  # largest last correction of a regular solution, relative
 _SINGULAR = 1e-12  # regularity of a solution on a curve of them, but for rounding
 _STAYS = 1e-2  # largest way from a path's end to the solution it is taken for, relative
 _KEPT = 16  # own start sets in memory
@@ -206,6 +206,9 @@ def _settle(
     if not who.size:
         return
     ends, error = polish(target, values[:, who])
+    slow = np.flatnonzero(~(error <= _REGULAR))  # near another solution it takes more rounds
+    if slow.size:
+        ends[:, slow], error[slow] = polish(target, ends[:, slow], rounds=8)
     settled = (error <= _REGULAR) & (regularity(target, ends) > _SINGULAR)
     settled &= relative_size(ends - values[:, who], ends) < _STAYS
     values[:, who[settled]] = ends[:, settled]
@@ -270,6 +273,7 @@ def _gathered(
         values=found,
         multiplicity=np.concatenate([np.ones(regular.shape[1], dtype=np.intp), weights]),
         infinite=infinite,
+        # Below zero where a path ended beside its solution and a conjugate brought that in.
         lost=max(paths - infinite - regular.shape[1] - singular.shape[1], 0),
         expected=paths,
         closed=not real or _closed(regular),
