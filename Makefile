@@ -18,7 +18,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PIP_NO_INPUT := 1
 export PIP_ROOT_USER_ACTION := ignore
 
-.PHONY: run test check format bench clean
+.PHONY: run test check format bench start-solutions clean
 
 run: $(VENV)/installed
 	@exec $(BIN)/bohemia $(ARGS)
@@ -39,6 +39,10 @@ format: $(VENV)/installed-tools
 bench: $(VENV)/installed-tools
 	@for script in tests/benchmarks/bench_*.py; do \
 		echo "== $$script"; $(BIN)/python "$$script" $(ARGS) || exit 1; done
+
+# Makes the start sets of the forward kinematics again, from nothing; takes a few minutes.
+start-solutions: $(VENV)/installed
+	@$(BIN)/python -m kinematics.five_rpur.monodromy assets/start_solutions
 
 clean:
 	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis \

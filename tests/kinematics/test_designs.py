@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinematics import designs
+from kinematics import assets, designs
 from kinematics.designs import (
     design_fields,
     load_design,
@@ -95,7 +95,7 @@ def test_presets_are_found_in_an_installed_wheel(
     folder.mkdir(parents=True)
     (folder / "only.toml").write_text(GOOD, encoding="utf-8")
     with _fresh_presets():
-        monkeypatch.setattr(designs, "__file__", str(tmp_path / "designs.py"))
+        monkeypatch.setattr(assets, "__file__", str(tmp_path / "assets.py"))
         assert [preset.name for preset in presets()] == ["only"]
         monkeypatch.undo()
 
