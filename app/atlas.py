@@ -21,6 +21,7 @@ from kinematics.solutions import ForwardSolutions, Merged, Refreshed
 from kinematics.spatial import Array
 
 SAME_JOINTS = 1e-6  # mm or rad: lengths that differ by less have the same solutions
+NAMED, TOLD = 8, 3  # of those that came, and of those that went, the page names this many
 HERE = 0.01  # mm: a solution whose platform is nearer than this is the present one
 
 
@@ -216,8 +217,10 @@ def _news(review: Review, known: Known) -> list[tuple[str, bool]]:
     """Who appeared and who merged since the actuators last stood still."""
     news = []
     if known.appeared:
-        names = ", ".join(f"#{identity}" for identity in sorted(known.appeared))
-        news.append((f"{len(known.appeared)} appeared on the way: {names}", False))
+        count = len(known.appeared)
+        names = ", ".join(f"#{identity}" for identity in sorted(known.appeared)[:NAMED])
+        more = f" and {count - NAMED} more" if count > NAMED else ""
+        news.append((f"{count} appeared on the way: {names}{more}", False))
     if known.merged:
         told: list[str] = []
         partners: set[int] = set()
@@ -227,7 +230,7 @@ def _news(review: Review, known: Known) -> list[tuple[str, bool]]:
             partners |= {gone.partner} if gone.partner is not None else set()
             pair = f" with #{gone.partner}" if gone.partner is not None else ""
             told.append(f"#{gone.identity}{pair} at {place_text(review, gone.pose)}")
-        shown = "; ".join(told[:3]) + ("; …" if len(told) > 3 else "")
+        shown = "; ".join(told[:TOLD]) + ("; …" if len(told) > TOLD else "")
         news.append((f"{len(known.merged)} merged on the way: {shown}", True))
     return news
 

@@ -23,7 +23,7 @@ from app.scene import Scene, cylinder, turns_z_to
 from kinematics.mechanism import Body
 from kinematics.spatial import Array
 
-THIN, THICK = 0.003, 0.008  # radius of a stick, of the machine's size: as a rule, and who is new
+THIN, THICK = 0.003, 0.006  # radius of a stick, of the machine's size: as a rule, and who is new
 CAPACITY = 1024  # sticks and triangles that a mesh is made for; doubled where they do not suffice
 FAINT, FULL = 0.2, 0.4  # opacity of a face: as a rule, and at the fold
 

@@ -151,11 +151,8 @@ def known(found: ForwardSolutions) -> str:
 def remark(multiplicity: int, gap: float) -> str:
     """What is particular about one solution; "" as a rule. ``gap`` in mm."""
     if multiplicity > 1:
-        return f"{_TIMES.get(multiplicity, f'{multiplicity}-fold')} solution"
-    return f"near-double: another {gap:.2g} mm away" if gap < NEAR_DOUBLE else ""
-
-
-_TIMES = {2: "double", 3: "triple"}
+        return {2: "double", 3: "triple"}.get(multiplicity, f"{multiplicity}-fold")
+    return f"near-double, {gap:.2g} mm" if gap < NEAR_DOUBLE else ""
 
 
 def condition_text(value: float) -> str:
