@@ -33,6 +33,7 @@ from kinematics.five_rpur.equations import (
     steps,
     terms,
 )
+from kinematics.five_rpur.linkage import Machine
 from kinematics.five_rpur.polynomial import modulus
 from kinematics.spatial import Array, finite
 
@@ -99,7 +100,7 @@ def same_mode_roots(design: FiveRPURDesign, joints: ArrayLike) -> tuple[Complex,
 class _Simplified(NamedTuple):
     """What is worked out of a design once: ``fixed`` has no lengths, ``total`` is as `expected`."""
 
-    machine: stages.Machine
+    machine: Machine
     fixed: Parameters
     unit: float
     total: int
@@ -112,7 +113,7 @@ def _simplified(design: FiveRPURDesign) -> _Simplified | None:
         return None
     frame = Frame.of(design)
     fixed = parameters(design, np.zeros(LIMBS), frame)
-    machine = stages.Machine.of(fixed, found.groups)
+    machine = Machine.of(fixed, found.groups)
     rng = np.random.default_rng(2011)
     probes = np.exp(rng.normal(size=(LIMBS, _PROBES)) + 1j * rng.normal(size=(LIMBS, _PROBES)))
     with np.errstate(all="ignore"):
@@ -167,7 +168,7 @@ def _approached(known: _Simplified, rho2: Array, ray: Complex, start: int) -> tu
 
 
 def _closed(
-    m: stages.Machine, g: Parameters, rho2: Array, u: Complex, owner: Index
+    m: Machine, g: Parameters, rho2: Array, u: Complex, owner: Index
 ) -> tuple[Complex, Array]:
     """Solutions next to u (10, M) as exact as they can be, and their misfit (M,).
 
