@@ -52,7 +52,7 @@ _DOUBLE = 1e-5  # of the size of a solution: closer ones are one, seen twice
 _CHUNK = 128  # length vectors at a time, so that the temporaries stay in the cache
 _NEAR_LENGTHS = 0.1  # largest change of a length over which all solutions are tracked on
 _REAL_ENOUGH = 1e-12  # relative distance from its conjugate at which a root is polished enough
-_SINGULAR = 1e-9  # regularity below which a self-motion is looked for
+_SINGULAR = 1e-12  # regularity below which a self-motion is looked for
 
 
 @dataclass(frozen=True, slots=True)
