@@ -261,8 +261,9 @@ def _gathered(
     regular = values[:, endings == Ending.REGULAR]
     groups = cluster(regular)
     regular = regular[:, np.unique(groups, return_index=True)[1]] if groups.size else regular
+    closed = True
     if real:
-        regular = _with_conjugates(target, regular)
+        regular, closed = _with_conjugates(target, regular)
     singular = _singular_ends(target, values[:, endings == Ending.SINGULAR])
     groups = cluster(singular, 1e-4)
     firsts = np.unique(groups, return_index=True)[1] if groups.size else groups
@@ -276,7 +277,7 @@ def _gathered(
         # Below zero where a path ended beside its solution and a conjugate brought that in.
         lost=max(paths - infinite - regular.shape[1] - singular.shape[1], 0),
         expected=paths,
-        closed=not real or _closed(regular),
+        closed=closed,
         whole=whole,
         detours=detours,
     )
@@ -292,22 +293,18 @@ def _singular_ends(target: Parameters, values: Complex) -> Complex:
     return ends
 
 
-def _with_conjugates(target: Parameters, regular: Complex) -> Complex:
-    """The conjugate of a solution of a real machine is one too, whether a path led there or not."""
+def _with_conjugates(target: Parameters, regular: Complex) -> tuple[Complex, bool]:
+    """The solutions and their conjugates, which a real machine has too, and whether all closed.
+
+    A path that was lost is made good by the one to the conjugate solution.
+    """
     mirrored = conjugate(regular)
-    both = np.concatenate([regular, mirrored], axis=1)
-    groups = cluster(both)
+    groups = cluster(np.concatenate([regular, mirrored], axis=1))
     count = regular.shape[1]
     known = np.zeros(int(groups.max(initial=-1)) + 1, dtype=bool)
     known[groups[:count]] = True
     fresh = np.flatnonzero(~known[groups[count:]])
     if not fresh.size:
-        return regular
-    return np.concatenate([regular, polish(target, mirrored[:, fresh])[0]], axis=1)
-
-
-def _closed(values: Complex) -> bool:
-    both = np.concatenate([values, conjugate(values)], axis=1)
-    groups = cluster(both, 1e-4)
-    count = values.shape[1]
-    return bool(np.isin(groups[count:], groups[:count]).all())
+        return regular, True
+    missing, error = polish(target, mirrored[:, fresh])
+    return np.concatenate([regular, missing], axis=1), bool((error <= _REGULAR).all())
