@@ -18,22 +18,58 @@ along it (no parallel singularity: det J without λ is not 0) or turns back exac
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from math import cos, hypot, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinematics.five_rpur.curve import LAMBDA, Line, Place
+from kinematics.five_rpur.design import LIMBS
 from kinematics.spatial import Array
 
-# Unknowns are columns, in units of the link length and of a radian; rows are F1, F2 and the
-# plane across the chord.
-_X, _Y, _Z, _PHI, _THETA = range(5)
-_W = slice(6, 11)
-_FIRST = np.arange(5)
-_OTHER, _ELBOW = _FIRST + 5, _FIRST + 6
-_SPAN = 2.0  # radius tried, of what the first estimate asks for
-_SPREAD = 0.15  # and of the largest radius of all unknowns
+# Unknowns are columns, in units of the link length and of a radian: X, y, Z, φ, θ, λ, w. Rows are
+# F1 and F2 of each limb and the plane across the chord.
+_X, _Y, _Z, _PHI, _THETA, _W = 0, 1, 2, 3, 4, 6
+_SPAN = 2.0  # of how much the equations turn on half of the chord, what the radius allows for
+_SPREAD = 0.1  # of the largest radius, what is added to all of them
+
+
+def _flat(one: Sequence[tuple[int, ...]], two: Sequence[tuple[int, ...]]) -> NDArray[np.intp]:
+    """Where derivatives of F1 and F2 stand in a flat array of all, limb by limb.
+
+    The unknowns that each is by; w is the limb's own.
+    """
+    where = []
+    for limb in range(LIMBS):
+        for row, columns in ((2 * limb, one), (2 * limb + 1, two)):
+            for unknowns in columns:
+                place = row
+                for unknown in unknowns:
+                    place = 11 * place + unknown + (limb if unknown == _W else 0)
+                where.append(place)
+    return np.array(where)
+
+
+def _both(*pairs: tuple[int, int]) -> list[tuple[int, ...]]:
+    """Mixed second derivatives stand twice."""
+    return [pair for one, two in pairs for pair in ((one, two), (two, one))]
+
+
+_FIRST = _flat(
+    ((_X,), (_THETA,), (LAMBDA,), (_W,)),
+    ((_Y,), (_Z,), (_PHI,), (_W,)),
+)
+_SECOND = _flat(
+    (*_both((_X, _THETA), (_THETA, _W)), (_THETA, _THETA)),
+    (*_both((_Y, _PHI), (_Z, _PHI), (_PHI, _W)), (_PHI, _PHI)),
+)
+_ONES = _flat(((_X, _X), (_W, _W)), ((_Y, _Y), (_Z, _Z), (_W, _W)))
+_MINUS_ONES = _flat((), _both((_Z, _W)))
+_LENGTHS = _flat(((LAMBDA, LAMBDA),), ())
+_VARYING = _flat(((_X,), (_THETA,), (_W,)), ((_Y,), (_Z,), (_PHI,), (_W,)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,11 +109,26 @@ class _Middle(NamedTuple):
 
     inverse: Array  # (11, 11) A
     weight: Array  # (11, 10) |A| but for the last column
-    bend: Array  # (11, 11, 11) A d²F
-    size: Array  # |A d²F|
-    first: Array  # (5,) |(X + s'_x, w)|, without unit
-    second: Array  # (5,) |(y − r_y, Z − w)|
+    bend: Array  # (121, 11) A d²F, for products with its last index
+    size: Array  # (121, 11) |A d²F|
+    arms: tuple[tuple[float, float], ...]  # of each limb |(X + s'_x, w)| and |(y − r_y, Z − w)|
     error: Array  # (10,) what F may be at the ends of the chord
+
+
+class _Bounds(NamedTuple):
+    """|A J − I| ≤ spread all along a piece, and spread · radius ≤ effort · radius."""
+
+    spread: Array
+    radius: Array
+    effort: float
+
+    def resolved(self, vector: Array) -> Array:
+        """A bound of (I − spread)⁻¹ vector for a vector ≥ 0, by three terms of its series."""
+        once = self.spread @ vector
+        twice = self.spread @ once
+        tail = float((twice / self.radius).max()) * self.effort / (1.0 - self.effort)
+        answer: Array = vector + once + twice + tail * self.radius
+        return answer
 
 
 class Certifier:
@@ -86,11 +137,23 @@ class Certifier:
     def __init__(self, line: Line) -> None:
         design, unit = line.design, line.length
         self._line = line
-        self._base = design.base.T / unit
-        self._platform = design.platform.T / unit
-        self._link = design.link / unit
-        self._base_arm = np.hypot(self._base[0], self._base[2])
-        self._platform_arm = np.hypot(self._platform[1], self._platform[2])
+        self._error = line.tolerance / unit
+        # As five limbs are too few for array calls, their numbers.
+        columns = (
+            design.base / unit,
+            design.platform / unit,
+            design.link / unit,
+            line.rho / unit,
+            line.direction,
+        )
+        self._limbs = tuple(tuple(limb) for limb in np.column_stack(columns).tolist())
+        # How far A_i is from the y axis and C_i from the x' axis: what θ and φ move.
+        self._arms = tuple(
+            (hypot(rx, rz), hypot(sy, sz)) for rx, _, rz, _, sy, sz, *_ in self._limbs
+        )
+        self._constant = np.zeros((10, 121))
+        flat = self._constant.ravel()
+        flat[_ONES], flat[_MINUS_ONES], flat[_LENGTHS] = 1.0, -1.0, -(line.direction**2)
 
     def piece(self, here: Place, there: Place) -> Piece | None:
         """The piece of curve from one place to the other, whose tangents lead that way.
@@ -100,98 +163,91 @@ class Certifier:
         """
         start, end = self._line.scaled(here.point), self._line.scaled(there.point)
         chord = end - start
-        length = float(np.sqrt(chord[:6] @ chord[:6]))
+        length = sqrt(float(chord[:6] @ chord[:6]))
         border = chord[:6] / max(length, 1e-300)
         if min(float(here.tangent @ border), float(there.tangent @ border)) <= 0.0:
             return None
         m = self._middle(0.5 * (start + end), border)
         if m is None:
             return None
-        along = m.bend @ chord
+        along = (m.bend @ chord).reshape(11, 11)
         # What is left of F on the chord: at its ends it vanishes but for an error.
         missing = m.weight @ (0.125 * self._third(m, np.abs(chord)) + m.error)
         missing += 0.125 * np.abs(along @ chord)
-        radius = _SPAN * missing + _SPREAD * missing.max()
+        turning = 0.5 * np.abs(along)
+        radius = missing
+        for _ in range(3):
+            radius = missing + _SPAN * (turning @ radius)
+        radius = radius + _SPREAD * radius.max()
         reach = 0.5 * np.abs(chord) + radius
-        spread = 0.5 * np.abs(along) + m.size @ radius + m.weight @ self._remainder(m, reach)
+        spread = turning + (m.size @ radius).reshape(11, 11) + m.weight @ self._remainder(m, reach)
         needed = spread @ radius
         if not (missing + needed < radius).all():
             return None
         effort = float((needed / radius).max())
-        turns = self._turns(m, spread, reach, (here, there), border, length)
+        bounds = _Bounds(spread, radius, effort)
+        turns = self._turns(m, bounds, reach, (here, there), border, length)
         return Piece(start, chord, radius, effort, turns)
 
     def _middle(self, point: Array, border: Array) -> _Middle | None:
-        (rx, ry, rz), (sx, sy, sz) = self._base, self._platform
-        x, y, z, phi, theta, along = point[:6].tolist()
-        w = point[_W]
-        c, s, cf, sf = np.cos(theta), np.sin(theta), np.cos(phi), np.sin(phi)
-        a, b = rx * c - rz * s, rx * s + rz * c
-        my, mz = cf * sy - sf * sz, sf * sy + cf * sz
-        xs, yr, zw = x + sx, y - ry, z - w
-        rate = self._line.direction
-        rho = self._line.joints(along * self._line.length) / self._line.length
+        x, y, z, phi, theta, along, *elbows = point.tolist()
+        c, s, cf, sf = cos(theta), sin(theta), cos(phi), sin(phi)
+        first: list[float] = []
+        second: list[float] = []
+        arms: list[tuple[float, float]] = []
+        error: list[float] = []
+        for (rx, ry, rz, sx, sy, sz, link, rho_0, rate), w in zip(self._limbs, elbows, strict=True):
+            a, b = rx * c - rz * s, rx * s + rz * c
+            my, mz = cf * sy - sf * sz, sf * sy + cf * sz
+            xs, yr, zw = x + sx, y - ry, z - w
+            rho, q = rho_0 + along * rate, zw + mz
+            first += (xs - a, xs * b - w * a, -rho * rate, w - b)
+            first += (yr + my, q, zw * my - yr * mz, -q)
+            second += (b, b, -a, -a, xs * a + w * b)
+            second += (-mz, -mz, my, my, -my, -my, -zw * mz - yr * my)
+            arms.append((hypot(xs, w), hypot(yr, zw)))
+            error += (self._error * abs(rho), self._error * link)
         jacobian = np.zeros((11, 11))
-        jacobian[:5, _X] = xs - a
-        jacobian[:5, _THETA] = xs * b - w * a
-        jacobian[:5, LAMBDA] = -rho * rate
-        jacobian[_FIRST, _ELBOW] = w - b
-        jacobian[5:10, _Y] = yr + my
-        jacobian[5:10, _Z] = zw + mz
-        jacobian[5:10, _PHI] = zw * my - yr * mz
-        jacobian[_OTHER, _ELBOW] = -(zw + mz)
+        jacobian.ravel()[_FIRST] = first
         jacobian[10, :6] = border
         try:
             inverse = np.asarray(np.linalg.inv(jacobian), dtype=float)
         except np.linalg.LinAlgError:
             return None
-        second = np.zeros((10, 11, 11))
-        one, two, first, other = second[:5], second[5:], _FIRST, _ELBOW
-        one[:, _X, _X] = one[first, other, other] = 1.0
-        one[:, _X, _THETA] = one[:, _THETA, _X] = b
-        one[first, _THETA, other] = one[first, other, _THETA] = -a
-        one[:, _THETA, _THETA] = xs * a + w * b
-        one[:, LAMBDA, LAMBDA] = -rate * rate
-        two[:, _Y, _Y] = two[:, _Z, _Z] = two[first, other, other] = 1.0
-        two[first, _Z, other] = two[first, other, _Z] = -1.0
-        two[:, _Y, _PHI] = two[:, _PHI, _Y] = -mz
-        two[:, _Z, _PHI] = two[:, _PHI, _Z] = my
-        two[first, _PHI, other] = two[first, other, _PHI] = -my
-        two[:, _PHI, _PHI] = -(zw * mz + yr * my)
+        derivative = self._constant.copy()
+        derivative.ravel()[_SECOND] = second
         weight: Array = inverse[:, :10]
-        bend = (weight @ second.reshape(10, 121)).reshape(11, 11, 11)
-        error = self._line.tolerance / self._line.length * np.concatenate([rho, self._link])
-        return _Middle(
-            inverse, np.abs(weight), bend, np.abs(bend), np.hypot(xs, w), np.hypot(yr, zw), error
-        )
+        bend = (weight @ derivative).reshape(121, 11)
+        return _Middle(inverse, np.abs(weight), bend, np.abs(bend), tuple(arms), np.array(error))
 
     def _third(self, m: _Middle, step: Array) -> Array:
         """(10,) how much the second derivative of F along a chord varies about its middle."""
-        dx, dy, dz, dphi, dtheta, _ = step[:6].tolist()
-        dw = step[_W]
-        one = self._base_arm * dtheta**2 * (3.0 * (dx + dw) + (m.first + dx + dw) * dtheta)
-        two = (
-            self._platform_arm * dphi**2 * (3.0 * (dy + dz + dw) + (m.second + dy + dz + dw) * dphi)
-        )
-        return 0.5 * np.concatenate([one, two])
+        dx, dy, dz, dphi, dtheta, _, *elbows = step.tolist()
+        answer: list[float] = []
+        for (r, s), (one, two), dw in zip(self._arms, m.arms, elbows, strict=True):
+            up, across = dx + dw, dy + dz + dw
+            answer += (
+                0.5 * r * dtheta * dtheta * (3.0 * up + (one + up) * dtheta),
+                0.5 * s * dphi * dphi * (3.0 * across + (two + across) * dphi),
+            )
+        return np.array(answer)
 
     def _remainder(self, m: _Middle, reach: Array) -> Array:
         """(10, 11) by how much the Jacobian within ``reach`` differs from its Taylor polynomial."""
-        dx, dy, dz, dphi, dtheta, _ = reach[:6].tolist()
-        dw = reach[_W]
-        r, s = self._base_arm, self._platform_arm
-        turned, tilted = 0.5 * dtheta * dtheta * r, 0.5 * dphi * dphi * s
+        dx, dy, dz, dphi, dtheta, _, *elbows = reach.tolist()
+        values: list[float] = []
+        for (r, s), (one, two), dw in zip(self._arms, m.arms, elbows, strict=True):
+            turned, tilted = 0.5 * r * dtheta * dtheta, 0.5 * s * dphi * dphi
+            values += (turned, r * dtheta * (dx + dw) + turned * one, turned)
+            values += (tilted, tilted, s * dphi * (dy + dz + dw) + tilted * two, tilted)
         answer = np.zeros((10, 11))
-        answer[:5, _X] = answer[_FIRST, _ELBOW] = turned
-        answer[:5, _THETA] = r * dtheta * (dx + dw) + turned * m.first
-        answer[5:, _Y] = answer[5:, _Z] = answer[_OTHER, _ELBOW] = tilted
-        answer[5:, _PHI] = s * dphi * (dy + dz + dw) + tilted * m.second
+        answer.ravel()[_VARYING] = values
         return answer
 
     def _turns(
         self,
         m: _Middle,
-        spread: Array,
+        bounds: _Bounds,
         reach: Array,
         places: tuple[Place, Place],
         border: Array,
@@ -204,14 +260,14 @@ class Certifier:
         """
         tangent = m.inverse[:, 10]
         size = np.abs(tangent)
-        whole = np.eye(11) - spread
-        off = np.linalg.solve(whole, spread @ size)
+        off = bounds.resolved(bounds.spread @ size)
         if abs(tangent[LAMBDA]) > off[LAMBDA]:
             return 0
-        curve = m.bend @ tangent @ tangent
-        loose = (m.size @ (2.0 * size + off)) @ off + m.weight @ self._varies(m, reach, size + off)
-        bound = np.linalg.solve(whole, spread @ np.abs(curve) + loose)
-        low, high = -curve[LAMBDA] - bound[LAMBDA], -curve[LAMBDA] + bound[LAMBDA]
+        curve = (m.bend @ tangent).reshape(11, 11) @ tangent
+        loose = (m.size @ (2.0 * size + off)).reshape(11, 11) @ off
+        loose += m.weight @ self._varies(m, reach, size + off)
+        bound = bounds.resolved(bounds.spread @ np.abs(curve) + loose)[LAMBDA]
+        low, high = -curve[LAMBDA] - bound, -curve[LAMBDA] + bound
         first, last = (place.slope / float(place.tangent @ border) for place in places)
         if first < 0.0:
             first, last, low, high = -first, -last, -high, -low
@@ -224,12 +280,12 @@ class Certifier:
 
     def _varies(self, m: _Middle, reach: Array, tangent: Array) -> Array:
         """(10,) by how much d²F along a tangent varies within ``reach`` of the middle."""
-        dx, dy, dz, dphi, dtheta, _ = reach[:6].tolist()
-        dw = reach[_W]
-        tx, ty, tz, tphi, ttheta, _ = tangent[:6].tolist()
-        tw = tangent[_W]
-        moved = dx + dw
-        one = 2.0 * dtheta * (tx + tw) + (moved + (m.first + moved) * dtheta) * ttheta
-        shifted = dy + dz + dw
-        two = 2.0 * dphi * (ty + tz + tw) + (shifted + (m.second + shifted) * dphi) * tphi
-        return np.concatenate([self._base_arm * ttheta * one, self._platform_arm * tphi * two])
+        dx, dy, dz, dphi, dtheta, _, *elbows = reach.tolist()
+        tx, ty, tz, tphi, ttheta, _, *rates = tangent.tolist()
+        answer: list[float] = []
+        for (r, s), (one, two), dw, tw in zip(self._arms, m.arms, elbows, rates, strict=True):
+            up, across = dx + dw, dy + dz + dw
+            turned = 2.0 * dtheta * (tx + tw) + (up + (one + up) * dtheta) * ttheta
+            tilted = 2.0 * dphi * (ty + tz + tw) + (across + (two + across) * dphi) * tphi
+            answer += (r * ttheta * turned, s * tphi * tilted)
+        return np.array(answer)

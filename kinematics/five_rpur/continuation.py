@@ -211,7 +211,7 @@ def _piece_to(tracer: Tracer, level: float) -> Reached | None:
         piece = tracer.advance(level)
         if piece is None:
             return None
-        if piece.turned or (piece.there.point.along < level) != below:
+        if piece.exact or piece.turned or (piece.there.point.along < level) != below:
             return piece
     return None
 

@@ -23,11 +23,11 @@ import numpy as np
 
 from kinematics.errors import InputError
 from kinematics.five_rpur.design import FiveRPURDesign
-from kinematics.five_rpur.inverse import joint_points, posture, wrap_angle
+from kinematics.five_rpur.inverse import posture, signs, wrap_angle
 from kinematics.solutions import Posture
 from kinematics.spatial import Array, finite
 
-_TOLERANCE = 1e-11  # mm, of the closure equations while tracking; ends are polished further
+_TOLERANCE = 1e-8  # mm, of the closure equations while tracking; ends are polished further
 _CONTRACTS = 0.25  # largest ratio of the second Newton step to the first
 
 LAMBDA = 5
@@ -226,12 +226,14 @@ class Place(NamedTuple):
 
 def place(point: Point, at: Linear, along: Array | None) -> Place | None:
     """The tangent continues ``along``; without that it leads to larger λ."""
+    tangent: Array
     if along is None:
         tangent = np.asarray(np.linalg.svd(at.matrix)[2][-1], dtype=float)
         tangent = tangent if tangent[LAMBDA] >= 0 else -tangent
     else:
         try:
-            tangent = np.linalg.solve(np.vstack([at.matrix, along]), LAMBDA_FIXED)
+            system = np.vstack([at.matrix, along])
+            tangent = np.asarray(np.linalg.solve(system, LAMBDA_FIXED), dtype=float)
         except np.linalg.LinAlgError:
             return None
         tangent = tangent / sqrt(float(tangent @ tangent))
@@ -248,14 +250,18 @@ def determinant(at: Linear) -> float:
     return float(np.linalg.det(square)) / norms if norms > 0.0 else 0.0
 
 
-def ahead(line: Line, here: Place, step: float, last: tuple[Place, float] | None) -> Point:
-    """A step along the tangent, bent as the curve was bent over the step before."""
+def ahead(line: Line, here: Place, step: float, last: Place | None) -> Point:
+    """A step along the tangent; with the place before, along the cubic through both."""
     du, dw = step * here.tangent, step * here.elbow
     if last is not None:
-        before, length = last
-        bend = 0.5 * step * step / length
-        du = du + bend * (here.tangent - before.tangent)
-        dw = dw + bend * (here.elbow - before.elbow)
+        way, elbows = (here.point.u - last.point.u) / line.scale, here.point.w - last.point.w
+        length = sqrt(float(way @ way))
+        part = step / length
+        cubic, square = step * part * part, step * part
+        du = du + (square + cubic) * last.tangent + (2.0 * square + cubic) * here.tangent
+        du = du - ((3.0 * square + 2.0 * cubic) / length) * way
+        dw = dw + (square + cubic) * last.elbow + (2.0 * square + cubic) * here.elbow
+        dw = dw - ((3.0 * square + 2.0 * cubic) / length) * elbows
     return Point(here.point.u + line.scale * du, here.point.w + dw)
 
 
@@ -272,11 +278,14 @@ def start_point(design: FiveRPURDesign, pose: object, mode: str) -> Point:
     if values.shape != (5,):
         raise InputError("one pose of 5 numbers (x, y, z, φ, θ) is needed")
     x, y, z, phi, theta = values.tolist()
-    _, elbow, tip = joint_points(design, values, mode)
-    c, s = cos(theta), sin(theta)
-    w = elbow[:, 0] * s + elbow[:, 2] * c
-    w = np.where(np.isfinite(w), w, tip[:, 0] * s + tip[:, 2] * c)
-    return Point(np.array([x * c - z * s, y, x * s + z * c, phi, theta, 0.0]), w)
+    c, s, cf, sf = cos(theta), sin(theta), cos(phi), sin(phi)
+    _, sy, sz = design.platform.T
+    across = np.abs(y + cf * sy - sf * sz - design.base[:, 1])
+    room = (design.link - across) * (design.link + across)
+    q = signs(mode) * np.sqrt(np.maximum(room, 0.0))
+    up = x * s + z * c
+    w = up + sf * sy + cf * sz - q
+    return Point(np.array([x * c - z * s, y, up, phi, theta, 0.0]), w)
 
 
 def lengths(design: FiveRPURDesign, point: Point) -> Array:

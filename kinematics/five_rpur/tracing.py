@@ -28,7 +28,8 @@ from kinematics.spatial import Array
 # Steps are in units of the link length and of a radian.
 _FIRST, _LONGEST, _SHORTEST = 0.1, 0.5, 1e-7
 _FINEST = 1e-4  # a piece that is shorter need not tell how often λ turns back on it
-_EFFORT = 0.3
+_EFFORT = 0.25  # of a proof, aimed at
+_WARNED = 1.1  # largest growth of a step after one that had to be shortened
 _SINGULAR = 1e-12  # a determinant that is only rounding
 _MOST_ROUNDS = 60  # of a search within one piece
 
@@ -63,7 +64,7 @@ class Tracer:
         self.line = line
         self.here = here
         self._certifier = Certifier(line)
-        self._last: tuple[Place, float] | None = None
+        self._last: Place | None = None
         self._step = _FIRST
 
     def advance(self, level: float) -> Reached | None:
@@ -74,7 +75,7 @@ class Tracer:
         line, here = self.line, self.here
         slope = line.length * here.slope
         rest = (level - here.point.along) / slope if slope else -1.0
-        step = self._step
+        step, grows = self._step, 2.0
         while step >= _SHORTEST:
             exact = 0.0 < rest <= step
             step = min(step, rest) if exact else step
@@ -85,10 +86,10 @@ class Tracer:
             there = None if found is None else place(*found, here.tangent)
             piece = None if there is None else self._certifier.piece(here, there)
             if piece is None or there is None or (piece.turns is None and step > _FINEST):
-                step *= 0.5
+                step, grows = 0.5 * step, _WARNED
                 continue
-            self._last, self.here = (here, step), there
-            self._step = min(_LONGEST, step * min(2.0, _EFFORT / piece.effort))
+            self._last, self.here = here, there
+            self._step = min(_LONGEST, step * min(grows, _EFFORT / piece.effort))
             return Reached(here, there, piece, exact)
         return None
 
@@ -127,7 +128,7 @@ def search(
         if there is None or not way.piece.holds(line.scaled(there.point)):
             break
         v = value(there)
-        if abs(v) <= enough or abs(s - last) <= 1e-10 * far:
+        if abs(v) <= enough or abs(s - last) <= 1e-8 * far:
             return there
         last = s
         # The end that stays is weighed down, or the search would creep towards it.
