@@ -24,7 +24,7 @@ from kinematics.mechanism import Body
 from kinematics.spatial import Array
 
 THIN, THICK = 0.003, 0.006  # radius of a stick, of the machine's size: as a rule, and who is new
-CAPACITY = 1024  # sticks and triangles that a mesh is made for; doubled where they do not suffice
+CAPACITY = 512  # sticks and triangles that a mesh is made for; doubled where they do not suffice
 FAINT, FULL = 0.2, 0.4  # opacity of a face: as a rule, and at the fold
 
 # The right triangle between (0, 0), (1, 0) and (0, 1).
@@ -48,8 +48,10 @@ class Ghosts:
 
     def prepare(self) -> None:
         """Make the meshes, empty; call it before the solids' are made."""
-        for batch in (self._faces, self._fold_faces, self._edges, self._fold_edges):
-            batch.make()
+        for batch in (self._faces, self._edges):
+            batch.make(CAPACITY)
+        for batch in (self._fold_faces, self._fold_edges):
+            batch.make(16)
         self._label = self._scene.server.scene.add_label(
             "/labels/fold", "", anchor="bottom-center", visible=False
         )
@@ -106,7 +108,8 @@ class _Batch:
         self._owners: Sequence[int] = ()
         self._each = 1
 
-    def make(self, capacity: int = CAPACITY) -> None:
+    def make(self, capacity: int) -> None:
+        """Make the mesh for so many copies, with none to see."""
         vertices, faces = self._shape
         self._mesh = self._scene.server.scene.add_batched_meshes_simple(
             self._name,
@@ -121,6 +124,7 @@ class _Batch:
             lod="off",
             cast_shadow=False,
             receive_shadow=False,
+            visible=False,
         )
         if self._act is not None:
             self.on_click(self._act)
@@ -141,12 +145,17 @@ class _Batch:
     ) -> None:
         """Copies (N K, ·) of N owners, K for each; colours (N, 3) in linear light."""
         count = len(places)
+        if self._mesh.visible != bool(count):
+            self._mesh.visible = bool(count)
+        if not count:
+            return
         self._owners, self._each = owners, max(count // max(len(owners), 1), 1)
         capacity = len(self._mesh.batched_positions)
         if capacity < count:
             while capacity < count:
                 capacity *= 2
             self.make(capacity)
+            self._mesh.visible = True
         arrays: dict[str, np.ndarray] = {
             "batched_wxyzs": np.tile(np.array([1, 0, 0, 0], np.float32), (capacity, 1)),
             "batched_positions": np.zeros((capacity, 3), np.float32),

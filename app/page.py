@@ -44,7 +44,9 @@ log = logging.getLogger(__name__)
 TICK = 0.25  # s between looks at the clock while nothing happens
 MOMENT = 0.03  # s, the same while a widget waits to be brought up to date
 FRAME = 0.02  # s, the same while the machine glides to another solution
-SHARE = 1.0  # the solutions pause as many times as long as bringing them up to date takes
+# The solutions pause so many times as long as bringing them up to date takes: seen in the scene, or
+# in the list alone.
+PAUSE_SEEN, PAUSE_LISTED = 1.0, 4.0
 SETTLED = 0.8  # s without a change before the session is saved
 PANEL_WIDTH = 400  # px
 
@@ -126,6 +128,9 @@ class Page:
 
     def find_again(self) -> None:
         self._inbox.put("find again")
+
+    def redraw_solutions(self) -> None:
+        self._inbox.put("solutions")
 
     def choose_fold(self, index: int, longer: bool) -> None:
         self._inbox.put(("fold", index, longer))
@@ -216,10 +221,12 @@ class Page:
                 case "find again":
                     assert self._view is not None
                     self._explorer.find_again(self._view)
-                    self._solutions_late = True
+                    self._redraw_solutions()
                 case ("fold", index, longer):
                     self._explorer.choose_fold((index, longer))
-                    self._solutions_late = True
+                    self._redraw_solutions()
+                case "solutions":
+                    self._redraw_solutions()
                 case ("visit", identity, client):
                     self._explorer.await_visit(identity)
                     redraw |= self._visit(client)
@@ -333,10 +340,13 @@ class Page:
         if self._morph.over(time.monotonic()):
             self._morph = None
 
+    def _redraw_solutions(self) -> None:
+        self._solutions_late, self._solutions_drawn = True, None
+
     def _found(self, event: Found) -> None:
         assert self._view is not None
         self._explorer.take(event, self._view)
-        self._solutions_late = True
+        self._redraw_solutions()
         if self._visit(None):
             self._publish()
 
@@ -373,7 +383,8 @@ class Page:
                 panel.draw_solutions(sheet, solutions)
         self.server.flush()
         done = time.monotonic()
-        self._solutions_from = done + SHARE * (done - now)
+        pause = PAUSE_SEEN if review.atlas.ghosts else PAUSE_LISTED
+        self._solutions_from = done + pause * (done - now)
 
     def _publish_solids(self) -> None:
         """Only solids came: the machine stands as it stood."""

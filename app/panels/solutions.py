@@ -37,6 +37,7 @@ SORTED: dict[Sort, str] = {
 }
 EVERY, SAME, PATTERN = "All working modes", "The present working mode", "A pattern"
 NO_FOLD = "none"
+PAGE = 20  # rows at first and with every "more": each costs the browser some time
 
 HELP = """
 The **forward kinematics**: all poses at which the machine can be assembled with its present
@@ -111,6 +112,8 @@ class SolutionsPanel(Panel):
         self._rows: tuple[Row, ...] = ()
         self._drawn: object = None
         self._empty = gui.add_html("", visible=False)
+        self._limit = PAGE
+        self._more = button(desk, "Show more", self._show_more)
         self._again = button(
             desk,
             "Find all anew",
@@ -155,25 +158,29 @@ class SolutionsPanel(Panel):
         put_prop(self._empty, "visible", not atlas.rows and bool(atlas.hidden))
         put_prop(self._style, "content", style(stale=atlas.stale))
         # What belongs to other actuators stays as it is and fades: that is one message, not many.
-        drawn = (solutions.known, sheet.view.review.atlas)
+        drawn = (solutions.known, sheet.view.review.atlas, self._limit)
         if not (atlas.stale and drawn == self._drawn):
             self._draw_rows(atlas)
             self._drawn = drawn
         self._draw_folds(sheet, solutions)
 
     def _draw_rows(self, atlas: Atlas) -> None:
-        while len(self._buttons) < len(atlas.rows):
+        rows = atlas.rows[: self._limit]
+        while len(self._buttons) < len(rows):
             with self._folder:
                 made = self._desk.gui.add_button("", visible=False)
             clicked(self._desk, made, partial(self._visit, len(self._buttons)))
             self._buttons.append(made)
-        self._rows = atlas.rows
-        for row, made in zip(atlas.rows, self._buttons, strict=False):
+        self._rows = rows
+        for row, made in zip(rows, self._buttons, strict=False):
             put_prop(made, "_icon_html", row_html(row, self._axes))
             put_prop(made, "visible", True)
-        for made in self._buttons[len(atlas.rows) :]:
+        for made in self._buttons[len(rows) :]:
             put_prop(made, "visible", False)
-        put_prop(self._folder, "visible", bool(atlas.rows))
+        put_prop(self._folder, "visible", bool(rows))
+        left = len(atlas.rows) - len(rows)
+        put_prop(self._more, "visible", left > 0)
+        put_prop(self._more, "label", f"Show {min(PAGE, left)} more of {left}")
 
     def _draw_folds(self, sheet: Sheet, solutions: Solutions) -> None:
         review, posture = sheet.view.review, sheet.view.posture
@@ -226,6 +233,10 @@ class SolutionsPanel(Panel):
     def _visit(self, slot: int, client: viser.ClientHandle | None) -> None:
         if slot < len(self._rows) and not self._rows[slot].here:
             self._desk.visit(self._rows[slot].identity, client)
+
+    def _show_more(self, _: viser.ClientHandle | None) -> None:
+        self._limit += PAGE
+        self._desk.redraw_solutions()
 
     def _sorted_by(self, label: str, client: viser.ClientHandle | None) -> None:
         chosen = next(sort for sort, text in SORTED.items() if text == label)
