@@ -27,7 +27,7 @@ from kinematics.five_rpur.inverse import posture, signs, wrap_angle
 from kinematics.solutions import Posture
 from kinematics.spatial import Array, finite
 
-_TOLERANCE = 1e-8  # mm, of the closure equations while tracking; ends are polished further
+_TOLERANCE = 1e-11  # mm, of the closure equations while tracking; ends are polished further
 _CONTRACTS = 0.25  # largest ratio of the second Newton step to the first
 
 LAMBDA = 5
@@ -224,30 +224,18 @@ class Place(NamedTuple):
         return float(self.tangent[LAMBDA])
 
 
-def place(point: Point, at: Linear, along: Array | None) -> Place | None:
-    """The tangent continues ``along``; without that it leads to larger λ."""
-    tangent: Array
-    if along is None:
-        tangent = np.asarray(np.linalg.svd(at.matrix)[2][-1], dtype=float)
-        tangent = tangent if tangent[LAMBDA] >= 0 else -tangent
-    else:
-        try:
-            system = np.vstack([at.matrix, along])
-            tangent = np.asarray(np.linalg.solve(system, LAMBDA_FIXED), dtype=float)
-        except np.linalg.LinAlgError:
-            return None
-        tangent = tangent / sqrt(float(tangent @ tangent))
+def place(point: Point, at: Linear, along: Array) -> Place | None:
+    """The place of a point of the curve; its tangent continues ``along``."""
+    system = np.vstack([at.matrix, along])
+    try:
+        tangent = np.asarray(np.linalg.solve(system, LAMBDA_FIXED), dtype=float)
+    except np.linalg.LinAlgError:
+        return None
+    tangent = tangent / sqrt(float(tangent @ tangent))
     elbow = at.slope @ tangent
     if not isfinite(float(tangent.sum() + elbow.sum())):
         return None
     return Place(point, tangent, elbow, at.q)
-
-
-def determinant(at: Linear) -> float:
-    """Of the five wrenches, each of length one: zero at a parallel singularity, 1 at most."""
-    square = at.matrix[:, :5]
-    norms = float(np.sqrt((square * square).sum(axis=1)).prod())
-    return float(np.linalg.det(square)) / norms if norms > 0.0 else 0.0
 
 
 def ahead(line: Line, here: Place, step: float, last: Place | None) -> Point:

@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
+import numpy as np
+
 from kinematics.five_rpur.certificate import Certifier, Piece
 from kinematics.five_rpur.curve import (
     LAMBDA,
@@ -19,7 +21,6 @@ from kinematics.five_rpur.curve import (
     Point,
     ahead,
     correct,
-    determinant,
     linear,
     place,
 )
@@ -27,10 +28,11 @@ from kinematics.spatial import Array
 
 # Steps are in units of the link length and of a radian.
 _FIRST, _LONGEST, _SHORTEST = 0.1, 0.5, 1e-7
+_NEAR = 1e-5  # a trace ends where steps must be this short, near enough to go back from
 _FINEST = 1e-4  # a piece that is shorter need not tell how often λ turns back on it
 _EFFORT = 0.25  # of a proof, aimed at
 _WARNED = 1.1  # largest growth of a step after one that had to be shortened
-_SINGULAR = 1e-12  # a determinant that is only rounding
+_SINGULAR = 1e-12  # a singular value or a slope that is only rounding
 _MOST_ROUNDS = 60  # of a search within one piece
 
 
@@ -51,10 +53,14 @@ class Reached(NamedTuple):
 def first_place(line: Line, point: Point) -> Place | None:
     """The place of a point of the curve, towards larger λ; None in a parallel singularity."""
     at = linear(line, point)
-    if abs(determinant(at)) < _SINGULAR:
+    rows = np.sqrt((at.matrix * at.matrix).sum(axis=1))
+    if not (rows > 0.0).all():
         return None
-    here = place(point, at, None)
-    return here if here is not None and here.slope > 0.0 else None
+    _, sizes, directions = np.linalg.svd(at.matrix / rows[:, None])
+    tangent = directions[-1]
+    if sizes[-1] < _SINGULAR or abs(tangent[LAMBDA]) < _SINGULAR:
+        return None
+    return place(point, at, tangent if tangent[LAMBDA] > 0.0 else -tangent)
 
 
 class Tracer:
@@ -65,7 +71,7 @@ class Tracer:
         self.here = here
         self._certifier = Certifier(line)
         self._last: Place | None = None
-        self._step = _FIRST
+        self._step, self._least = _FIRST, _SHORTEST
 
     def advance(self, level: float) -> Reached | None:
         """One piece on, not far beyond λ = ``level``.
@@ -76,7 +82,7 @@ class Tracer:
         slope = line.length * here.slope
         rest = (level - here.point.along) / slope if slope else -1.0
         step, grows = self._step, 2.0
-        while step >= _SHORTEST:
+        while step >= self._least:
             exact = 0.0 < rest <= step
             step = min(step, rest) if exact else step
             guess = ahead(line, here, step, self._last)
@@ -89,6 +95,8 @@ class Tracer:
                 step, grows = 0.5 * step, _WARNED
                 continue
             self._last, self.here = here, there
+            if step > 4.0 * _NEAR:  # shorter steps are only for the way out
+                self._least = _NEAR
             self._step = min(_LONGEST, step * min(grows, _EFFORT / piece.effort))
             return Reached(here, there, piece, exact)
         return None
