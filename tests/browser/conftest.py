@@ -193,9 +193,15 @@ class Tab:
 
     def wait_for_text(self, pattern: str) -> str:
         """Poll until the page's text matches; the match."""
-        self.wait(lambda: re.search(pattern, self.text()) is not None, pattern)
-        found = re.search(pattern, self.text())
-        assert found is not None
+        found: list[str] = []
+
+        def there() -> bool:
+            match = re.search(pattern, self.text())
+            if match is not None:
+                found.append(match[0])
+            return bool(found)
+
+        self.wait(there, pattern)
         return found[0]
 
     def shot(self, name: str) -> Path:
