@@ -160,6 +160,8 @@ def fold_ahead(design: FiveRPURDesign, start: Posture, joints: ArrayLike) -> Fol
     top = search(line, piece, lambda p: p.slope)
     if top.point.along >= way:
         return None
+    if piece.there.point.along <= 0.0:
+        return _as_fold(line, start, top, at_level(line, piece._replace(here=top), 0.0))
     back = _piece_to(tracer, 0.0)
     return _as_fold(line, start, top, None if back is None else _meets(line, back, 0.0))
 
@@ -209,11 +211,11 @@ def _piece_to(tracer: Tracer, level: float) -> Reached | None:
     below = tracer.here.point.along < level
     for _ in range(_MOST_PIECES):
         piece = tracer.advance(level)
-        if piece is None:
-            return None
-        if piece.exact or piece.turned or (piece.there.point.along < level) != below:
+        if piece is None or piece.exact or piece.turned:
             return piece
-    return None
+        if (piece.there.point.along < level) != below:
+            return piece
+    return piece
 
 
 def _meets(line: Line, piece: Reached, level: float) -> Place | None:
