@@ -239,8 +239,8 @@ def _elsewhere(offered: bool, mixed: bool, mode: str) -> str:
     if offered and not mixed:
         return (
             f"The present posture (mode {page_mode(mode)}) has the limbs of an arrangement in "
-            "different working modes, so the closed form does not hold it. Switch on all working "
-            "modes, also mixed, to see it and its like."
+            "different working modes, so it is not among the solutions in closed form. Switch on "
+            "Mixed modes to see it and its like."
         )
     return "The present posture is not among them: it stands in a singularity, or next to one."
 
