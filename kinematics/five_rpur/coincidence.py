@@ -38,15 +38,16 @@ _CLOSES = 1e-12  # of the equations, relative
 
 def describe(multiplicity: NDArray[np.intp], gap: Array, pairs: int) -> tuple[str, ...]:
     """A sentence each for doubles, for near-doubles and for pairs that are nearly real."""
-    notes = [
-        f"Solution {n + 1} counts {multiplicity[n]}-fold: assembly modes merge there."
-        for n in np.flatnonzero(multiplicity > 1)
-    ]
-    near = np.flatnonzero(gap < NEAR)
+    notes = []
+    doubles = np.flatnonzero(multiplicity > 1)
+    for times in np.unique(multiplicity[doubles]):
+        count = int(np.count_nonzero(multiplicity == times))
+        what = "solution counts" if count == 1 else "solutions count"
+        notes.append(f"{count} {what} {times}-fold: assembly modes merge there.")
+    near = gap[gap < NEAR]
     if near.size:
-        listed = ", ".join(str(n + 1) for n in near)
         notes.append(
-            f"Solutions {listed} lie within {gap[near].max():.2g} mm of another: a fold is near."
+            f"{near.size} solutions have another one within {near.max():.2g} mm, as next to a fold."
         )
     if pairs:
         notes.append(

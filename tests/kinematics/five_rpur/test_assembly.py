@@ -191,7 +191,7 @@ def test_near_doubles_are_told_and_their_distance_is_a_square_root(short):
     assert (found.multiplicity == 1).all()
     assert np.prod(np.sign(found.determinant[near])) == -1
     if short < 1e-3:
-        assert any("a fold is near" in note for note in found.notes)
+        assert any("2 solutions have another one within" in note for note in found.notes)
 
 
 def test_a_double_solution_counts_twice():
@@ -202,7 +202,7 @@ def test_a_double_solution_counts_twice():
     assert found.multiplicity[here] == 2 or found.gap[here] < 1e-3
     assert found.complex_count == 1560
     assert found.complete
-    assert any("2-fold" in note or "fold is near" in note for note in found.notes)
+    assert any("2-fold" in note or "next to a fold" in note for note in found.notes)
 
 
 def test_pairs_that_are_about_to_be_real_are_told():
