@@ -20,7 +20,7 @@ from kinematics.mechanism import Design, mechanism
 from kinematics.solutions import ForwardSolutions, Posture, Refreshed
 
 REST = 0.15  # s without a new wish before work on it begins
-YIELD = 10  # how much the process gives way to others (nice)
+YIELD = 4  # how much the process gives way to others (nice)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
