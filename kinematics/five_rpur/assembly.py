@@ -201,14 +201,21 @@ def _by_homotopy(design: FiveRPURDesign, rho: Array, roots: general.Roots | None
         method = f"{found.expected} paths tracked from the design's own start set"
     else:
         method = f"{family.count} paths tracked from the start set of {family.title}"
+    reasons = arrangements(design).reasons
+    notes = _completeness(found, family.count)
+    if reasons:
+        notes = (
+            f"{reasons[0]} Solutions in the modes where that holds are not isolated: they lie on "
+            "curves and are not among these.",
+        )
     return _Found(
         found.values,
         found.multiplicity,
         found.count,
         family.count,
-        found.complete,
+        found.complete and not reasons,
         method,
-        _completeness(found, family.count),
+        notes,
     )
 
 
@@ -291,7 +298,7 @@ def _answers(
                 complete=one.complete,
                 method=one.method,
                 seconds=seconds,
-                notes=notes if count else (*notes, _NONE),
+                notes=notes if count else (*notes, _none_text(design, mixed_modes)),
                 self_motions=free,
                 roots=one.roots,
                 mixed_modes=mixed_modes,
@@ -300,7 +307,15 @@ def _answers(
     return answers
 
 
-_NONE = "No solution is real: the machine cannot be assembled with these lengths."
+def _none_text(design: FiveRPURDesign, mixed_modes: bool) -> str:
+    if forward_is_quick(design, mixed_modes=mixed_modes):
+        return (
+            "No solution with each arrangement in one working mode is real; there may be some in "
+            "mixed modes."
+        )
+    if arrangements(design).reasons:
+        return "No isolated solution is real."
+    return "No solution is real: the machine cannot be assembled with these lengths."
 
 
 class _Table(NamedTuple):

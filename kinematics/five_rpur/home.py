@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from itertools import product
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinematics.five_rpur import continuation, inverse
-from kinematics.five_rpur.arrangements import arrangements
+from kinematics.five_rpur.arrangements import PairKind, arrangements
 from kinematics.five_rpur.design import FiveRPURDesign
 from kinematics.solutions import Posture
 from kinematics.spatial import Array
@@ -50,23 +51,16 @@ def home(design: FiveRPURDesign) -> Posture:
     about how near a parallel singularity is. Where nothing is reachable, the posture that misses
     by least.
     """
-    together = _together(design)
     fallback: tuple[float, Posture] | None = None
     # Below its base a machine would stand in its own floor: only where there is nothing above.
     for above, (phi, theta) in product((True, False), ORIENTATIONS):
-        positions, margins = _roomiest(design, phi, theta, above=above)
-        margins = np.where(together, margins, -np.inf)
-        best, found = 0.0, None
-        for n in np.argsort(-margins):
-            if margins[n] <= best:
-                break  # no actuator can be moved further than the nearest stroke end
-            pose = (*(float(v) for v in positions[n]), phi, theta)
-            posture = inverse.posture(design, pose, inverse.MODES[n])
-            travel = _least_travel(design, posture, best)
-            if travel > best:
-                best, found = travel, posture
-        if found is not None:
-            return found
+        positions, room = _roomiest(design, phi, theta, above=above)
+        # Rather a posture that the closed forms of a simplified design hold.
+        for kinds in (("A1", "A2", "A3"), ("A1",)):
+            margins = np.where(_together(design, kinds), room, -np.inf)
+            found = _most_travel(design, positions, margins, phi, theta)
+            if found is not None:
+                return found
         n = int(margins.argmax())
         if fallback is None or margins[n] > fallback[0]:
             pose = (*(float(v) for v in positions[n]), phi, theta)
@@ -75,12 +69,28 @@ def home(design: FiveRPURDesign) -> Posture:
     return fallback[1]
 
 
-def _together(design: FiveRPURDesign) -> NDArray[np.bool_]:
-    """(32,) which modes hold limbs that share a platform point alike, as a merged U joint would."""
+def _most_travel(
+    design: FiveRPURDesign, positions: Array, margins: Array, phi: float, theta: float
+) -> Posture | None:
+    """Of the modes' positions the one from which every actuator can be moved furthest."""
+    best, found = 0.0, None
+    for n in np.argsort(-margins):
+        if margins[n] <= best:
+            break  # no actuator can be moved further than the nearest stroke end
+        pose = (*(float(v) for v in positions[n]), phi, theta)
+        posture = inverse.posture(design, pose, inverse.MODES[n])
+        travel = _least_travel(design, posture, best)
+        if travel > best:
+            best, found = travel, posture
+    return found
+
+
+def _together(design: FiveRPURDesign, kinds: Sequence[PairKind]) -> NDArray[np.bool_]:
+    """(32,) which modes hold the limbs of such pairs alike; a merged U joint (A1) has to."""
     like = np.ones(len(inverse.MODES), dtype=bool)
     for group in arrangements(design).groups:
         for pair in group.pairs:
-            if pair.kind == "A1":
+            if pair.kind in kinds:
                 i, j = pair.limbs
                 like &= _SIGNS[:, i - 1] == _SIGNS[:, j - 1]
     return like
