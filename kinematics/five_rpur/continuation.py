@@ -128,10 +128,10 @@ def fold_ahead(design: FiveRPURDesign, start: Posture, joints: ArrayLike) -> Fol
         joints: ρ_1 … ρ_5 where the line ends, mm, not negative.
 
     Returns:
-        The fold, its pose exact to about 1e-7 mm; where branches cross instead, or where the
-        other branch turns again before it is back, the fold has no partner. None where the way
-        to ``joints`` is free, and where there is none: the posture does not close, or
-        stands in a singularity.
+        The fold, its pose exact to about 1e-7 mm. It has no partner where the other branch turns
+        again before it is back, and where branches cross instead: then it is the last place up
+        to which steps can be proven, some µm before. None where the way to ``joints`` is free,
+        and for a posture that does not close or stands in a singularity.
 
     Raises:
         InputError: not five finite numbers, none negative.

@@ -164,7 +164,7 @@ def test_the_bounds_hold_where_they_must() -> None:
 def test_a_piece_holds_all_of_the_curve_between_its_ends() -> None:
     """Fine steps from one end arrive at the other, always within the radius; turns as counted."""
     counted: dict[int | None, int] = {0: 0, 1: 0, None: 0}
-    for line, here, there, piece in pieces(60):
+    for line, here, there, piece in pieces(45):
         at, turns, count = here, 0, 40
         size = float(np.linalg.norm(piece.chord[:6])) / count
         for n in range(1, count + 1):
@@ -195,7 +195,7 @@ def _in_plane(line: Line, guess: Point, piece: Piece, part: float) -> Point:
 def test_whoever_starts_within_the_radius_ends_on_the_piece() -> None:
     """Each plane across holds one solution: Newton's method with A fixed finds it from anywhere."""
     rng = np.random.default_rng(3)
-    for line, _, _, piece in pieces(25):
+    for line, _, _, piece in pieces(9):
         middle = Certifier(line)._middle(piece.start + 0.5 * piece.chord, piece.border)
         assert middle is not None
         for part in (0.0, 0.3, 1.0):
