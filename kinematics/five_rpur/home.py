@@ -9,8 +9,9 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.five_rpur import continuation, inverse
+from kinematics.five_rpur import inverse
 from kinematics.five_rpur.arrangements import PairKind, arrangements
+from kinematics.five_rpur.continuation.following import follow
 from kinematics.five_rpur.design import FiveRPURDesign
 from kinematics.solutions import Posture
 from kinematics.spatial import Array
@@ -107,7 +108,7 @@ def _least_travel(design: FiveRPURDesign, posture: Posture, enough: float) -> fl
             goal = posture.joints[i] + direction * TRAVEL * (high - low)
             joints = list(posture.joints)
             joints[i] = float(np.clip(goal, low, high))
-            reached = continuation.follow(design, posture, joints).posture.joints[i]
+            reached = follow(design, posture, joints).posture.joints[i]
             least = min(least, abs(reached - posture.joints[i]))
             if least <= enough:
                 return least

@@ -12,15 +12,14 @@ from numpy.typing import ArrayLike
 from kinematics.errors import InputError
 from kinematics.five_rpur import (
     arrangements,
-    assembly,
-    carrying,
-    continuation,
     drawing,
     home,
     inverse,
 )
 from kinematics.five_rpur import design as designs
+from kinematics.five_rpur.continuation import following
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
+from kinematics.five_rpur.forward import assembly, carrying
 from kinematics.mechanism import (
     Coordinate,
     DesignField,
@@ -110,12 +109,12 @@ class FiveRPUR:
         return inverse.inverse(design, poses)
 
     def follow(self, design: FiveRPURDesign, posture: Posture, joints: Sequence[float]) -> Followed:
-        return continuation.follow(design, posture, joints)
+        return following.follow(design, posture, joints)
 
     def fold_ahead(
         self, design: FiveRPURDesign, posture: Posture, joints: Sequence[float]
     ) -> Fold | None:
-        return continuation.fold_ahead(design, posture, joints)
+        return following.fold_ahead(design, posture, joints)
 
     def forward(
         self, design: FiveRPURDesign, joints: ArrayLike, *, mixed_modes: bool = False

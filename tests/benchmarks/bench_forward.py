@@ -16,10 +16,10 @@ import numpy as np
 from scipy.optimize import fsolve
 
 from kinematics.designs import load_design
-from kinematics.five_rpur import families, general
-from kinematics.five_rpur.assembly import forward
-from kinematics.five_rpur.carrying import refresh
 from kinematics.five_rpur.design import FiveRPURDesign
+from kinematics.five_rpur.forward import families, general
+from kinematics.five_rpur.forward.assembly import forward
+from kinematics.five_rpur.forward.carrying import refresh
 from kinematics.five_rpur.inverse import limb_lengths
 
 CLASSES = ["a1a1", "a1a2", "a1a3", "a2a2", "a2a3", "a3a3", "mpa1", "mpa2", "mpa3"]

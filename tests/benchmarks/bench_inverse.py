@@ -13,8 +13,8 @@ from collections.abc import Callable
 import numpy as np
 
 from kinematics.designs import load_design
+from kinematics.five_rpur.continuation.following import follow
 from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
-from kinematics.five_rpur.continuation import follow
 from kinematics.five_rpur.inverse import MODES, inside, inverse, limb_lengths, posture
 
 FLOOR = 5e6  # limb solutions a second

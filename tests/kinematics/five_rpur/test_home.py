@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from kinematics.designs import load_design, presets
-from kinematics.five_rpur import FiveRPURDesign, Limb, continuation
+from kinematics.five_rpur import FiveRPURDesign, Limb
 from kinematics.five_rpur.arrangements import arrangements
+from kinematics.five_rpur.continuation import following
 from kinematics.five_rpur.home import home, reach
 from kinematics.five_rpur.inverse import inside
 
@@ -24,7 +25,7 @@ def test_every_actuator_can_be_moved_both_ways(name: str) -> None:
         for direction in (-1.0, 1.0):
             joints = list(start.joints)
             joints[i] += 3.0 * direction
-            followed = continuation.follow(design, start, joints)
+            followed = following.follow(design, start, joints)
             assert followed.stop == "target", (i, direction, followed.text)
 
 

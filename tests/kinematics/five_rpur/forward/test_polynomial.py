@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from kinematics.five_rpur.polynomial import roots
+from kinematics.five_rpur.forward.polynomial import roots
 
 
 def with_roots(values: np.ndarray) -> np.ndarray:

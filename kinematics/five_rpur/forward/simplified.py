@@ -1,6 +1,6 @@
 """All same-mode solutions of the nine simplified 5-RPURs: found, counted, and none lost.
 
-The three stages (`kinematics.five_rpur.stages`) give all solutions of almost every length vector.
+The three stages (`forward.stages`) give all solutions of almost every length vector.
 They lose some where a resultant has a double root though the solutions are simple (a base line
 of a pair parallel to e2, d_2 ∥ d_3 in the y'z' plane), where solutions coincide, or where one
 θ belongs to a whole curve of them. That shows in the count; such lengths are solved a little off,
@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinematics.errors import InputError
-from kinematics.five_rpur import stages
 from kinematics.five_rpur.arrangements import CLASSES, arrangements
 from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
-from kinematics.five_rpur.equations import (
+from kinematics.five_rpur.forward import stages
+from kinematics.five_rpur.forward.equations import (
     PHI,
     THETA,
     UNKNOWNS,
@@ -33,8 +33,8 @@ from kinematics.five_rpur.equations import (
     steps,
     terms,
 )
-from kinematics.five_rpur.linkage import Machine
-from kinematics.five_rpur.polynomial import modulus
+from kinematics.five_rpur.forward.linkage import Machine
+from kinematics.five_rpur.forward.polynomial import modulus
 from kinematics.spatial import Array, finite
 
 Index = NDArray[np.intp]
@@ -71,7 +71,7 @@ def same_mode_roots(design: FiveRPURDesign, joints: ArrayLike) -> tuple[Complex,
         joints: (..., 5) mm, of one or more length vectors, B altogether.
 
     Returns:
-        Configurations (10, M) in the unknowns of `kinematics.five_rpur.equations`, and for each
+        Configurations (10, M) in the unknowns of `forward.equations`, and for each
         the number of its length vector, rising, (M,). Solutions that coincide are all there.
         Fewer than `expected` for a length vector: some are at infinity, or were not found.
 

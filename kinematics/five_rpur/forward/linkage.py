@@ -1,6 +1,6 @@
 """The groups of a simplified 5-RPUR as a linkage in the plane normal to e1: X, θ and their w.
 
-This is the first of the three stages of `kinematics.five_rpur.stages`, in the frame turned by
+This is the first of the three stages of `forward.stages`, in the frame turned by
 R_y(−θ) and with only F1 of the grouped limbs. An A1 pair has its U joint at one of two fixed
 points, where two circles meet; an A2 pair has B_i at one of two fixed places (P, p) from A_i in
 the turned frame. Of an A3 pair, with σ = s_j − s_i, (α, β) = r_j − r_i turned, g = σ − α and
@@ -24,7 +24,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinematics.five_rpur.arrangements import Group, PairKind
-from kinematics.five_rpur.columns import (
+from kinematics.five_rpur.design import LIMBS
+from kinematics.five_rpur.forward.columns import (
     CLOSE,
     FLAT,
     Index,
@@ -34,9 +35,8 @@ from kinematics.five_rpur.columns import (
     square_root,
     told_apart,
 )
-from kinematics.five_rpur.design import LIMBS
-from kinematics.five_rpur.equations import Complex, Parameters
-from kinematics.five_rpur.polynomial import modulus, roots
+from kinematics.five_rpur.forward.equations import Complex, Parameters
+from kinematics.five_rpur.forward.polynomial import modulus, roots
 from kinematics.spatial import Array
 
 FAR = 1e8

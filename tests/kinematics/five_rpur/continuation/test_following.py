@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 
 from kinematics.designs import load_design
 from kinematics.errors import InputError
-from kinematics.five_rpur import tracing
-from kinematics.five_rpur.continuation import follow, polish
+from kinematics.five_rpur.continuation import tracing
+from kinematics.five_rpur.continuation.following import follow, polish
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.inverse import MODES, inverse, joint_points, limb_lengths, posture
 from kinematics.five_rpur.velocity import (
@@ -27,7 +27,7 @@ from kinematics.five_rpur.velocity import (
 )
 from kinematics.solutions import Posture
 
-REFERENCE = Path(__file__).parents[2] / "reference"
+REFERENCE = Path(__file__).parents[3] / "reference"
 CASES: list[dict[str, Any]] = json.loads(
     (REFERENCE / "rpur_forward.json").read_text(encoding="utf-8")
 )["cases"]

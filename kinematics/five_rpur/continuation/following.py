@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics.errors import InputError
-from kinematics.five_rpur.curve import (
+from kinematics.five_rpur.continuation.curve import (
     LAMBDA_FIXED,
     Line,
     Place,
@@ -22,9 +22,9 @@ from kinematics.five_rpur.curve import (
     polished,
     start_point,
 )
+from kinematics.five_rpur.continuation.tracing import Reached, Tracer, at_level, first_place, search
 from kinematics.five_rpur.design import LIMBS, SUBSCRIPTS, FiveRPURDesign
 from kinematics.five_rpur.inverse import STROKE_SLACK, posture
-from kinematics.five_rpur.tracing import Reached, Tracer, at_level, first_place, search
 from kinematics.solutions import Fold, Followed, Posture, Stop
 from kinematics.spatial import Array, finite
 
@@ -66,7 +66,7 @@ def follow(design: FiveRPURDesign, start: Posture, joints: ArrayLike) -> Followe
     parallel singularity (a fold, where two assembly modes merge, or a crossing of branches).
 
     It never jumps to another branch. What is proven of every step, but for rounding (see
-    `kinematics.five_rpur.certificate`): one curve of configurations joins its ends, no other is
+    `continuation.certificate`): one curve of configurations joins its ends, no other is
     near, and the lengths move one way only along it, so that no singularity lies in between.
     Steps below about 15 µm (1e-4 of a link's length, 1e-4 rad) need not show the last: two folds
     closer together than that may be passed.

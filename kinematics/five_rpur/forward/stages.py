@@ -2,10 +2,10 @@
 
 Where limbs i, j satisfy the conditions 1-3 of Tale Masouleh et al., Meccanica 46 (2011), section
 3, and stand in the same working mode, B_iB_j is parallel to e2 (eqs. 7, 8): in the frame turned
-by R_y(−θ) they have one common w. The equations F1, F2 of `kinematics.five_rpur.equations` then
+by R_y(−θ) they have one common w. The equations F1, F2 of `forward.equations` then
 fall into blocks, solved one after the other:
 
-1. X, θ and w of the groups from F1 of their limbs: `kinematics.five_rpur.linkage`.
+1. X, θ and w of the groups from F1 of their limbs: `forward.linkage`.
 2. w of every free limb: w = b ± sqrt(ρ² − (X + s − a)²).
 3. y, Z, φ from F2 of three legs, a planar 3-RPR: a polynomial of degree 6 in e^{iφ}.
 
@@ -19,7 +19,7 @@ from itertools import product
 
 import numpy as np
 
-from kinematics.five_rpur.columns import (
+from kinematics.five_rpur.forward.columns import (
     FLAT,
     Index,
     both_roots,
@@ -28,7 +28,7 @@ from kinematics.five_rpur.columns import (
     square_root,
     told_apart,
 )
-from kinematics.five_rpur.equations import (
+from kinematics.five_rpur.forward.equations import (
     PHI,
     THETA,
     UNKNOWNS,
@@ -39,8 +39,8 @@ from kinematics.five_rpur.equations import (
     Z,
     conjugate,
 )
-from kinematics.five_rpur.linkage import FAR, Found, Machine, planar, planar_step
-from kinematics.five_rpur.polynomial import modulus, roots
+from kinematics.five_rpur.forward.linkage import FAR, Found, Machine, planar, planar_step
+from kinematics.five_rpur.forward.polynomial import modulus, roots
 from kinematics.spatial import Array
 
 _ACCEPTED = 1e-6  # size of Newton's last step: halved each time where roots coincide
@@ -192,7 +192,7 @@ def _platform(m: Machine, found: Found) -> tuple[Complex, Index, Index]:
 
 
 def _configurations(m: Machine, linkage: Complex, platform: Complex) -> Complex:
-    """The unknowns of `kinematics.five_rpur.equations` from those of stages 1, 2 and of 3."""
+    """The unknowns of `forward.equations` from those of stages 1, 2 and of 3."""
     u = np.empty((UNKNOWNS, linkage.shape[1]), dtype=complex)
     v, vc, u[PHI] = platform
     u[Y], u[Z] = 0.5 * (v + vc), -0.5j * (v - vc)

@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 
 from kinematics.designs import load_design
 from kinematics.errors import InputError
-from kinematics.five_rpur import stages
 from kinematics.five_rpur.arrangements import arrangements
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
-from kinematics.five_rpur.equations import (
+from kinematics.five_rpur.forward import stages
+from kinematics.five_rpur.forward.equations import (
     Complex,
     Frame,
     conjugate,
@@ -29,12 +29,12 @@ from kinematics.five_rpur.equations import (
     terms,
     to_poses,
 )
+from kinematics.five_rpur.forward.linkage import Machine
+from kinematics.five_rpur.forward.simplified import expected, same_mode_roots
 from kinematics.five_rpur.inverse import MODES, inverse, joint_points
-from kinematics.five_rpur.linkage import Machine
-from kinematics.five_rpur.simplified import expected, same_mode_roots
 from kinematics.spatial import Array, rotation_x, rotation_y
 
-REFERENCE = Path(__file__).parents[2] / "reference" / "rpur_forward.json"
+REFERENCE = Path(__file__).parents[3] / "reference" / "rpur_forward.json"
 CASES: list[dict[str, Any]] = [
     case
     for case in json.loads(REFERENCE.read_text(encoding="utf-8"))["cases"]

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinematics.designs import load_design
-from kinematics.five_rpur import equations
-from kinematics.five_rpur.equations import (
+from kinematics.five_rpur.forward import equations
+from kinematics.five_rpur.forward.equations import (
     Deformation,
     Frame,
     Parameters,

@@ -1,6 +1,6 @@
 """Proof that two points of a 5-RPUR's curve are joined by it, without a jump and without a fold.
 
-Between two points on the curve (see `kinematics.five_rpur.curve`) lies a chord. Krawczyk's test
+Between two points on the curve (see `continuation.curve`) lies a chord. Krawczyk's test
 with the inverse A of the Jacobian J at its middle is made for all its points c at once: where
 
     |A F(c)| + |I − A J(x)| r < r    for every x with |x − c| ≤ r componentwise,
@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.five_rpur.curve import LAMBDA, Line, Place
+from kinematics.five_rpur.continuation.curve import LAMBDA, Line, Place
 from kinematics.five_rpur.design import LIMBS
 from kinematics.spatial import Array
 

@@ -15,23 +15,23 @@ import pytest
 
 from kinematics.designs import load_design
 from kinematics.errors import ComputationError
-from kinematics.five_rpur import families, general, monodromy
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
-from kinematics.five_rpur.equations import (
+from kinematics.five_rpur.forward import families, general, monodromy
+from kinematics.five_rpur.forward.equations import (
     Deformation,
     conjugate,
     parameters,
     polish,
     residuals,
 )
-from kinematics.five_rpur.families import FAMILIES, membership, start_set
-from kinematics.five_rpur.general import cluster, roots_at, roots_from
+from kinematics.five_rpur.forward.families import FAMILIES, membership, start_set
+from kinematics.five_rpur.forward.general import cluster, roots_at, roots_from
 from kinematics.tracking import Ending, track
 
 CASES = {
     case["name"]: case
     for case in json.loads(
-        (Path(__file__).parents[2] / "reference" / "rpur_forward.json").read_text(encoding="utf-8")
+        (Path(__file__).parents[3] / "reference" / "rpur_forward.json").read_text(encoding="utf-8")
     )["cases"]
 }
 

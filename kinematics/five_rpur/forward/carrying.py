@@ -19,15 +19,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinematics.five_rpur.arrangements import arrangements
-from kinematics.five_rpur.assembly import (
+from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
+from kinematics.five_rpur.forward.assembly import (
     MODE_SIGNS,
     forward_from,
     forward_is_quick,
     pose_points,
 )
-from kinematics.five_rpur.coincidence import real_jacobian
-from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
-from kinematics.five_rpur.equations import (
+from kinematics.five_rpur.forward.coincidence import real_jacobian
+from kinematics.five_rpur.forward.equations import (
     PHI,
     THETA,
     Complex,

@@ -1,7 +1,7 @@
 """Along the curve of a 5-RPUR's configurations over a line in joint space, piece by proven piece.
 
 The curve is followed by its arc length, so folds, where two assembly modes merge and λ turns
-back, are points like others. Every step is a `kinematics.five_rpur.certificate.Piece`: the branch
+back, are points like others. Every step is a `continuation.certificate.Piece`: the branch
 cannot change on it. Where branches cross, pieces become shorter and shorter, and the trace ends.
 """
 
@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from kinematics.five_rpur.certificate import Certifier, Piece
-from kinematics.five_rpur.curve import (
+from kinematics.five_rpur.continuation.certificate import Certifier, Piece
+from kinematics.five_rpur.continuation.curve import (
     LAMBDA,
     LAMBDA_FIXED,
     Line,

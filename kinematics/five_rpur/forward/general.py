@@ -1,7 +1,7 @@
 """Every complex solution of the forward kinematics of any 5-RPUR, by a parameter homotopy.
 
 A design's own start set is all solutions for its geometry and complex actuator lengths. It is
-made once, by following the start set of the design's family (`kinematics.five_rpur.families`).
+made once, by following the start set of the design's family (`forward.families`).
 From there only the lengths have to move, which takes a few steps a path.
 
 That nothing is missing is seen from the count, every path accounted for, and from the set being
@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
-from kinematics.five_rpur.equations import (
+from kinematics.five_rpur.forward.equations import (
     Complex,
     Deformation,
     Parameters,
@@ -29,7 +29,7 @@ from kinematics.five_rpur.equations import (
     regularity,
     signature,
 )
-from kinematics.five_rpur.families import StartSet, kept_set, membership, start_set
+from kinematics.five_rpur.forward.families import StartSet, kept_set, membership, start_set
 from kinematics.tracking import CAREFUL, Control, Ending, Tracked, relative_size, track
 
 SAME = 1e-7

@@ -1,8 +1,8 @@
 """Forward kinematics of the 5-RPUR: all assembly modes for given actuator lengths.
 
 The nine simplified designs are solved in closed or univariate form for the solutions in which
-each arrangement stands in one working mode (`kinematics.five_rpur.simplified`), every design in
-all working modes by a parameter homotopy (`kinematics.five_rpur.general`). Both give all complex
+each arrangement stands in one working mode (`forward.simplified`), every design in
+all working modes by a parameter homotopy (`forward.general`). Both give all complex
 solutions, polished; only then are the real ones told from the others.
 """
 
@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinematics.errors import InputError
-from kinematics.five_rpur import general, simplified
 from kinematics.five_rpur.arrangements import arrangements
-from kinematics.five_rpur.coincidence import REAL, describe, nearly_real, self_motions
 from kinematics.five_rpur.design import LIMBS, SUBSCRIPTS, FiveRPURDesign
-from kinematics.five_rpur.equations import (
+from kinematics.five_rpur.forward import general, simplified
+from kinematics.five_rpur.forward.coincidence import REAL, describe, nearly_real, self_motions
+from kinematics.five_rpur.forward.equations import (
     Complex,
     Frame,
     Parameters,
@@ -36,7 +36,7 @@ from kinematics.five_rpur.equations import (
     terms,
     to_poses,
 )
-from kinematics.five_rpur.families import membership
+from kinematics.five_rpur.forward.families import membership
 from kinematics.five_rpur.inverse import MODES, STROKE_SLACK
 from kinematics.five_rpur.velocity import characteristic_length
 from kinematics.solutions import ForwardSolutions

@@ -5,9 +5,9 @@ special, some of them are at infinity: 120 for every two platform points that ar
 and as many for every two base points that are aligned with e1. Equal links and base points in a
 plane normal to e1 cost more, where they make a simplified arrangement of such a pair. A start set
 is all solutions of one random complex machine of a family; whoever solves a machine follows them
-to it (`kinematics.five_rpur.general`).
+to it (`forward.general`).
 
-The sets are files that the program reads, made by `kinematics.five_rpur.monodromy`.
+The sets are files that the program reads, made by `forward.monodromy`.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from kinematics.designs import load_design
 from kinematics.errors import ComputationError
 from kinematics.five_rpur.arrangements import TOLERANCE, size
 from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
-from kinematics.five_rpur.equations import Complex, Parameters
+from kinematics.five_rpur.forward.equations import Complex, Parameters
 from kinematics.spatial import Array
 
 Kind = Literal["S", "R", "A1", "A2", "A3"]

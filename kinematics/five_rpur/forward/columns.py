@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.five_rpur.polynomial import Complex, modulus
+from kinematics.five_rpur.forward.polynomial import Complex, modulus
 from kinematics.spatial import Array
 
 Index = NDArray[np.intp]

@@ -13,14 +13,14 @@ import pytest
 from kinematics.designs import load_design
 from kinematics.errors import InputError
 from kinematics.five_rpur.arrangements import arrangements
-from kinematics.five_rpur.closed_forms import a1a1, a1a2, closed_form
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
-from kinematics.five_rpur.equations import PHI, THETA, Frame, X, Y, Z
+from kinematics.five_rpur.forward.closed_forms import a1a1, a1a2, closed_form
+from kinematics.five_rpur.forward.equations import PHI, THETA, Frame, X, Y, Z
+from kinematics.five_rpur.forward.simplified import same_mode_roots
 from kinematics.five_rpur.inverse import inverse
-from kinematics.five_rpur.simplified import same_mode_roots
 from kinematics.spatial import Array
 
-REFERENCE = Path(__file__).parents[2] / "reference" / "rpur_forward.json"
+REFERENCE = Path(__file__).parents[3] / "reference" / "rpur_forward.json"
 CASES: dict[str, dict[str, Any]] = {
     case["name"]: case
     for case in json.loads(REFERENCE.read_text(encoding="utf-8"))["cases"]

@@ -18,12 +18,12 @@ from hypothesis import strategies as st
 from kinematics.designs import load_design
 from kinematics.errors import InputError
 from kinematics.five_rpur.arrangements import arrangements
-from kinematics.five_rpur.assembly import MODE_SIGNS, forward, forward_is_quick
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
+from kinematics.five_rpur.forward.assembly import MODE_SIGNS, forward, forward_is_quick
 from kinematics.five_rpur.inverse import MODES, closure_residual, limb_lengths
 from kinematics.five_rpur.velocity import characteristic_length, condition, wrench_matrix
 
-REFERENCE = Path(__file__).parents[2] / "reference"
+REFERENCE = Path(__file__).parents[3] / "reference"
 CASES = json.loads((REFERENCE / "rpur_forward.json").read_text(encoding="utf-8"))["cases"]
 FOLDS = json.loads((REFERENCE / "rpur_folds.json").read_text(encoding="utf-8"))
 CLASSES = ["a1a1", "a1a2", "a1a3", "a2a2", "a2a3", "a3a3", "mpa1", "mpa2", "mpa3"]

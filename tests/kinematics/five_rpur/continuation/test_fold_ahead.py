@@ -13,9 +13,9 @@ import pytest
 
 from kinematics.designs import load_design
 from kinematics.errors import InputError
-from kinematics.five_rpur.assembly import forward
-from kinematics.five_rpur.continuation import fold_ahead, follow, polish
+from kinematics.five_rpur.continuation.following import fold_ahead, follow, polish
 from kinematics.five_rpur.design import FiveRPURDesign
+from kinematics.five_rpur.forward.assembly import forward
 from kinematics.five_rpur.inverse import inverse, limb_lengths, posture
 from kinematics.five_rpur.velocity import (
     characteristic_length,
@@ -26,7 +26,7 @@ from kinematics.mechanism import mechanism
 from kinematics.solutions import Posture
 from kinematics.spatial import Array
 
-REFERENCE = Path(__file__).parents[2] / "reference"
+REFERENCE = Path(__file__).parents[3] / "reference"
 # A fold of Table 1 (journal) along rho0 + t drho, found with 40 digits apart from this package;
 # "dt" is how far before it, with the two solutions that merge: how far they are from it ("near",
 # the largest coordinate's part) and their determinants.

@@ -9,9 +9,9 @@ import pytest
 
 from kinematics.designs import load_design
 from kinematics.five_rpur.arrangements import arrangements
-from kinematics.five_rpur.assembly import forward
-from kinematics.five_rpur.continuation import follow
+from kinematics.five_rpur.continuation.following import follow
 from kinematics.five_rpur.design import FiveRPURDesign
+from kinematics.five_rpur.forward.assembly import forward
 from kinematics.five_rpur.inverse import posture
 from kinematics.five_rpur.velocity import characteristic_length, wrench_matrix
 from kinematics.solutions import ForwardSolutions, Posture

@@ -12,10 +12,8 @@ import numpy as np
 import pytest
 
 from kinematics.designs import load_design
-from kinematics.five_rpur.assembly import forward
-from kinematics.five_rpur.certificate import Certifier, Piece
-from kinematics.five_rpur.continuation import fold_ahead, follow
-from kinematics.five_rpur.curve import (
+from kinematics.five_rpur.continuation.certificate import Certifier, Piece
+from kinematics.five_rpur.continuation.curve import (
     LAMBDA,
     Line,
     Place,
@@ -26,14 +24,16 @@ from kinematics.five_rpur.curve import (
     place,
     start_point,
 )
+from kinematics.five_rpur.continuation.following import fold_ahead, follow
+from kinematics.five_rpur.continuation.tracing import first_place
 from kinematics.five_rpur.design import FiveRPURDesign
+from kinematics.five_rpur.forward.assembly import forward
 from kinematics.five_rpur.inverse import posture
-from kinematics.five_rpur.tracing import first_place
 from kinematics.five_rpur.velocity import characteristic_length, inverse_jacobian
 from kinematics.solutions import Posture
 from kinematics.spatial import Array
 
-REFERENCE = Path(__file__).parents[2] / "reference"
+REFERENCE = Path(__file__).parents[3] / "reference"
 FOLDS: dict[str, Any] = json.loads((REFERENCE / "rpur_folds.json").read_text(encoding="utf-8"))
 
 

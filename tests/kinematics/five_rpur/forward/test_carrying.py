@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from kinematics.designs import load_design
-from kinematics.five_rpur.assembly import forward
-from kinematics.five_rpur.carrying import refresh
+from kinematics.five_rpur.forward.assembly import forward
+from kinematics.five_rpur.forward.carrying import refresh
 
 FOLDS = json.loads(
-    (Path(__file__).parents[2] / "reference" / "rpur_folds.json").read_text(encoding="utf-8")
+    (Path(__file__).parents[3] / "reference" / "rpur_folds.json").read_text(encoding="utf-8")
 )
 START, WAY = np.array(FOLDS["rho0"]), np.array(FOLDS["drho"])
 

@@ -6,7 +6,7 @@ more (monodromy: Duff, Hill, Jensen, Lee, Leykin & Sommars, IMA J. Numer. Anal. 
 The families' sets are followed from the general one, whose surplus runs off to infinity, and
 their own loops add what was lost on the way.
 
-    python -m kinematics.five_rpur.monodromy FOLDER
+    python -m kinematics.five_rpur.forward.monodromy FOLDER
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import numpy as np
 from kinematics.designs import load_design
 from kinematics.errors import ComputationError
 from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
-from kinematics.five_rpur.equations import (
+from kinematics.five_rpur.forward.equations import (
     PHI,
     THETA,
     UNKNOWNS,
@@ -31,8 +31,8 @@ from kinematics.five_rpur.equations import (
     polish,
     residuals,
 )
-from kinematics.five_rpur.families import FAMILIES, MACHINES, Family, StartSet
-from kinematics.five_rpur.general import cluster, make_own
+from kinematics.five_rpur.forward.families import FAMILIES, MACHINES, Family, StartSet
+from kinematics.five_rpur.forward.general import cluster, make_own
 from kinematics.tracking import Control, Ending, track
 
 _PATIENCE = 4  # loops without anything new, after which a set is taken to be whole
@@ -147,7 +147,7 @@ def make(folder: Path, *, seed: int = 2011, report: Report = lambda _: None) -> 
 
 
 def main(arguments: Sequence[str]) -> int:
-    """``python -m kinematics.five_rpur.monodromy FOLDER``."""
+    """``python -m kinematics.five_rpur.forward.monodromy FOLDER``."""
     if len(arguments) != 1:
         sys.stderr.write("one folder is needed, as assets/start_solutions\n")
         return 2
