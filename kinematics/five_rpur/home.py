@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinematics.five_rpur import inverse
-from kinematics.five_rpur.arrangements import PairKind, arrangements
+from kinematics.five_rpur.arrangements import CLASSES, PairKind, arrangements
 from kinematics.five_rpur.continuation.following import follow
 from kinematics.five_rpur.design import FiveRPURDesign
 from kinematics.solutions import Posture
@@ -52,12 +52,15 @@ def home(design: FiveRPURDesign) -> Posture:
     about how near a parallel singularity is. Where nothing is reachable, the posture that misses
     by least.
     """
+    # Of a simplified design rather a posture that its closed forms hold.
+    simplified = arrangements(design).name in CLASSES
+    tied: tuple[tuple[PairKind, ...], ...] = (("A1",),)
+    tied = (("A1", "A2", "A3"), *tied) if simplified else tied
     fallback: tuple[float, Posture] | None = None
     # Below its base a machine would stand in its own floor: only where there is nothing above.
     for above, (phi, theta) in product((True, False), ORIENTATIONS):
         positions, room = _roomiest(design, phi, theta, above=above)
-        # Rather a posture that the closed forms of a simplified design hold.
-        for kinds in (("A1", "A2", "A3"), ("A1",)):
+        for kinds in tied:
             margins = np.where(_together(design, kinds), room, -np.inf)
             found = _most_travel(design, positions, margins, phi, theta)
             if found is not None:

@@ -155,8 +155,9 @@ def test_nothing_is_shown_of_another_design_or_of_a_machine_that_does_not_close(
 
 
 def test_a_posture_in_mixed_modes_is_told_and_the_mixed_set_offered() -> None:
-    # The home of this sample has the limbs of an arrangement in different working modes.
     review = new_review(load_design("rpur-a2a2"))
+    review, _ = change(review, Visit((-265.0, 65.0, 107.0, 0.0, 0.0), "-++--"))
+    assert review.posture.reachable
     assert offers_mixed(MACHINE, review.design)
     known = known_of(review)
     shown = atlas(compute.view(review), known)
