@@ -90,9 +90,14 @@ class Piece:
     turns: int | None
 
     @property
+    def length(self) -> float:
+        """Of the chord, its part in u, scaled."""
+        return float(np.linalg.norm(self.chord[:6]))
+
+    @property
     def border(self) -> Array:
         """(6,) of length one; every plane across it, from end to end, holds one point."""
-        answer: Array = self.chord[:6] / np.linalg.norm(self.chord[:6])
+        answer: Array = self.chord[:6] / self.length
         return answer
 
     def holds(self, point: Array) -> bool:

@@ -29,6 +29,7 @@ from kinematics.solutions import Fold, Followed, Posture, Stop
 from kinematics.spatial import Array, finite
 
 _BEFORE = 1e-6  # part of the way by which a motion stops before a singularity
+_ROOM = 1e-4  # a step, scaled, to be proven where a motion stops before a crossing: to leave again
 _STILL = 1e-14  # a way of this part of the lengths is none
 _MOST_PIECES = 2000
 
@@ -63,7 +64,8 @@ def follow(design: FiveRPURDesign, start: Posture, joints: ArrayLike) -> Followe
 
     Wanted lengths beyond a stroke are cut off at its end; a limb that is beyond its stroke
     already may stay there or come back, but not go further. The motion stops just before a
-    parallel singularity (a fold, where two assembly modes merge, or a crossing of branches).
+    parallel singularity: by a millionth of the way before a fold, where two assembly modes merge,
+    and by some µm, from where it can be left again, before a crossing of branches.
 
     It never jumps to another branch. What is proven of every step, but for rounding (see
     `continuation.certificate`): one curve of configurations joins its ends, no other is
@@ -190,10 +192,13 @@ def _move(line: Line, first: Point, way: float) -> _End:
     if here is None:
         return _End(first, "singularity", events, undetermined=True)
     tracer = Tracer(line, here)
+    safe, so_far = here, 0
     for _ in range(_MOST_PIECES):
         piece = tracer.advance(way)
         if piece is None:
-            return _End(polished(line, tracer.here.point), "singularity", events)
+            return _End(polished(line, safe.point), "singularity", events[:so_far])
+        if piece.piece.length > _ROOM:
+            safe, so_far = piece.here, len(events)
         met = _meets(line, piece, way)
         if met is not None:
             _note(events, piece.here, met)

@@ -195,8 +195,11 @@ def test_it_is_where_following_stops(name: str) -> None:
                     continue
                 assert moved.stop == "singularity"
                 whole = abs(end - start.joints[i])
-                assert fold.distance == pytest.approx(moved.fraction * whole, abs=2e-6 * whole)
-                assert fold.joints[i] == pytest.approx(moved.posture.joints[i], abs=2e-6 * whole)
+                # Before a fold by a millionth of the way, before a crossing by what it takes to
+                # leave again.
+                gap = 0.05 if fold.partner is None else 2e-6 * whole
+                assert -1e-9 <= fold.distance - moved.fraction * whole < gap
+                assert fold.joints[i] == pytest.approx(moved.posture.joints[i], abs=gap)
                 at = posture(design, fold.pose, fold.mode)
                 # Off the fold the lengths would be matched to first order only.
                 np.testing.assert_allclose(at.joints, fold.joints, rtol=0, atol=1e-5)

@@ -269,6 +269,34 @@ def test_the_determinant_keeps_its_sign_all_along() -> None:
         assert determinant(design, end.posture) * determinant(design, start) > 0
 
 
+def test_from_shortly_before_a_crossing_of_branches_the_way_back_is_open() -> None:
+    """Where the limbs of a pair have their links along e1 together; lengths from a pose are noisy
+    there.
+    """
+    design = with_stroke(preset("rpur-a2a3"), 30.0, 900.0)
+    pose = (97.859981566907, 48.341123015920, 458.349869152177, 0.9207985576152, -0.2262865965464)
+    goal = (
+        549.516904133195,
+        415.221422472442,
+        456.584338896316,
+        499.687400914983,
+        231.148986055673,
+    )
+    start = posture(design, pose, "+++++")
+    end = follow(design, start, goal)
+    assert end.stop == "singularity"
+    assert abs(determinant(design, end.posture)) < 1e-5
+    links = [m.amount for m in end.posture.margins if m.bound == "link"]
+    assert sorted(links)[1] < 1e-6
+    again = follow(design, end.posture, goal)
+    assert again.stop == "singularity"
+    assert distance(again.posture, end.posture) < 0.05
+    for there in (end.posture, again.posture):
+        back = follow(design, there, start.joints)
+        assert back.stop == "target"
+        assert distance(back.posture, start) < 1e-6
+
+
 # --- serial singularities are passed ---------------------------------------------------------
 
 
