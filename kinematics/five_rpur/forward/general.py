@@ -36,6 +36,8 @@ SAME = 1e-7
 """Relative distance below which two complex solutions are one."""
 _REGULAR = 1e-10  # largest last correction of a regular solution, relative
 _SINGULAR = 1e-12  # regularity of a solution on a curve of them, but for rounding
+_DOUBTFUL = 1e-3  # regularity at the end of a path above which that is no singular solution
+_NEAR = 1e-4  # relative distance of paths that end at one singular solution
 _STAYS = 1e-2  # largest way from a path's end to the solution it is taken for, relative
 _KEPT = 16  # own start sets in memory
 _DETOURS = 4
@@ -206,15 +208,20 @@ def _settle(
     if not who.size:
         return
     ends, error = polish(target, values[:, who])
-    slow = np.flatnonzero(~(error <= _REGULAR))  # near another solution it takes more rounds
+    # Far out, rounding is larger.
+    enough = _REGULAR * np.maximum(np.abs(values[:, who]).max(axis=0), 1.0)
+    slow = np.flatnonzero(~(error <= enough))  # near another solution it takes more rounds
     if slow.size:
         ends[:, slow], error[slow] = polish(target, ends[:, slow], rounds=8)
-    settled = (error <= _REGULAR) & (regularity(target, ends) > _SINGULAR)
+    settled = (error <= enough) & (regularity(target, ends) > _SINGULAR)
     settled &= relative_size(ends - values[:, who], ends) < _STAYS
     values[:, who[settled]] = ends[:, settled]
     arrived = endings[who] == Ending.REGULAR
     endings[who[settled]] = Ending.REGULAR
     endings[who[arrived & ~settled]] = Ending.SINGULAR
+    # A path that ends at a singular solution comes where the equations are nearly singular.
+    left = who[~settled & (endings[who] == Ending.SINGULAR)]
+    endings[left[regularity(target.take(left), values[:, left]) > _DOUBTFUL]] = Ending.LOST
 
 
 def _doubtful(values: Complex, endings: NDArray[np.int8]) -> NDArray[np.intp]:
@@ -265,7 +272,10 @@ def _gathered(
     if real:
         regular, closed = _with_conjugates(target, regular)
     singular = _singular_ends(target, values[:, endings == Ending.SINGULAR])
-    groups = cluster(singular, 1e-4)
+    # What a conjugate brought in already is not there twice.
+    marks = cluster(np.concatenate([regular, singular], axis=1))
+    singular = singular[:, ~np.isin(marks[regular.shape[1] :], marks[: regular.shape[1]])]
+    groups = cluster(singular, _NEAR)
     firsts = np.unique(groups, return_index=True)[1] if groups.size else groups
     found = np.concatenate([regular, singular[:, firsts]], axis=1)
     weights = np.bincount(groups) if groups.size else np.zeros(0, dtype=np.intp)
@@ -307,4 +317,5 @@ def _with_conjugates(target: Parameters, regular: Complex) -> tuple[Complex, boo
     if not fresh.size:
         return regular, True
     missing, error = polish(target, mirrored[:, fresh])
-    return np.concatenate([regular, missing], axis=1), bool((error <= _REGULAR).all())
+    enough = _REGULAR * np.maximum(np.abs(missing).max(axis=0), 1.0)
+    return np.concatenate([regular, missing], axis=1), bool((error <= enough).all())
