@@ -81,10 +81,12 @@ def test_the_readmes_python_works() -> None:
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    shape, modes, posture, volume = done.stdout.splitlines()
+    shape, modes, posture, solutions, first, volume = done.stdout.splitlines()
     assert shape == "(2, 32, 5)"
     assert re.fullmatch(r"\[ *\d+ +\d+\]", modes)
     assert posture == "True []"
+    assert solutions == "66 real of 1560, complete: True"
+    assert re.fullmatch(r"\[.*\] [+-]{5} [\d.]+", first)
     found = re.fullmatch(r"(\d+\.\d\d) dm³ in \d pieces", volume)
     assert found is not None
     assert abs(float(found[1]) / 24.501399 - 1) < 1e-3
