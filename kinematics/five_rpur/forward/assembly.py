@@ -1,9 +1,9 @@
 """Forward kinematics of the 5-RPUR: all assembly modes for given actuator lengths.
 
 The nine simplified designs are solved in closed or univariate form for the solutions in which
-each arrangement stands in one working mode (`forward.simplified`), every design in
-all working modes by a parameter homotopy (`forward.general`). Both give all complex
-solutions, polished; only then are the real ones told from the others.
+each arrangement stands in one working mode (`forward.simplified`), every design in all working
+modes by a parameter homotopy (`forward.general`). Both give all complex solutions, polished; only
+then are the real ones told from the others.
 """
 
 from __future__ import annotations
@@ -50,7 +50,8 @@ MODE_SIGNS = {mode: tuple(1.0 if s == "+" else -1.0 for s in mode) for mode in M
 
 _DOUBLE = 1e-5  # of the size of a solution: closer ones are one, seen twice
 _CHUNK = 128  # length vectors at a time, so that the temporaries stay in the cache
-_NEAR_LENGTHS = 0.1  # largest change of a length over which all solutions are tracked on
+_NEAR_LENGTHS = 0.1  # of the longest: the largest change over which solutions are tracked on
+_ALIKE = 1e-6  # relative difference of q_i that are one
 _REAL_ENOUGH = 1e-12  # relative distance from its conjugate at which a root is polished enough
 _SINGULAR = 1e-12  # regularity below which a self-motion is looked for
 
@@ -87,9 +88,9 @@ def forward(
     """
     rho = finite(joints, name="the joints", last=LIMBS).reshape(-1, LIMBS)
     if (rho <= 0.0).any():
-        limb = int(np.argwhere(rho <= 0.0)[0, 1])
+        row, limb = (int(n) for n in np.argwhere(rho <= 0.0)[0])
         raise InputError(
-            f"actuator lengths must be positive (mm), got ρ{SUBSCRIPTS[limb]} = {rho.min():g}"
+            f"actuator lengths must be positive (mm), got ρ{SUBSCRIPTS[limb]} = {rho[row, limb]:g}"
         )
     quick = forward_is_quick(design, mixed_modes=mixed_modes)
     size = _CHUNK if quick else 1
@@ -136,8 +137,7 @@ def _by_stages(design: FiveRPURDesign, rho: Array) -> list[_Found]:
     for k, one in enumerate(rho):
         own = roots[:, bounds[k] : bounds[k + 1]]
         count = own.shape[1]
-        closed = count == expected
-        if not closed:
+        if count != expected:
             answer.append(_same_mode_part(design, one, own, expected))
             continue
         answer.append(
@@ -165,8 +165,7 @@ def _same_mode_part(
     for group in arrangements(design).groups:
         first, *others = (i - 1 for i in group.limbs)
         for i in others:
-            apart = np.abs(t.q[i] - t.q[first])
-            alike &= apart <= 1e-6 * (np.abs(t.q[first]) + 1e-2)
+            alike &= np.abs(t.q[i] - t.q[first]) <= _ALIKE * (np.abs(t.q[first]) + 1e-2)
     count = int(found.multiplicity[alike].sum())
     if count < known.shape[1]:  # the homotopy lost more than the stages did
         return _Found(
@@ -179,7 +178,7 @@ def _same_mode_part(
             (f"{known.shape[1]} of {expected} solutions were found.",),
         )
     missing = (expected or 0) - count
-    notes = (f"{missing} of {expected} solutions are at infinity for these lengths.",)
+    at_infinity = f"{missing} of {expected} solutions are at infinity for these lengths."
     return replace(
         found,
         roots=found.roots[:, alike],
@@ -187,7 +186,7 @@ def _same_mode_part(
         count=count,
         expected=expected,
         method=f"{found.method}, those with each arrangement in one working mode",
-        notes=notes if missing > 0 else (),
+        notes=((at_infinity,) if missing > 0 else ()) if found.complete else found.notes,
     )
 
 
