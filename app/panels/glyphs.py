@@ -32,8 +32,9 @@ button:has(.sol) .mantine-Button-inner{{justify-content:flex-start}}
 button:has(.sol) .mantine-Button-section,button:has(.sol) .mantine-Button-section>div{{
 width:100%;height:auto;margin:0;position:static}}
 div:has(>button .sol){{margin:0 4px!important;padding-bottom:3px!important}}
-div:has(>div>button .sol){{max-height:19.5rem;overflow-y:auto;padding-top:0!important}}
-.sol{{display:flex;align-items:center;gap:6px;text-align:left;line-height:1.3;font-size:11px;
+div:has(>div>button .sol){{max-height:19.5rem;overflow-y:auto;scrollbar-width:thin;
+padding-top:0!important}}
+.sol{{display:flex;align-items:center;gap:4px;text-align:left;line-height:1.35;font-size:10.5px;
 white-space:nowrap;font-variant-numeric:tabular-nums}}
 .sol svg{{position:static!important;transform:none!important;flex:none;
 height:{HEIGHT}px!important;width:auto!important;fill:none;stroke:currentColor;stroke-width:1}}

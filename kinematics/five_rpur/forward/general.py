@@ -41,6 +41,7 @@ _NEAR = 1e-4  # relative distance of paths that end at one singular solution
 _STAYS = 1e-2  # largest way from a path's end to the solution it is taken for, relative
 _KEPT = 16  # own start sets in memory
 _DETOURS = 4
+_ATTEMPTS = 3  # at a start set without gaps
 _QUICK = Control(first=0.2)  # from a start set with the same geometry
 
 
@@ -107,15 +108,18 @@ def has_own_start_set(design: FiveRPURDesign) -> bool:
 def make_own(design: FiveRPURDesign) -> StartSet:
     """Follow the family's start set to the design's geometry."""
     start = start_set(membership(design))
-    target = parameters(design, np.zeros(LIMBS))
-    target = target._replace(rho2=_complex_lengths(target))
-    found = _solve(start, target, real=False)
+    machine = parameters(design, np.zeros(LIMBS))
+    for n in range(_ATTEMPTS):
+        target = machine._replace(rho2=_complex_lengths(machine, n))
+        found = _solve(start, target, real=False)
+        if found.complete:
+            break
     return StartSet(target, found.values[:, found.multiplicity == 1], found.complete)
 
 
-def _complex_lengths(g: Parameters) -> Complex:
+def _complex_lengths(g: Parameters, n: int) -> Complex:
     """ρ² of a start set: as long as actuators are, and well away from the real ones."""
-    turns = np.array([0.9, -1.3, 0.5, 1.7, -0.7])[:, None]
+    turns = np.array([0.9, -1.3, 0.5, 1.7, -0.7])[:, None] * (1.0 - 0.15 * n)
     size = 1.0 + float(np.mean(np.abs(g.rx) ** 2 + np.abs(g.rz) ** 2))
     sizes = size * np.array([1.1, 0.8, 1.3, 0.9, 1.0])[:, None]
     lengths: Complex = (sizes * np.exp(1j * turns)).astype(complex)
