@@ -6,8 +6,8 @@ From there only the lengths have to move, which takes a few steps a path.
 
 That nothing is missing is seen from the count, every path accounted for, and from the set being
 closed under complex conjugation, as that of a real machine must be. Paths that are lost, or that
-end at one solution together, are followed again with care, then around through other complex
-lengths, and the union is taken.
+end at one solution together, are followed again with care; then all take another way, and the
+union is taken.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from kinematics.five_rpur.forward.equations import (
     signature,
 )
 from kinematics.five_rpur.forward.families import StartSet, kept_set, membership, start_set
-from kinematics.tracking import CAREFUL, Control, Ending, Tracked, relative_size, track
+from kinematics.tracking import CAREFUL, Control, Ending, relative_size, track
 
 SAME = 1e-7
 """Relative distance below which two complex solutions are one."""
@@ -40,8 +40,7 @@ _DOUBTFUL = 1e-3  # regularity at the end of a path above which that is no singu
 _NEAR = 1e-4  # relative distance of paths that end at one singular solution
 _STAYS = 1e-2  # largest way from a path's end to the solution it is taken for, relative
 _KEPT = 16  # own start sets in memory
-_DETOURS = 4
-_ATTEMPTS = 3  # at a start set without gaps
+_WAYS = 4
 _QUICK = Control(first=0.2)  # from a start set with the same geometry
 
 
@@ -57,7 +56,8 @@ class Roots:
         expected: how many paths there were.
         closed: the conjugate of every regular solution is one.
         whole: nothing is missing in the set that the paths began from.
-        detours: how often some paths had to be followed again.
+        regular: how many of the values are regular.
+        ways: along how many ways the paths were followed.
     """
 
     values: Complex
@@ -67,7 +67,8 @@ class Roots:
     expected: int
     closed: bool
     whole: bool
-    detours: int
+    regular: int
+    ways: int
 
     @property
     def count(self) -> int:
@@ -108,18 +109,15 @@ def has_own_start_set(design: FiveRPURDesign) -> bool:
 def make_own(design: FiveRPURDesign) -> StartSet:
     """Follow the family's start set to the design's geometry."""
     start = start_set(membership(design))
-    machine = parameters(design, np.zeros(LIMBS))
-    for n in range(_ATTEMPTS):
-        target = machine._replace(rho2=_complex_lengths(machine, n))
-        found = _solve(start, target, real=False)
-        if found.complete:
-            break
-    return StartSet(target, found.values[:, found.multiplicity == 1], found.complete)
+    target = parameters(design, np.zeros(LIMBS))
+    target = target._replace(rho2=_complex_lengths(target))
+    found = _solve(start, target, real=False)
+    return StartSet(target, found.values[:, : found.regular], found.complete)
 
 
-def _complex_lengths(g: Parameters, n: int) -> Complex:
+def _complex_lengths(g: Parameters) -> Complex:
     """ρ² of a start set: as long as actuators are, and well away from the real ones."""
-    turns = np.array([0.9, -1.3, 0.5, 1.7, -0.7])[:, None] * (1.0 - 0.15 * n)
+    turns = np.array([0.9, -1.3, 0.5, 1.7, -0.7])[:, None]
     size = 1.0 + float(np.mean(np.abs(g.rx) ** 2 + np.abs(g.rz) ** 2))
     sizes = size * np.array([1.1, 0.8, 1.3, 0.9, 1.0])[:, None]
     lengths: Complex = (sizes * np.exp(1j * turns)).astype(complex)
@@ -146,18 +144,14 @@ def roots_from(
     start = StartSet(_moved(own, design, before), known)
     target = _moved(own, design, joints)
     size = float(np.abs(target.rho2 - start.parameters.rho2).max())
-    return _solve(start, target, real=True, bend=size * _bend(0), control=_QUICK)
+    return _solve(start, target, real=True, bend=size * _BEND, control=_QUICK)
 
 
 def _moved(own: Parameters, design: FiveRPURDesign, joints: ArrayLike) -> Parameters:
     return own._replace(rho2=parameters(design, joints).rho2.astype(complex))
 
 
-def _bend(n: int) -> Complex:
-    """A way around through complex lengths, another for every n; of size 1."""
-    angles = np.array([1.0, 2.1, 1.6, 0.7, 1.9]) + 2.399963 * n * np.arange(1, LIMBS + 1)
-    bend: Complex = np.exp(1j * angles)[:, None] * (1.0 + 0.5 * n)
-    return bend
+_BEND: Complex = np.exp(1j * np.array([1.0, 2.1, 1.6, 0.7, 1.9]))[:, None]
 
 
 def _solve(
@@ -168,25 +162,40 @@ def _solve(
     bend: Complex | None = None,
     control: Control | None = None,
 ) -> Roots:
-    def followed(columns: NDArray[np.intp], way: Complex | None, how: Control | None) -> Tracked:
-        deformation = Deformation(start.parameters, target, _only_lengths(way))
-        return track(deformation, start.roots[:, columns], how)
+    """All solutions of the target, along as many ways as it takes to find them.
 
-    paths = start.roots.shape[1]
-    ends = followed(np.arange(paths), bend, control)
-    values, endings = ends.values.copy(), ends.endings.copy()
-    _settle(target, values, endings)
-    detours = 0
-    for n in range(_DETOURS):
+    Paths that are doubtful at the end of a way are followed again with care. Where that does not
+    help, all paths take another way, which leads every one of them elsewhere, and what is new
+    joins what was found before.
+    """
+    found: Roots | None = None
+    for n in range(_WAYS):
+        around = _only_lengths(bend) if n == 0 else _around(start.parameters, target, n)
+        way = Deformation(start.parameters, target, around)
+        ends = track(way, start.roots, control)
+        values, endings = ends.values.copy(), ends.endings.copy()
+        _settle(target, values, endings)
         again = _doubtful(values, endings)
-        if not again.size:
+        if again.size:
+            ends = track(way.take(again), start.roots[:, again], CAREFUL)
+            values[:, again], endings[again] = ends.values, ends.endings
+            _settle(target, values, endings, again)
+        found = _gathered(target, values, endings, known=found, whole=start.complete, real=real)
+        if found.lost == 0:
             break
-        detours += 1
-        way = bend if n == 0 else _bend(n)
-        ends = followed(again, way, CAREFUL)
-        values[:, again], endings[again] = ends.values, ends.endings
-        _settle(target, values, endings, again)
-    return _gathered(target, values, endings, detours=detours, whole=start.complete, real=real)
+    assert found is not None
+    return found
+
+
+def _around(start: Parameters, target: Parameters, n: int) -> Parameters:
+    """A way around through complex t, which stays within the family."""
+    turn = 1j * (0.35, -0.45, 0.8)[n - 1]
+    return Parameters(
+        *(
+            np.zeros((1, 1)) if a is b else np.asarray(turn * (b - a), dtype=complex)
+            for a, b in zip(start, target, strict=True)
+        )
+    )
 
 
 def _only_lengths(bend: Complex | None) -> Parameters | None:
@@ -264,12 +273,14 @@ def _gathered(
     values: Complex,
     endings: NDArray[np.int8],
     *,
-    detours: int,
+    known: Roots | None,
     whole: bool,
     real: bool,
 ) -> Roots:
     paths = values.shape[1]
     regular = values[:, endings == Ending.REGULAR]
+    if known is not None:
+        regular = np.concatenate([known.values[:, : known.regular], regular], axis=1)
     groups = cluster(regular)
     regular = regular[:, np.unique(groups, return_index=True)[1]] if groups.size else regular
     closed = True
@@ -293,7 +304,8 @@ def _gathered(
         expected=paths,
         closed=closed,
         whole=whole,
-        detours=detours,
+        regular=regular.shape[1],
+        ways=1 if known is None else known.ways + 1,
     )
 
 
