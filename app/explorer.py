@@ -143,7 +143,14 @@ class Explorer:
         Raises:
             BohemiaError: that solution is not there any more.
         """
-        if self._awaited is None or not self.is_current(view) or self.known is None:
+        if self._awaited is None or self.known is None:
+            return None
+        if not self.known.is_of(view.review):  # numbers of another set mean nothing in the next
+            self._awaited = None
+            raise BohemiaError(
+                "this list was of the machine before; choose again once the new one is there"
+            )
+        if not self.is_current(view):
             return None
         identity, self._awaited = self._awaited, None
         index = self.known.index(identity)

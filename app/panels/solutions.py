@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import partial
 from typing import Any
 
@@ -143,8 +144,7 @@ class SolutionsPanel(Panel):
         put(self._desk, self._within, wanted.within_stroke)
         put(self._desk, self._sort, SORTED[wanted.sort])
         choice = _choice(wanted.modes)
-        if not (self._choice.value == PATTERN and choice == EVERY and self._pattern.visible):
-            put(self._desk, self._choice, choice)
+        put(self._desk, self._choice, choice)
         put_prop(self._pattern, "visible", self._choice.value == PATTERN)
         if choice == PATTERN:
             put(self._desk, self._pattern, _pattern(wanted.modes, review.mode))
@@ -180,7 +180,7 @@ class SolutionsPanel(Panel):
         put_prop(self._folder, "visible", bool(rows))
         left = len(atlas.rows) - len(rows)
         put_prop(self._more, "visible", left > 0)
-        put_prop(self._more, "label", f"Show {min(PAGE, left)} more of {left}")
+        put_prop(self._more, "label", f"Show {min(PAGE, left)} of {left} more")
 
     def _draw_folds(self, sheet: Sheet, solutions: Solutions) -> None:
         review, posture = sheet.view.review, sheet.view.posture
@@ -250,6 +250,8 @@ class SolutionsPanel(Panel):
             self._desk.send(SetAtlas("modes", SAME_MODE if choice == SAME else ""), client)
 
     def _choose_pattern(self, text: str, client: viser.ClientHandle | None) -> None:
+        if _unfinished(text, len(self._mode)):
+            return
         matching(text, self._known)  # raises, and the person reads what is wrong
         self._desk.send(SetAtlas("modes", text), client)
 
@@ -269,6 +271,12 @@ class SolutionsPanel(Panel):
 
 def _choice(modes: str) -> str:
     return EVERY if not modes else SAME if modes == SAME_MODE else PATTERN
+
+
+def _unfinished(text: str, limbs: int) -> bool:
+    """Whether a person is still typing: nothing but signs so far, and not yet one a limb."""
+    words = re.split(r"[,;\s]+", text.strip())
+    return set("".join(words)) <= set("+-−–?") and any(len(word) < limbs for word in words)
 
 
 def _pattern(modes: str, present: str) -> str:

@@ -12,7 +12,7 @@ import pytest
 from app import compute
 from app.explorer import Explorer
 from app.solver import Foreseen, Solved, Unsolved
-from app.state import Drive, Move, Review, SetAtlas, UseDesign, change, new_review
+from app.state import Drive, EditDesign, Move, Review, SetAtlas, UseDesign, change, new_review
 from kinematics.designs import load_design
 from kinematics.errors import BohemiaError
 
@@ -130,6 +130,19 @@ def test_a_solution_that_is_gone_is_told(loop: Loop) -> None:
     with pytest.raises(BohemiaError, match="#10000 is not there any more"):
         loop.explorer.visit(view)
     assert loop.explorer.visit(view) is None
+
+
+def test_a_number_of_another_machine_is_not_looked_up_in_this_one(loop: Loop) -> None:
+    review = new_review(load_design("rpur-a3a3"))
+    view = loop.show(review)
+    target = loop.explorer.atlas(view).rows[1]
+    edited, _ = change(review, EditDesign(((("limb", 0, "platform", 0), -57.0),)))
+    later = compute.view(edited)
+    loop.explorer.await_visit(target.identity)
+    with pytest.raises(BohemiaError, match="choose again"):
+        loop.explorer.visit(later)
+    loop.show(edited)
+    assert loop.explorer.visit(compute.view(edited)) is None
 
 
 def test_another_design_starts_afresh_and_what_comes_late_is_dropped(loop: Loop) -> None:

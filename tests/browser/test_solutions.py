@@ -68,7 +68,7 @@ def test_all_solutions_are_counted_listed_filtered_and_sorted(tab: Tab) -> None:
     assert complex_count == 1560
     tab.wait_for_text("complete: count and conjugation closure hold")
     shown = _rows(tab).count()
-    more = tab.page.get_by_role("button", name=re.compile(r"Show \d+ more of"))
+    more = tab.page.get_by_role("button", name=re.compile(r"Show \d+ of \d+ more"))
     left = int(more.inner_text().split()[-1])
     assert abs(shown + left - real) <= 2  # doubles are one row
     more.click()

@@ -297,7 +297,7 @@ def _answers(
                 complete=one.complete,
                 method=one.method,
                 seconds=seconds,
-                notes=notes if count else (*notes, _none_text(design, mixed_modes)),
+                notes=notes if count else (*notes, _none_text(design, one.complete, mixed_modes)),
                 self_motions=free,
                 roots=one.roots,
                 mixed_modes=mixed_modes,
@@ -306,14 +306,16 @@ def _answers(
     return answers
 
 
-def _none_text(design: FiveRPURDesign, mixed_modes: bool) -> str:
+def _none_text(design: FiveRPURDesign, complete: bool, mixed_modes: bool) -> str:
+    if arrangements(design).reasons:
+        return "No isolated solution is real."
+    if not complete:
+        return "No real solution was found."
     if forward_is_quick(design, mixed_modes=mixed_modes):
         return (
             "No solution with each arrangement in one working mode is real; there may be some in "
             "mixed modes."
         )
-    if arrangements(design).reasons:
-        return "No isolated solution is real."
     return "No solution is real: the machine cannot be assembled with these lengths."
 
 
