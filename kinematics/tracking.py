@@ -91,15 +91,11 @@ class Tracked:
         values: (K, N) at t = 1, or where a path was left.
         endings: (N,) `Ending`.
         reached: (N,) t there.
-        error: (N,) the last correction, relative.
-        steps: (N,) steps taken and tried.
     """
 
     values: Complex
     endings: NDArray[np.int8]
     reached: Real
-    error: Real
-    steps: NDArray[np.int32]
 
     def ended(self, ending: Ending) -> Index:
         """Which paths ended so."""
@@ -183,7 +179,6 @@ class _Paths:
     back_tangent: Complex
     back_h: Real
     fresh: NDArray[np.bool_]
-    steps: NDArray[np.int32]
     marks: tuple[_Mark, _Mark]  # the older one first
 
     def take(self, keep: Index) -> _Paths:
@@ -198,7 +193,6 @@ class _Paths:
             self.back_tangent[:, keep],
             self.back_h[keep],
             self.fresh[keep],
-            self.steps[keep],
             (self.marks[0].take(keep), self.marks[1].take(keep)),
         )
 
@@ -210,8 +204,6 @@ class _Tracker:
         self.values = starts.astype(complex)
         self.endings = np.full(count, Ending.LOST, dtype=np.int8)
         self.reached = np.zeros(count)
-        self.error = np.full(count, np.inf)
-        self.steps = np.zeros(count, dtype=np.int32)
         zero = np.zeros(count)
         newton, tangent = homotopy.step(self.values, zero)
         u = self.values + newton
@@ -227,7 +219,6 @@ class _Tracker:
             back_tangent=tangent,
             back_h=np.ones(count),
             fresh=np.ones(count, dtype=bool),
-            steps=np.zeros(count, dtype=np.int32),
             marks=(_Mark(far, zero + 1.0), _Mark(far.copy(), zero + 1.0)),
         )
 
@@ -239,7 +230,7 @@ class _Tracker:
         if len(self.paths.index):
             every = np.ones(len(self.paths.index), dtype=bool)
             self._leave(~every, every)
-        return Tracked(self.values, self.endings, self.reached, self.error, self.steps)
+        return Tracked(self.values, self.endings, self.reached)
 
     def _advance(self) -> None:
         """One step of every path."""
@@ -265,7 +256,6 @@ class _Tracker:
         room = np.where(second > _ROUNDING, np.minimum(room, np.sqrt(np.sqrt(sharp))), room)
         room = np.where(np.isnan(room), 0.1, room)
         p.h = h * np.where(good, np.clip(room, 0.4, 3.0), np.clip(room, 0.1, 0.5))
-        p.steps += 1
         if good.all():
             p.back, p.back_tangent, p.back_h = p.u, p.tangent, h
             p.u, p.tangent, p.t = point, slope, there
@@ -282,8 +272,6 @@ class _Tracker:
         rest = 1.0 - p.t
         self._mark(rest)
         stuck = ~arrived & ((p.h < control.shortest * rest) | (rest < control.edge))
-        if arrived.any():
-            self.error[p.index[arrived]] = second[arrived]
         if arrived.any() or stuck.any():
             self._leave(arrived, stuck)
 
@@ -301,7 +289,7 @@ class _Tracker:
         out = arrived | stuck
         who = p.index[out]
         self.values[:, who] = p.u[:, out]
-        self.steps[who], self.reached[who] = p.steps[out], p.t[out]
+        self.reached[who] = p.t[out]
         self.endings[p.index[arrived]] = Ending.REGULAR
         self.endings[p.index[stuck]] = self._judge()[stuck]
         self.paths = p.take(np.flatnonzero(~out))

@@ -179,12 +179,6 @@ def steps(
     return answer
 
 
-def newton_step(g: Parameters, u: Complex) -> Complex:
-    """Newton's step of machines ``g`` at configurations u (10, n)."""
-    t = terms(g, u)
-    return steps(u, t, _residuals(g, t))[0]
-
-
 def regularity(g: Parameters, u: Complex) -> Array:
     """How far the equations are from singular at configurations u (10, n): 0 … 1, (n,).
 

@@ -221,8 +221,7 @@ def _settle(
     if not who.size:
         return
     ends, error = polish(target, values[:, who])
-    # Far out, rounding is larger.
-    enough = _REGULAR * np.maximum(np.abs(values[:, who]).max(axis=0), 1.0)
+    enough = _rounding(values[:, who])
     slow = np.flatnonzero(~(error <= enough))  # near another solution it takes more rounds
     if slow.size:
         ends[:, slow], error[slow] = polish(target, ends[:, slow], rounds=8)
@@ -235,6 +234,12 @@ def _settle(
     # A path that ends at a singular solution comes where the equations are nearly singular.
     left = who[~settled & (endings[who] == Ending.SINGULAR)]
     endings[left[regularity(target.take(left), values[:, left]) > _DOUBTFUL]] = Ending.LOST
+
+
+def _rounding(values: Complex) -> NDArray[np.float64]:
+    """The largest last correction of a regular solution, (n,): larger far out."""
+    allowed: NDArray[np.float64] = _REGULAR * np.maximum(np.abs(values).max(axis=0), 1.0)
+    return allowed
 
 
 def _doubtful(values: Complex, endings: NDArray[np.int8]) -> NDArray[np.intp]:
@@ -333,5 +338,4 @@ def _with_conjugates(target: Parameters, regular: Complex) -> tuple[Complex, boo
     if not fresh.size:
         return regular, True
     missing, error = polish(target, mirrored[:, fresh])
-    enough = _REGULAR * np.maximum(np.abs(missing).max(axis=0), 1.0)
-    return np.concatenate([regular, missing], axis=1), bool((error <= enough).all())
+    return np.concatenate([regular, missing], axis=1), bool((error <= _rounding(missing)).all())

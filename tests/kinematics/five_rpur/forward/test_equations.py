@@ -15,7 +15,6 @@ from kinematics.five_rpur.forward.equations import (
     Parameters,
     conjugate,
     from_poses,
-    newton_step,
     parameters,
     polish,
     real_part,
@@ -112,8 +111,8 @@ def test_one_newton_step_squares_the_distance():
     d = rng.normal(size=u.shape) + 1j * rng.normal(size=u.shape)
     for size in (1e-4, 1e-6):
         off = u + size * d
-        step = newton_step(g, off)
-        left = np.abs(off + step - u)[:, regular].max()
+        closer, _ = polish(g, off, rounds=1)
+        left = np.abs(closer - u)[:, regular].max()
         assert left < 1e4 * size * size
     ends, error = polish(g, u + 1e-4 * d, rounds=6)
     np.testing.assert_allclose(ends[:, regular], u[:, regular], atol=1e-11)
