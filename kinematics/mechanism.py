@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 from numpy.typing import ArrayLike
 
 from kinematics.errors import InputError
+from kinematics.sections import Box, MapCells, MapSpec, Section, SectionSpec, Sphere, Volume
 from kinematics.solutions import (
     Finding,
     Fold,
@@ -201,6 +202,49 @@ class Mechanism(Protocol):
     def solid_placement(self, design: Any, key: str, pose: Sequence[float]) -> Array: ...
     def build_solid(self, request: SolidRequest) -> BuiltSolid: ...
     def inside(self, design: Any, pose: Sequence[float], modes: tuple[str, ...] | None) -> bool: ...
+
+    # exact sections and volumes of the workspace at the pose's orientation; a mechanism that has
+    # none says so by a spec of None
+    def section_spec(self, design: Any) -> SectionSpec | None: ...
+    def section_frame(self, design: Any, pose: Sequence[float]) -> Array: ...
+    def section_range(
+        self, design: Any, pose: Sequence[float], modes: tuple[str, ...] | None
+    ) -> tuple[float, float] | None: ...
+    def section(
+        self, design: Any, pose: Sequence[float], modes: tuple[str, ...] | None, at: float
+    ) -> Section: ...
+    def volume(
+        self,
+        design: Any,
+        pose: Sequence[float],
+        modes: tuple[str, ...] | None,
+        *,
+        relative: float = 1e-6,
+    ) -> Volume: ...
+    def sphere(
+        self,
+        design: Any,
+        pose: Sequence[float],
+        modes: tuple[str, ...] | None,
+        center: Sequence[float] | None = None,
+    ) -> Sphere | None: ...
+    def box(
+        self,
+        design: Any,
+        pose: Sequence[float],
+        modes: tuple[str, ...] | None,
+        center: Sequence[float] | None = None,
+    ) -> Box | None: ...
+    def map_spec(self, design: Any) -> MapSpec | None: ...
+    def map_cells(
+        self,
+        design: Any,
+        poses: ArrayLike,
+        modes: tuple[str, ...] | None,
+        quantities: Sequence[str],
+        *,
+        relative: float = 1e-4,
+    ) -> MapCells: ...
 
 
 _MODULES = {"five_rpur": "kinematics.five_rpur"}

@@ -14,7 +14,11 @@ from kinematics.five_rpur import (
     arrangements,
     drawing,
     home,
+    inscribed,
     inverse,
+    maps,
+    section,
+    volume,
 )
 from kinematics.five_rpur import design as designs
 from kinematics.five_rpur.continuation import following
@@ -28,6 +32,7 @@ from kinematics.mechanism import (
     SolidRequest,
     SolidSpec,
 )
+from kinematics.sections import Box, MapCells, MapSpec, Section, SectionSpec, Sphere, Volume
 from kinematics.solutions import (
     Finding,
     Fold,
@@ -200,6 +205,71 @@ class FiveRPUR:
         self, design: FiveRPURDesign, pose: Sequence[float], modes: tuple[str, ...] | None
     ) -> bool:
         return bool(inverse.inside(design, pose, modes))
+
+    # --- sections and volumes
+
+    def section_spec(self, design: FiveRPURDesign) -> SectionSpec:
+        return SectionSpec("Section at x′", "x′", ("y′", "z′"), "Fig. 17")
+
+    def section_frame(self, design: FiveRPURDesign, pose: Sequence[float]) -> Array:
+        """4x4 from (x', y', z') to the base frame: R_y(θ)."""
+        return homogeneous(rotation_y(float(pose[4])), np.zeros(3))
+
+    def section_range(
+        self, design: FiveRPURDesign, pose: Sequence[float], modes: tuple[str, ...] | None
+    ) -> tuple[float, float] | None:
+        return section.section_range(design, pose[3], pose[4], modes)
+
+    def section(
+        self,
+        design: FiveRPURDesign,
+        pose: Sequence[float],
+        modes: tuple[str, ...] | None,
+        at: float,
+    ) -> Section:
+        return section.section(design, pose[3], pose[4], at, modes)
+
+    def volume(
+        self,
+        design: FiveRPURDesign,
+        pose: Sequence[float],
+        modes: tuple[str, ...] | None,
+        *,
+        relative: float = 1e-6,
+    ) -> Volume:
+        return volume.volume(design, pose[3], pose[4], modes, relative=relative)
+
+    def sphere(
+        self,
+        design: FiveRPURDesign,
+        pose: Sequence[float],
+        modes: tuple[str, ...] | None,
+        center: Sequence[float] | None = None,
+    ) -> Sphere | None:
+        return inscribed.sphere(design, pose[3], pose[4], modes, center)
+
+    def box(
+        self,
+        design: FiveRPURDesign,
+        pose: Sequence[float],
+        modes: tuple[str, ...] | None,
+        center: Sequence[float] | None = None,
+    ) -> Box | None:
+        return inscribed.box(design, pose[3], pose[4], modes, center)
+
+    def map_spec(self, design: FiveRPURDesign) -> MapSpec:
+        return maps.SPEC
+
+    def map_cells(
+        self,
+        design: FiveRPURDesign,
+        poses: ArrayLike,
+        modes: tuple[str, ...] | None,
+        quantities: Sequence[str],
+        *,
+        relative: float = 1e-4,
+    ) -> MapCells:
+        return maps.map_cells(design, poses, modes, quantities, relative=relative)
 
 
 MECHANISM = FiveRPUR()

@@ -1,0 +1,235 @@
+"""Exact plane sections of a workspace, and what is integrated over them: plain results.
+
+A section is a set of closed loops of arcs and lines; the region lies to the left of every edge,
+so outer loops run counter-clockwise and holes clockwise. Lengths mm, angles rad.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinematics.spatial import Array
+
+Ints = NDArray[np.int64]
+EdgeBound = Literal["rho_min", "rho_max", "link"]
+BOUNDS: tuple[EdgeBound, ...] = ("rho_min", "rho_max", "link")
+"""What an edge is due to: an end of the stroke, or the reach |y| = l of the second link."""
+
+
+class _Frozen:
+    """Arrays of a result are read-only, also after unpickling."""
+
+    def __post_init__(self) -> None:
+        for value in self.__dict__.values():
+            if isinstance(value, np.ndarray):
+                value.setflags(write=False)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.__post_init__()
+
+
+@dataclass(frozen=True, eq=False)
+class Construction(_Frozen):
+    """The circles and lines of which a section's edges are parts (Tale Masouleh 2011, Fig. 17).
+
+    Attributes:
+        center: (C, 2) mm.
+        radius: (C,) mm.
+        circle_limb: (C,) from 1.
+        circle_bound: (C,) indices into `BOUNDS`.
+        line: (M, 2, 2) both ends of each line, mm.
+        line_limb: (M,) from 1.
+    """
+
+    center: Array
+    radius: Array
+    circle_limb: Ints
+    circle_bound: Ints
+    line: Array
+    line_limb: Ints
+
+
+@dataclass(frozen=True, eq=False)
+class Section(_Frozen):
+    """The exact section of a workspace by a plane; all arrays read-only.
+
+    Edge k runs from ``start[k]`` to ``end[k]``; ``loop_start[n]`` to ``loop_start[n + 1]`` are the
+    edges of loop n, in order. A whole circle is two half circles.
+
+    Attributes:
+        at: where the plane stands, mm.
+        start, end: (E, 2) mm.
+        limb: (E,) from 1: whose bound the edge is.
+        bound: (E,) indices into `BOUNDS`.
+        center: (E, 2) mm of an arc; NaN of a line.
+        radius: (E,) mm of an arc; inf of a line.
+        sweep: (E,) rad, the arc's signed angle, counter-clockwise positive; 0 of a line.
+        loop_start: (L + 1,).
+        loop_area: (L,) mm², negative of holes.
+        loop_piece: (L,) which piece of the region the loop bounds, from 0.
+        area: mm².
+        perimeter: mm.
+        centroid: (2,) mm; NaN of an empty section.
+        second_moments: (3,) mm⁴ about the centroid: ∫v² dA, ∫w² dA, ∫vw dA with (v, w) the
+            section's coordinates (here y′, z′) from the centroid.
+        construction: the curves that made it.
+    """
+
+    at: float
+    start: Array
+    end: Array
+    limb: Ints
+    bound: Ints
+    center: Array
+    radius: Array
+    sweep: Array
+    loop_start: Ints
+    loop_area: Array
+    loop_piece: Ints
+    area: float
+    perimeter: float
+    centroid: Array
+    second_moments: Array
+    construction: Construction
+
+    @property
+    def loops(self) -> int:
+        """The number of closed loops."""
+        return len(self.loop_start) - 1
+
+    @property
+    def pieces(self) -> int:
+        """The number of connected pieces of the region."""
+        return int(self.loop_piece.max()) + 1 if self.loops else 0
+
+    @property
+    def is_arc(self) -> NDArray[np.bool_]:
+        """(E,) arcs, as against lines."""
+        return np.isfinite(self.radius)
+
+    def polyline(self, loop: int, step: float) -> Array:
+        """A loop as points (N, 2) on its edges, no arc's chord longer than about ``step`` mm.
+
+        The first point is not repeated at the end.
+        """
+        points = []
+        for k in range(self.loop_start[loop], self.loop_start[loop + 1]):
+            points.append(self.edge_points(k, step)[:-1])
+        return np.concatenate(points)
+
+    def edge_points(self, edge: int, step: float) -> Array:
+        """Points (N, 2) along an edge from its start to its end, both included."""
+        if not np.isfinite(self.radius[edge]):
+            return np.stack([self.start[edge], self.end[edge]])
+        length = abs(self.sweep[edge]) * self.radius[edge]
+        count = max(2, int(np.ceil(abs(self.sweep[edge]) / 0.5)), int(np.ceil(length / step)))
+        from_center = self.start[edge] - self.center[edge]
+        angle = np.arctan2(from_center[1], from_center[0]) + self.sweep[edge] * np.linspace(
+            0.0, 1.0, count + 1
+        )
+        points = self.center[edge] + self.radius[edge] * np.stack(
+            [np.cos(angle), np.sin(angle)], axis=-1
+        )
+        points[0], points[-1] = self.start[edge], self.end[edge]
+        return np.asarray(points)
+
+
+@dataclass(frozen=True, eq=False)
+class Volume(_Frozen):
+    """A volume as the integral of exact section areas.
+
+    Attributes:
+        value: mm³.
+        error: mm³, an estimate from above of |value − true volume|.
+        centroid: (3,) mm in the base frame; NaN of an empty workspace.
+        pieces: the volumes of the connected pieces, mm³, largest first.
+        at: (N,) where sections were taken, increasing, mm.
+        area: (N,) their areas, mm².
+        events: (P,) where the structure of the section changes, increasing, mm.
+        sections: how many sections were computed.
+    """
+
+    value: float
+    error: float
+    centroid: Array
+    pieces: tuple[float, ...]
+    at: Array
+    area: Array
+    events: Array
+    sections: int
+
+
+@dataclass(frozen=True, eq=False)
+class Sphere(_Frozen):
+    """A ball inside the workspace: centre (3,) and radius, mm, base frame.
+
+    ``error``: mm by which the largest ball about this centre may differ from ``radius``.
+    """
+
+    center: Array
+    radius: float
+    error: float
+
+
+@dataclass(frozen=True, eq=False)
+class Box(_Frozen):
+    """A box inside the workspace, its edges along x, y, z of the base frame.
+
+    ``low`` and ``high`` (3,) mm are its corners; ``error``: mm by which a face may stand out.
+    """
+
+    low: Array
+    high: Array
+    error: float
+
+    @cached_property
+    def volume(self) -> float:
+        """mm³."""
+        return float(np.prod(self.high - self.low))
+
+
+@dataclass(frozen=True, slots=True)
+class SectionSpec:
+    """How sections of a mechanism's workspace are called: the plane ``normal`` = const, its axes."""
+
+    title: str
+    normal: str
+    axes: tuple[str, str]
+    figure: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """Something that a map shows: "volume", "pieces", "largest_piece", "sphere", "stroke"."""
+
+    key: str
+    title: str
+    unit: Literal["mm³", "mm", "%", ""]
+
+
+@dataclass(frozen=True, slots=True)
+class MapSpec:
+    """What a mechanism's map runs over: two pose coordinates (indices), and what it can show."""
+
+    axes: tuple[int, int]
+    quantities: tuple[Quantity, ...]
+    figure: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class MapCells(_Frozen):
+    """Points of a map: the wanted quantities and their errors, in their units.
+
+    Attributes:
+        values: (N, Q).
+        errors: (N, Q) estimates from above of each value's error.
+    """
+
+    values: Array
+    errors: Array
