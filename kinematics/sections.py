@@ -118,10 +118,8 @@ class Section(_Frozen):
 
         The first point is not repeated at the end.
         """
-        points = []
-        for k in range(self.loop_start[loop], self.loop_start[loop + 1]):
-            points.append(self.edge_points(k, step)[:-1])
-        return np.concatenate(points)
+        edges = range(self.loop_start[loop], self.loop_start[loop + 1])
+        return np.concatenate([self.edge_points(k, step)[:-1] for k in edges])
 
     def edge_points(self, edge: int, step: float) -> Array:
         """Points (N, 2) along an edge from its start to its end, both included."""
@@ -196,7 +194,7 @@ class Box(_Frozen):
 
 @dataclass(frozen=True, slots=True)
 class SectionSpec:
-    """How sections of a mechanism's workspace are called: the plane ``normal`` = const, its axes."""
+    """What a mechanism calls its sections: the plane ``normal`` = const and the axes in it."""
 
     title: str
     normal: str
