@@ -9,9 +9,22 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from app.state import Atlas, Options, Review, Shown, checked, new_review
+from app.state import (
+    Atlas,
+    Chart,
+    Cut,
+    Options,
+    Review,
+    Shown,
+    Span,
+    checked,
+    checked_chart,
+    new_review,
+    within_reach,
+)
 from kinematics.designs import read_design, write_design
 from kinematics.errors import InputError
+from kinematics.mechanism import Coordinate
 
 VERSION = 1
 MAX_BYTES = 1 << 20
@@ -20,10 +33,7 @@ MAX_BYTES = 1 << 20
 def to_text(review: Review) -> str:
     """The review as JSON; angles in degrees, the design as it would stand in its own file."""
     coordinates = review.mechanism.pose_coordinates(review.design)
-    pose = {
-        c.key if c.unit == "mm" else f"{c.key}_deg": v if c.unit == "mm" else math.degrees(v)
-        for c, v in zip(coordinates, review.pose, strict=True)
-    }
+    pose = {_key(c): _outward(c, v) for c, v in zip(coordinates, review.pose, strict=True)}
     content = {
         "bohemia_session": VERSION,
         "design_name": review.design.name,
@@ -34,7 +44,15 @@ def to_text(review: Review) -> str:
         "solids": {s.key: s.opacity for s in review.solids},
         "options": {f.name: getattr(review.options, f.name) for f in fields(Options)},
         "solutions": {f.name: getattr(review.atlas, f.name) for f in fields(Atlas)},
+        "section": {"on": review.cut.on, "at": review.cut.at},
     }
+    axes = _map_axes(review)
+    if axes:
+        spans = zip(axes, (review.chart.first, review.chart.second), strict=True)
+        content["map"] = {"quantity": review.chart.quantity} | {
+            _key(c): [_outward(c, span.low), _outward(c, span.high), span.count]
+            for c, span in spans
+        }
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
 
 
@@ -78,7 +96,17 @@ def from_text(text: str, *, origin: str) -> Review:
     )
     given = _typed(content, "options", dict, origin)
     options = Options(**{f.name: bool(given.get(f.name, f.default)) for f in fields(Options)})
-    return Review(design, pose, mode, modes, solids, options, _atlas(content, review, origin))
+    return Review(
+        design,
+        pose,
+        mode,
+        modes,
+        solids,
+        options,
+        _atlas(content, review, origin),
+        _cut(content, review, origin),
+        _chart(content, review, origin),
+    )
 
 
 def load(path: Path) -> Review:
@@ -114,11 +142,10 @@ def save(review: Review, path: Path) -> None:
 def _pose(given: dict[str, Any], review: Review, origin: str) -> tuple[float, ...]:
     values = []
     for c in review.mechanism.pose_coordinates(review.design):
-        key = c.key if c.unit == "mm" else f"{c.key}_deg"
+        key = _key(c)
         if key not in given:
             raise InputError(f"{origin}: pose has no {key}")
-        value = _number(given[key], f"pose: {key}", origin)
-        value = value if c.unit == "mm" else math.radians(value)
+        value = _inward(c, _number(given[key], f"pose: {key}", origin))
         values.append(min(max(value, c.lower), c.upper))
     return tuple(values)
 
@@ -136,6 +163,56 @@ def _atlas(content: dict[str, Any], review: Review, origin: str) -> Atlas:
         return checked(Atlas(**values), review.mechanism)
     except InputError as error:
         raise InputError(f"{origin}: solutions: {error}") from None
+
+
+def _cut(content: dict[str, Any], review: Review, origin: str) -> Cut:
+    """The section's plane; sessions saved before there were any have none."""
+    given = content.get("section", {})
+    if not isinstance(given, dict) or not isinstance(given.get("on", False), bool):
+        raise InputError(f"{origin}: 'section' is not of the right kind")
+    at = _number(given.get("at", review.cut.at), "section: at", origin)
+    return Cut(given.get("on", False), within_reach(review, at)[0])
+
+
+def _chart(content: dict[str, Any], review: Review, origin: str) -> Chart:
+    """What the map shows; sessions saved before there were any have nothing of it."""
+    given = content.get("map", {})
+    axes = _map_axes(review)
+    if not isinstance(given, dict):
+        raise InputError(f"{origin}: 'map' is not of the right kind")
+    if not axes or not given:
+        return review.chart
+    quantity = given.get("quantity", review.chart.quantity)
+    spans = []
+    for c, usual in zip(axes, (review.chart.first, review.chart.second), strict=True):
+        span = given.get(_key(c), [_outward(c, usual.low), _outward(c, usual.high), usual.count])
+        if not isinstance(span, list) or len(span) != 3 or type(span[2]) is not int:
+            raise InputError(f"{origin}: map: {_key(c)} is [from, to, how many]")
+        low, high = (_inward(c, _number(v, f"map: {_key(c)}", origin)) for v in span[:2])
+        spans.append(Span(low, high, span[2]))
+    try:
+        return checked_chart(Chart(quantity, *spans), review)
+    except InputError as error:
+        raise InputError(f"{origin}: map: {error}") from None
+
+
+def _map_axes(review: Review) -> tuple[Coordinate, ...]:
+    spec = review.mechanism.map_spec(review.design)
+    coordinates = review.mechanism.pose_coordinates(review.design)
+    return () if spec is None else tuple(coordinates[n] for n in spec.axes)
+
+
+def _key(c: Coordinate) -> str:
+    """What a coordinate is called in the file."""
+    return c.key if c.unit == "mm" else f"{c.key}_deg"
+
+
+def _outward(c: Coordinate, value: float) -> float:
+    return value if c.unit == "mm" else math.degrees(value)
+
+
+def _inward(c: Coordinate, value: float) -> float:
+    return value if c.unit == "mm" else math.radians(value)
 
 
 def _typed(content: dict[str, Any], key: str, kind: type, origin: str) -> Any:

@@ -20,6 +20,7 @@ SORTS: tuple[Sort, ...] = ("distance", "condition", "height", "mode")
 SAME_MODE = "same"
 QUIET_GAP = 1.0  # s; a gesture that pauses longer than this becomes a step of its own in undo
 MAX_HISTORY = 300
+MAX_CELLS = 181  # of a map along one axis
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +61,32 @@ class Atlas:
 
 
 @dataclass(frozen=True, slots=True)
+class Cut:
+    """The plane in which the workspace is cut: whether it is on display, and where, mm."""
+
+    on: bool = False
+    at: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """Evenly spaced values of one coordinate, both ends included; rad or mm."""
+
+    low: float = -0.5 * math.pi
+    high: float = 0.5 * math.pi
+    count: int = 37
+
+
+@dataclass(frozen=True, slots=True)
+class Chart:
+    """What a map shows (a key of the mechanism's `MapSpec`) and over which two spans."""
+
+    quantity: str = "volume"
+    first: Span = Span()
+    second: Span = Span()
+
+
+@dataclass(frozen=True, slots=True)
 class Review:
     """Everything a review consists of; equal reviews look the same.
 
@@ -73,6 +100,8 @@ class Review:
     solids: tuple[Shown, ...] = (Shown("workspace", 0.35),)
     options: Options = Options()
     atlas: Atlas = Atlas()
+    cut: Cut = Cut()
+    chart: Chart = Chart()
 
     @property
     def mechanism(self) -> Mechanism:
@@ -96,7 +125,22 @@ class Review:
 def new_review(design: Design) -> Review:
     """A review of ``design`` at its home posture."""
     home = mechanism(design.mechanism).home(design)
-    return Review(design, home.pose, home.mode)
+    review = Review(design, home.pose, home.mode)
+    return replace(review, cut=Cut(at=point_in_section(review)[0]))
+
+
+def point_in_section(review: Review) -> tuple[float, float, float]:
+    """The platform's position (mm) in the frame of sections: along the normal, then in the plane.
+
+    Zeros for a mechanism that has no sections.
+    """
+    kind, design = review.mechanism, review.design
+    if kind.section_spec(design) is None:
+        return 0.0, 0.0, 0.0
+    frame = kind.section_frame(design, review.pose)
+    position = kind.transform(design, review.pose)[:3, 3]
+    x, y, z = frame[:3, :3].T @ (position - frame[:3, 3])
+    return float(x), float(y), float(z)
 
 
 # --- changes: what a person can do. ``gesture`` joins the steps of one drag for undo --------
@@ -228,6 +272,30 @@ class SetAtlas:
 
 
 @dataclass(frozen=True, slots=True)
+class ShowCut:
+    """Show or hide the section."""
+
+    on: bool
+    gesture: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class MoveCut:
+    """Set where the section's plane stands, mm."""
+
+    at: float
+    gesture: str = "cut"
+
+
+@dataclass(frozen=True, slots=True)
+class SetChart:
+    """Set what a map shows and over which orientations."""
+
+    chart: Chart
+    gesture: str = "chart"
+
+
+@dataclass(frozen=True, slots=True)
 class Restore:
     """Open a saved review."""
 
@@ -249,6 +317,9 @@ Change = (
     | ChooseModes
     | SetOption
     | SetAtlas
+    | ShowCut
+    | MoveCut
+    | SetChart
     | Restore
 )
 
@@ -302,8 +373,59 @@ def change(review: Review, what: Change) -> tuple[Review, str]:
         case SetAtlas(name, value):
             wanted = replace(review.atlas, **{name: value})  # type: ignore[arg-type]
             return replace(review, atlas=checked(wanted, review.mechanism)), ""
+        case ShowCut(on):
+            return replace(review, cut=replace(review.cut, on=on)), ""
+        case MoveCut(at):
+            at, note = within_reach(review, at)
+            return replace(review, cut=replace(review.cut, at=at)), note
+        case SetChart(chart):
+            return replace(review, chart=checked_chart(chart, review)), ""
         case Restore(saved):
             return saved, ""
+
+
+def within_reach(review: Review, at: float) -> tuple[float, str]:
+    """A plane's place (mm), kept where something can be, and a sentence if it had to be kept.
+
+    Raises:
+        InputError: it is no finite number.
+    """
+    spec = review.mechanism.section_spec(review.design)
+    name = "the section" if spec is None else spec.normal
+    sides = [
+        max(abs(c.lower), abs(c.upper))
+        for c in review.mechanism.pose_coordinates(review.design)
+        if c.unit == "mm"
+    ]
+    far = float(math.ceil(math.hypot(*sides)))
+    return _within(Coordinate("at", name, "mm", -far, far), at)
+
+
+def checked_chart(chart: Chart, review: Review) -> Chart:
+    """The same, once it is known to be sound; its spans within the coordinates' ranges.
+
+    Raises:
+        InputError: the mechanism has no such map, or a span is none.
+    """
+    spec = review.mechanism.map_spec(review.design)
+    if spec is None:
+        raise InputError("this mechanism has no map")
+    known = [quantity.key for quantity in spec.quantities]
+    if chart.quantity not in known:
+        raise InputError(f"a map shows {', '.join(known)}, not {chart.quantity!r}")
+    coordinates = review.mechanism.pose_coordinates(review.design)
+    for index, span in zip(spec.axes, (chart.first, chart.second), strict=True):
+        symbol = coordinates[index].symbol
+        if not (math.isfinite(span.low) and math.isfinite(span.high)):
+            raise InputError(f"the ends of {symbol} must be finite numbers")
+        if span.low >= span.high:
+            raise InputError(f"{symbol} must end above where it begins")
+        if not 2 <= span.count <= MAX_CELLS:
+            raise InputError(f"a map has from 2 to {MAX_CELLS} values of {symbol}")
+        for end in (span.low, span.high):
+            if _within(coordinates[index], end)[1]:
+                raise InputError(_within(coordinates[index], end)[1])
+    return chart
 
 
 def checked(atlas: Atlas, kind: Mechanism) -> Atlas:
@@ -363,6 +485,8 @@ def _use_design(review: Review, design: Design) -> Review:
         solids=tuple(s for s in review.solids if s.key in known),
         options=review.options,
         atlas=_atlas_for(fresh.mechanism, review.atlas),
+        cut=replace(fresh.cut, on=review.cut.on),
+        chart=_chart_for(fresh, review.chart),
     )
 
 
@@ -371,6 +495,13 @@ def _atlas_for(kind: Mechanism, atlas: Atlas) -> Atlas:
         return checked(atlas, kind)
     except InputError:  # a filter in another mechanism's working modes
         return replace(atlas, modes="")
+
+
+def _chart_for(review: Review, chart: Chart) -> Chart:
+    try:
+        return checked_chart(chart, review)
+    except InputError:
+        return review.chart
 
 
 def _edit(
