@@ -1,0 +1,166 @@
+"""What the commands share: arguments, design files in, numbers and files out.
+
+Angles are degrees here and nowhere below. Numbers go to stdout (with --json one object and nothing
+else), progress and warnings to stderr. Whatever is slow to import is imported by the command that
+needs it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+from app import tables
+from app.modes import matching
+from kinematics.errors import InputError
+
+if TYPE_CHECKING:
+    from kinematics.mechanism import Coordinate, Design, Mechanism
+
+# Beyond this a typed number is a slip, and squares of it no longer hold a mm.
+LARGEST = 1e9
+
+
+class AddCommand(Protocol):
+    """Adds a command's parser: its name, what runs it, and one line of help."""
+
+    def __call__(self, name: str, run: Any, summary: str, /) -> argparse.ArgumentParser: ...
+
+
+# --- arguments -----------------------------------------------------------------------------
+
+
+def add_design(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("design", metavar="DESIGN", help="a preset or a design file")
+
+
+def add_json(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+
+
+def add_orientation(parser: argparse.ArgumentParser) -> None:
+    for name in ("phi", "theta"):
+        parser.add_argument(
+            f"--{name}", type=angle, default=0.0, metavar="DEG", help="degrees (default 0)"
+        )
+
+
+def add_modes(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--modes",
+        default="all",
+        metavar="MODES",
+        help="working modes, one sign a limb, as +-+++; several with commas, ? for either sign "
+        "(default all)",
+    )
+
+
+def angle(text: str) -> float:
+    try:
+        return number(text, "the angle in degrees")
+    except InputError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def number(text: str, name: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        raise InputError(f"{name} must be a number, got {text.strip()!r}") from None
+    if not isfinite(value):
+        raise InputError(f"{name} must be a finite number, got {text.strip()}")
+    if abs(value) > LARGEST:
+        raise InputError(f"{name} must lie within ±{LARGEST:.0e}, got {text.strip()}")
+    return value
+
+
+def numbers(option: str, text: str, axes: Sequence[Coordinate]) -> list[float]:
+    """The numbers as typed, mm and degrees, one for each coordinate."""
+    words = text.split(",")
+    wanted = ", ".join(f"{axis.symbol} ({tables.unit(axis)})" for axis in axes)
+    if len(words) != len(axes):
+        raise InputError(
+            f"{option} needs {len(axes)} numbers with commas between them, {wanted}; "
+            f"got {len(words)}"
+        )
+    return [
+        number(word, f"{option}: {axis.symbol}") for word, axis in zip(words, axes, strict=True)
+    ]
+
+
+def chosen_modes(text: str, known: tuple[str, ...]) -> tuple[str, ...] | None:
+    """The working modes asked for, in the mechanism's order; None for all of them."""
+    if text.strip().lower() == "all":
+        return None
+    try:
+        chosen = matching(text, known)
+    except InputError as error:
+        raise InputError(f"--modes: {error}, or 'all'") from None
+    return None if len(chosen) == len(known) else chosen
+
+
+# --- in and out ----------------------------------------------------------------------------
+
+
+def load(name: str) -> tuple[Design, Mechanism]:
+    from kinematics.designs import load_design
+    from kinematics.mechanism import mechanism
+
+    design = load_design(name)
+    return design, mechanism(design.mechanism)
+
+
+def warn(design: Design, mechanism: Mechanism) -> None:
+    """Say on stderr what is wrong with a design that is valid all the same."""
+    for finding in mechanism.findings(design):
+        if finding.severity == "warning":
+            print(f"bohemia: warning: {finding.title}: {finding.text}", file=sys.stderr)
+
+
+@contextmanager
+def progress(what: str) -> Iterator[None]:
+    """Name the work on stderr while it lasts, if a person is looking."""
+    shown = sys.stderr.isatty()
+    if shown:
+        print(f"{what} …", end="", file=sys.stderr, flush=True)
+    try:
+        yield
+    finally:
+        if shown:
+            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
+
+
+def checked(path: Path, kind: str) -> str:
+    """Refuse, before any work, a file that cannot be written."""
+    if path.is_dir():
+        raise InputError(f"cannot write {str(path)!r}: it is a folder")
+    if not path.parent.is_dir():
+        raise InputError(f"cannot write {str(path)!r}: there is no folder {str(path.parent)!r}")
+    return kind
+
+
+def write(path: Path, data: bytes) -> None:
+    try:
+        path.write_bytes(data)
+    except OSError as error:
+        why = error.strerror or str(error)
+        raise InputError(f"cannot write {str(path)!r}: {why}") from None
+
+
+def finite(value: float) -> float | None:
+    """JSON has no infinity."""
+    return float(value) if isfinite(value) else None
+
+
+def print_head(design: Design, *lines: str) -> None:
+    print(f"{design.name}: {design.title}", *lines, sep="\n")
+
+
+def print_json(answer: dict[str, Any]) -> None:
+    print(json.dumps(answer, allow_nan=False))

@@ -1,0 +1,127 @@
+"""`bohemia workspace` and `bohemia vertex-space`."""
+
+from __future__ import annotations
+
+import argparse
+from math import radians
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from app import tables
+from app.commands import common
+from kinematics.errors import ComputationError, InputError
+
+if TYPE_CHECKING:
+    from kinematics.mechanism import Design, Mechanism
+
+
+def register(command: common.AddCommand) -> None:
+    workspace = command("workspace", _workspace, "The constant-orientation workspace as a solid.")
+    common.add_design(workspace)
+    common.add_orientation(workspace)
+    common.add_modes(workspace)
+    _add_solid(workspace)
+
+    vertex_space = command(
+        "vertex-space", _vertex_space, "One limb's vertex space or a part of it."
+    )
+    common.add_design(vertex_space)
+    vertex_space.add_argument("--limb", required=True, metavar="i", help="the limb, from 1")
+    vertex_space.add_argument(
+        "--part",
+        default="whole",
+        metavar="PART",
+        help="whole, plus, minus, body, H1, H2 or H3 (default %(default)s)",
+    )
+    common.add_orientation(vertex_space)
+    _add_solid(vertex_space)
+
+
+def _add_solid(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--resolution",
+        choices=("preview", "normal", "fine"),
+        default="normal",
+        help="how fine the mesh is; the volume's error is printed (default %(default)s)",
+    )
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="write .stl, .3mf, .ply, .glb or .obj"
+    )
+    common.add_json(parser)
+
+
+def _workspace(arguments: argparse.Namespace) -> None:
+    design, mechanism = common.load(arguments.design)
+    modes = common.chosen_modes(arguments.modes, mechanism.modes)
+    _solid(arguments, design, mechanism, "workspace", modes)
+
+
+def _vertex_space(arguments: argparse.Namespace) -> None:
+    design, mechanism = common.load(arguments.design)
+    limbs: dict[str, dict[str, str]] = {}
+    for spec in mechanism.solids(design):
+        if spec.limb is not None:
+            part = spec.key.partition("/")[2]
+            limbs.setdefault(str(spec.limb), {})[part.lower()] = spec.key
+    if not limbs:
+        raise InputError(f"{design.name}: a {mechanism.title} has no vertex spaces")
+    parts = limbs.get(arguments.limb.strip())
+    if parts is None:
+        raise InputError(f"--limb must be one of {', '.join(limbs)}, got {arguments.limb!r}")
+    key = parts.get(arguments.part.strip().lower())
+    if key is None:
+        known = ", ".join(key.partition("/")[2] for key in parts.values())
+        raise InputError(f"--part must be one of {known}, got {arguments.part!r}")
+    _solid(arguments, design, mechanism, key, None)
+
+
+def _solid(
+    arguments: argparse.Namespace,
+    design: Design,
+    mechanism: Mechanism,
+    key: str,
+    modes: tuple[str, ...] | None,
+) -> None:
+    """Build one solid, write it if a file is wanted, and print what it is."""
+    from app import exporting
+
+    spec = next((spec for spec in mechanism.solids(design) if spec.key == key), None)
+    if spec is None:
+        raise InputError(f"{design.name}: a {mechanism.title} has no {key} solid")
+    path: Path | None = arguments.output
+    kind = None if path is None else common.checked(path, exporting.format_of(path))
+    typed = {"phi": arguments.phi, "theta": arguments.theta}
+    pose = [radians(typed.get(axis.key, 0.0)) for axis in mechanism.pose_coordinates(design)]
+    request = mechanism.solid_request(design, key, pose, modes, arguments.resolution)
+    with common.progress(f"{spec.title}, {arguments.resolution}"):
+        built = mechanism.build_solid(request)
+    common.warn(design, mechanism)
+    if path is not None and kind is not None:
+        if built.triangles == 0:
+            raise ComputationError(f"{spec.title} is empty, so {str(path)!r} was not written")
+        data = exporting.solid_bytes(built, mechanism.solid_placement(design, key, pose), kind)
+        common.write(path, data)
+    if not arguments.json:
+        common.print_head(design)
+        where = f"at φ = {arguments.phi:g}°, θ = {arguments.theta:g}°, {arguments.resolution}"
+        file = None if path is None else str(path)
+        print(tables.solid_text(built, spec.title, where, modes if spec.uses_modes else (), file))
+        return
+    common.print_json(
+        {
+            "design": design.name,
+            "mechanism": design.mechanism,
+            "solid": key,
+            "phi_deg": arguments.phi,
+            "theta_deg": arguments.theta,
+            **({"modes": "all" if modes is None else modes} if spec.uses_modes else {}),
+            "resolution": arguments.resolution,
+            "volume_mm3": built.volume,
+            "volume_error_mm3": built.volume_error,
+            "pieces": len(built.pieces),
+            "piece_volumes_mm3": [piece.volume for piece in built.pieces],
+            "triangles": built.triangles,
+            "watertight": built.watertight,
+            "file": None if path is None else str(path),
+        }
+    )
