@@ -10,21 +10,16 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from itertools import pairwise, product
+from itertools import product
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from kinematics.errors import InputError
 from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
+from kinematics.five_rpur.offsets import aligned_offsets
 from kinematics.five_rpur.vertex_space import Part, Surface, deviation, limb_solid, shear
 from kinematics.mechanism import Resolution
 from kinematics.solids import BuiltSolid, Solid, TracedMesh, finish
-from kinematics.spatial import Array, finite, rotation_x, rotation_y
-
-# Offsets that differ by less than this part of a limb's size are made equal: limbs that coincide
-# but for rounding would otherwise enclose films of air between them.
-_SAME = 1e-9
 
 # A piece thinner on the average than this part of the mesh's deviation (or of a short stroke)
 # is as likely due to the facets as to the machine, and is not counted.
@@ -40,17 +35,6 @@ class _Operand:
     rho_max: float
     part: Part
     offset: tuple[float, float, float]
-
-
-def offset_points(design: FiveRPURDesign, phi: ArrayLike, theta: ArrayLike) -> Array:
-    """w'_i of eq. 27: where each limb's vertex space stands in x'y'z'.
-
-    ``phi`` and ``theta`` (...,) rad, broadcast together; returns (..., 5, 3) mm.
-    """
-    phi, theta = np.broadcast_arrays(finite(phi, name="phi"), finite(theta, name="theta"))
-    base = design.base @ np.swapaxes(rotation_y(-theta), -1, -2)
-    platform = design.platform @ np.swapaxes(rotation_x(phi), -1, -2)
-    return np.asarray(base - platform)
 
 
 def workspace(
@@ -73,10 +57,7 @@ def workspace(
         InputError: an angle that is not finite, or a mode that is not five signs.
         ComputationError: manifold3d gave up.
     """
-    offsets = offset_points(design, phi, theta)
-    if offsets.shape != (LIMBS, 3):
-        raise InputError("phi and theta must be one number each")
-    placed = _aligned(offsets, _SAME * float((design.link + design.stroke[:, 1]).min()))
+    placed = aligned_offsets(design, phi, theta)
     solids = []
     for choice in _products(modes):
         operands = [
@@ -129,17 +110,6 @@ def _built_part(
 # --- Booleans ----------------------------------------------------------------------------------
 
 _CHOICE: dict[str, Part] = {"+": "plus", "-": "minus", "*": "whole"}
-
-
-def _aligned(offsets: Array, step: float) -> Array:
-    """Each coordinate of the limbs' offsets, with those that differ by rounding made equal."""
-    result = offsets.copy()
-    for column in result.T:
-        order = np.argsort(column, kind="stable")
-        for last, this in pairwise(order):
-            if column[this] - column[last] <= step:
-                column[this] = column[last]
-    return result
 
 
 def _intersection(operands: list[_Operand], resolution: Resolution) -> Solid:
