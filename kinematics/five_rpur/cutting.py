@@ -1,0 +1,129 @@
+"""Sections of one orientation in batches: the machine as the kernel takes it.
+
+Lengths mm, angles rad.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinematics.errors import InputError
+from kinematics.five_rpur import acceleration
+from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
+from kinematics.five_rpur.offsets import aligned_offsets
+from kinematics.spatial import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Cuts:
+    """Sections at ``at`` (N,): ``moments`` (N, 6) of 1, v, w, v², w², vw about the origin,
+    ``marks`` (N,) equal where sections are built alike, ``parts`` (N,) connected pieces.
+    """
+
+    at: Array
+    moments: Array
+    marks: NDArray[np.int64]
+    parts: NDArray[np.int64]
+
+
+class Cutter:
+    """The sections of a workspace at one orientation, for a set of working modes.
+
+    Attributes:
+        limbs: (6, 5) rows w'_x, w'_y, w'_z (eq. 27), l, ρ_min, ρ_max.
+        signs: (5, 2) whether any wanted mode has limb i in + and in −.
+        table: (1024,) whether a point is inside that lies in the halves whose bits are set.
+        size: mm, a length of the machine.
+        origin: (2,) y', z' about which moments are taken.
+        range: x' outside of which there is nothing; equal ends if there is nothing at all.
+    """
+
+    def __init__(
+        self,
+        design: FiveRPURDesign,
+        phi: float,
+        theta: float,
+        modes: Iterable[str] | None,
+    ) -> None:
+        offsets = aligned_offsets(design, phi, theta)
+        self.limbs = np.array([*offsets.T, design.link, *design.stroke.T])
+        self.signs, self.table = _halves(None if modes is None else frozenset(modes))
+        wx, wy, wz, link, _, high = self.limbs
+        self.size = float((link + high).max())
+        self.origin = np.array([wy.mean(), wz.mean()])
+        first, last = float((wx - high).max()), float((wx + high).min())
+        low_y, high_y = float((wy - link).max()), float((wy + link).min())
+        low_z, high_z = float((wz - high - link).max()), float((wz + high + link).min())
+        none = first >= last or low_y >= high_y or low_z >= high_z or not self.signs.any()
+        self.range = (first, first) if none else (first, last)
+
+    def heights(self, x: Array) -> tuple[Array, Array]:
+        """S(ρ_min) and S(ρ_max) of each limb at x (N,), (N, 5) each; −1 out of reach."""
+        wx, low, high = self.limbs[0], self.limbs[4], self.limbs[5]
+        apart = np.abs(x[:, None] - wx)
+        lows = np.sqrt(np.maximum((low - apart) * (low + apart), 0.0))
+        highs = np.sqrt(np.maximum((high - apart) * (high + apart), 0.0))
+        return lows, np.where(apart > high, -1.0, highs)
+
+    def cut(self, x: Array) -> Cuts:
+        """The sections at x (N,)."""
+        x = np.asarray(x, dtype=float)
+        return self._measure(x, *self.heights(x))
+
+    def hull(self, x0: Array, x1: Array) -> Cuts:
+        """Sections that hold all sections between ``x0`` and ``x1`` (N,), both included."""
+        wx = self.limbs[0]
+        lows0, highs0 = self.heights(x0)
+        lows1, highs1 = self.heights(x1)
+        passes = (x0[:, None] <= wx) & (wx <= x1[:, None])  # S is largest at w'_x
+        highs = np.where(passes, self.limbs[5], np.maximum(highs0, highs1))
+        return self._measure(x0, np.minimum(lows0, lows1), highs)
+
+    def _measure(self, x: Array, lows: Array, highs: Array) -> Cuts:
+        count = len(x)
+        moments = np.empty((count, 6))
+        marks, parts = np.empty(count, np.int64), np.empty(count, np.int64)
+        acceleration.kernel(count).measure(
+            np.ascontiguousarray(lows),
+            np.ascontiguousarray(highs),
+            self.limbs,
+            self.signs,
+            self.table,
+            self.size,
+            self.origin,
+            moments,
+            marks,
+            parts,
+        )
+        return Cuts(x, moments, marks, parts)
+
+
+@lru_cache(maxsize=64)
+def _halves(modes: frozenset[str] | None) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Which signs each limb may have, (5, 2), and which states are inside, (4^5,)."""
+    states = np.arange(4**LIMBS)
+    if modes is None:
+        signs = np.ones((LIMBS, 2), dtype=bool)
+        pairs = states[:, None] >> (2 * np.arange(LIMBS)) & 3
+        table = (pairs > 0).all(axis=1)
+    else:
+        signs = np.zeros((LIMBS, 2), dtype=bool)
+        table = np.zeros(4**LIMBS, dtype=bool)
+        for mode in modes:
+            if len(mode) != LIMBS or set(mode) - set("+-"):
+                raise InputError(
+                    f"a working mode is {LIMBS} signs such as '+-+++', one a limb, got {mode!r}"
+                )
+            wanted = 0
+            for i, sign in enumerate(mode):
+                signs[i, int(sign == "-")] = True
+                wanted |= 1 << (2 * i + int(sign == "-"))
+            table |= states & wanted == wanted
+    signs.setflags(write=False)
+    table.setflags(write=False)
+    return signs, table

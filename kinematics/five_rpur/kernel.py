@@ -1,0 +1,426 @@
+"""The exact section of a workspace, in scalars: what `numba` compiles and plain Python also runs.
+
+In the plane x' = const every bound of limb i is an arc of radius l_i about (w'_iy, w'_iz + d),
+d = ±S(ρ_max), ±S(ρ_min), that is z' = w'_iz + d + σ h(y'), or a line y' = w'_iy ± l_i (Tale
+Masouleh et al. 2011, eqs. 26-43). All curves are graphs over y', so the plane is swept along y':
+between two of their crossings the order of the curves does not change, and what lies between
+which of them is found once, in the middle. The region thus falls into *runs*: maximal stretches
+of y' with the same lower and the same upper curve. Coincident and tangent curves need no care
+there: whichever of them comes first, what lies between them has no area. Lengths mm.
+
+Numbering: curve c = 8 limb + 4 (σ < 0) + k, k = 0 … 3 for d = −S_max, −S_min, +S_min, +S_max;
+circle q = 4 limb + k. Bit 2 limb + (σ < 0) of a state says that a point lies in that limb's
+half B^σ, and ``table[state]`` that it then lies in the workspace.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+MOST_RUNS = 2048
+MOST_PARTS = 64
+FINE = 1e-9  # of the size: two lengths that differ by less may be the same
+SLACK = 1e-6  # of the size: crossings that miss the region by less are looked at all the same
+
+# Rows of the limbs' numbers.
+WX, WY, WZ, LINK, LOW, HIGH = range(6)
+
+
+def heights(x, limbs, low, high):
+    """S(ρ_min) and S(ρ_max) of every limb at x into ``low`` and ``high`` (n,); false if none."""
+    for i in range(limbs.shape[1]):
+        apart = abs(x - limbs[WX, i])
+        reach = limbs[HIGH, i]
+        if apart > reach:
+            return False
+        high[i] = math.sqrt((reach - apart) * (reach + apart))
+        reach = limbs[LOW, i]
+        low[i] = math.sqrt((reach - apart) * (reach + apart)) if apart < reach else 0.0
+    return True
+
+
+def bounds_of(limbs, out):
+    """The range of y' in which all limbs can close into ``out`` (2,), and who ends it (2,)."""
+    first, last = 0, 0
+    for i in range(1, limbs.shape[1]):
+        if limbs[WY, i] - limbs[LINK, i] > limbs[WY, first] - limbs[LINK, first]:
+            first = i
+        if limbs[WY, i] + limbs[LINK, i] < limbs[WY, last] + limbs[LINK, last]:
+            last = i
+    out[0] = limbs[WY, first] - limbs[LINK, first]
+    out[1] = limbs[WY, last] + limbs[LINK, last]
+    return first, last
+
+
+def offset(k, low, high):
+    """d of the circles numbered k."""
+    if k == 0:
+        return -high
+    if k == 1:
+        return -low
+    return low if k == 2 else high
+
+
+def rise(limbs, i, y):
+    """h of limb i at y."""
+    t = y - limbs[WY, i]
+    square = (limbs[LINK, i] - t) * (limbs[LINK, i] + t)
+    return math.sqrt(square) if square > 0.0 else 0.0
+
+
+def matters(limbs, low, high, table, y, z, slack):
+    """Whether the region may change where two circles cross at (y, z).
+
+    It does only if it depends there on both curves: points near a bound of another half, within
+    ``slack``, may lie on either side of it.
+    """
+    state = 0
+    free = 0
+    many = 0
+    for i in range(limbs.shape[1]):
+        if abs(y - limbs[WY, i]) > limbs[LINK, i] + slack:
+            return False
+        h = rise(limbs, i, y)
+        out = 0
+        for s in range(2):
+            d = abs(z - limbs[WZ, i] - (h if s == 0 else -h))
+            if d > high[i] + slack or d < low[i] - slack:
+                out += 1
+                continue
+            bit = 1 << (2 * i + s)
+            state |= bit
+            if d > high[i] - slack or (low[i] > 0.0 and d < low[i] + slack):
+                free |= bit
+                many += 1
+        if out == 2:
+            return False
+    if many > 2:  # more bounds than two in one place: degenerate, looked at all the same
+        return True
+    if many < 2:
+        return False
+    first = free & -free
+    second = free ^ first
+    both, none = table[state], table[state ^ free]
+    no_first, no_second = table[state ^ first], table[state ^ second]
+    by_first = both != no_first or no_second != none
+    by_second = both != no_second or no_first != none
+    return by_first and by_second
+
+
+def crossings(limbs, low, high, table, ends, size, where, who):
+    """Points where two circles cross and the region may change, unsorted.
+
+    Into ``where`` (E, 2) as (y, z) and ``who`` (E, 2) as circles; returns how many.
+    """
+    n = limbs.shape[1]
+    slack = SLACK * size
+    floor, roof = -math.inf, math.inf
+    for i in range(n):
+        floor = max(floor, limbs[WZ, i] - high[i] - limbs[LINK, i])
+        roof = min(roof, limbs[WZ, i] + high[i] + limbs[LINK, i])
+    count = 0
+    for i in range(n):
+        for j in range(i, n):
+            dy = limbs[WY, j] - limbs[WY, i]
+            a, b = limbs[LINK, i], limbs[LINK, j]
+            most, least = (a + b) * (a + b), (a - b) * (a - b)
+            if dy * dy > most:
+                continue
+            for k in range(4):
+                if low[i] == 0.0 and (k == 1 or k == 2):
+                    continue
+                zi = limbs[WZ, i] + offset(k, low[i], high[i])
+                for m in range(k + 1 if i == j else 0, 4):
+                    if low[j] == 0.0 and (m == 1 or m == 2):
+                        continue
+                    dz = limbs[WZ, j] + offset(m, low[j], high[j]) - zi
+                    square = dy * dy + dz * dz
+                    if square > most or square < least or square == 0.0:
+                        continue
+                    # From the first centre along the line of centres, then across.
+                    along = (square + (a - b) * (a + b)) / (2.0 * square)
+                    rest = a * a - along * along * square
+                    across = math.sqrt(rest / square) if rest > 0.0 else 0.0
+                    for side in range(2):
+                        y = limbs[WY, i] + along * dy - across * dz
+                        z = zi + along * dz + across * dy
+                        if side == 1:
+                            y += 2.0 * across * dz
+                            z -= 2.0 * across * dy
+                        if y <= ends[0] or y >= ends[1] or z < floor or z > roof:
+                            continue
+                        if matters(limbs, low, high, table, y, z, slack):
+                            where[count, 0], where[count, 1] = y, z
+                            who[count, 0], who[count, 1] = 4 * i + k, 4 * j + m
+                            count += 1
+    return count
+
+
+def root(parent, n):
+    """Who stands for n in a forest of parents."""
+    while parent[n] != n:
+        parent[n] = parent[parent[n]]
+        n = parent[n]
+    return n
+
+
+def sweep(limbs, low, high, signs, table, ends, size, where, who, order, borders, runs, spans, parent):
+    """The runs of a section.
+
+    Args:
+        where, who, order: room for the crossings; ``order`` is filled with their order along y.
+        borders: room (B,) for y where slabs begin and end.
+        runs: (R, 4) room for lower curve, upper curve, first and last border of every run.
+        spans: (R, 2) room for y at both.
+        parent: (R,) room; runs of one piece of the region have one root.
+
+    Returns:
+        the number of runs and of borders.
+    """
+    n = limbs.shape[1]
+    tiny = 1e-14 * size
+    found = crossings(limbs, low, high, table, ends, size, where, who)
+    order[:found] = np.argsort(where[:found, 0])
+    borders[0] = ends[0]
+    slabs = 0
+    for e in range(found + 1):
+        y = where[order[e], 0] if e < found else ends[1]
+        if y - borders[slabs] > tiny:
+            slabs += 1
+            borders[slabs] = y
+        elif e == found:
+            borders[slabs] = y
+    # The curves in the order in which they were last found.
+    curves = np.empty(8 * n, np.int64)
+    heights_of = np.empty(8 * n)
+    bases = np.empty(8 * n)
+    total = 0
+    for i in range(n):
+        for s in range(2):
+            if signs[i, s]:
+                for k in range(4):
+                    if low[i] == 0.0 and (k == 1 or k == 2):
+                        continue
+                    c = 8 * i + 4 * s + k
+                    curves[total] = c
+                    bases[c] = limbs[WZ, i] + offset(k, low[i], high[i])
+                    total += 1
+    rises = np.empty(n)
+    previous = np.empty(4 * n, np.int64)
+    present = np.empty(4 * n, np.int64)
+    lower = np.empty(4 * n, np.int64)
+    upper = np.empty(4 * n, np.int64)
+    before = 0
+    count = 0
+    for slab in range(slabs):
+        y = 0.5 * (borders[slab] + borders[slab + 1])
+        for i in range(n):
+            rises[i] = rise(limbs, i, y)
+        for p in range(total):
+            c = curves[p]
+            h = rises[c >> 3]
+            heights_of[c] = bases[c] - h if c & 4 else bases[c] + h
+        for p in range(1, total):  # nearly sorted already
+            c = curves[p]
+            z = heights_of[c]
+            q = p - 1
+            while q >= 0 and (
+                heights_of[curves[q]] > z or (heights_of[curves[q]] == z and curves[q] > c)
+            ):
+                curves[q + 1] = curves[q]
+                q -= 1
+            curves[q + 1] = c
+        # What lies inside, from below.
+        state = 0
+        inside = False
+        intervals = 0
+        for p in range(total):
+            c = curves[p]
+            state ^= 1 << (c >> 2)
+            if table[state] != inside:
+                inside = not inside
+                z = heights_of[c]
+                if inside:
+                    if intervals > 0 and z - heights_of[upper[intervals - 1]] <= tiny:
+                        intervals -= 1  # it ended and begins again at the same height
+                    else:
+                        lower[intervals] = c
+                else:
+                    upper[intervals] = c
+                    if z - heights_of[lower[intervals]] > tiny:
+                        intervals += 1
+        # Runs go on where both curves are the same as in the slab before.
+        for p in range(intervals):
+            run = -1
+            for q in range(before):
+                other = previous[q]
+                if runs[other, 0] == lower[p] and runs[other, 1] == upper[p]:
+                    run = other
+                    break
+            if run < 0:
+                run = count
+                count += 1
+                runs[run, 0], runs[run, 1], runs[run, 2] = lower[p], upper[p], slab
+                spans[run, 0] = borders[slab]
+                parent[run] = run
+            runs[run, 3] = slab + 1
+            spans[run, 1] = borders[slab + 1]
+            present[p] = run
+        # Runs that meet along the border belong together.
+        y = borders[slab]
+        for i in range(n):
+            rises[i] = rise(limbs, i, y)
+        for p in range(intervals):
+            run = present[p]
+            if runs[run, 2] < slab:
+                continue
+            bottom = at_border(bases, rises, runs[run, 0])
+            top = at_border(bases, rises, runs[run, 1])
+            for q in range(before):
+                other = previous[q]
+                z0 = max(bottom, at_border(bases, rises, runs[other, 0]))
+                z1 = min(top, at_border(bases, rises, runs[other, 1]))
+                if z1 - z0 > FINE * size:
+                    one, two = root(parent, run), root(parent, other)
+                    parent[max(one, two)] = min(one, two)
+        for p in range(intervals):
+            previous[p] = present[p]
+        before = intervals
+    return count, slabs + 1
+
+
+def at_border(bases, rises, c):
+    """z of curve c where the limbs' h are ``rises``."""
+    h = rises[c >> 3]
+    return bases[c] - h if c & 4 else bases[c] + h
+
+
+def primitives(limbs, i, y, out):
+    """∫h, ∫th, ∫t²h, ∫h³ over t = y − w'_iy up to y, and t, into ``out`` (5,)."""
+    link = limbs[LINK, i]
+    t = min(max(y - limbs[WY, i], -link), link)
+    square = (link - t) * (link + t)
+    h = math.sqrt(square)
+    angle = math.asin(t / link)
+    area = 0.5 * (t * h + link * link * angle)
+    out[0] = area
+    out[1] = -square * h / 3.0
+    out[2] = 0.125 * (link * link * link * link * angle - t * h * (link * link - 2.0 * t * t))
+    out[3] = 0.25 * t * square * h + 0.75 * link * link * area
+    out[4] = t
+
+
+def under(limbs, c, base, y0, y1, origin, one, two, out):
+    """What lies under a curve between y0 and y1 adds to ``out``: area and moments, six.
+
+    1, v, w, v², w², vw over −∞ < z < z(y), the part that does not depend on z left out, with
+    (v, w) = (y, z) − ``origin``.
+    """
+    i = c >> 3
+    sigma = -1.0 if c & 4 else 1.0
+    link = limbs[LINK, i]
+    primitives(limbs, i, y0, one)
+    primitives(limbs, i, y1, two)
+    a = limbs[WY, i] - origin[0]  # v = t + a
+    b = base - origin[1]  # w = b + σ h
+    t0, t1 = one[4], two[4]
+    d1 = t1 - t0
+    d2 = 0.5 * (t1 * t1 - t0 * t0)
+    d3 = (t1 * t1 * t1 - t0 * t0 * t0) / 3.0
+    h1 = two[0] - one[0]
+    th = two[1] - one[1]
+    t2h = two[2] - one[2]
+    h3 = two[3] - one[3]
+    l2 = link * link
+    h2 = l2 * d1 - d3
+    th2 = l2 * d2 - 0.25 * (t1 * t1 * t1 * t1 - t0 * t0 * t0 * t0)
+    v1 = d2 + a * d1
+    v2 = d3 + 2.0 * a * d2 + a * a * d1
+    out[0] += b * d1 + sigma * h1
+    out[1] += b * v1 + sigma * (th + a * h1)
+    out[2] += 0.5 * (b * b * d1 + 2.0 * b * sigma * h1 + h2)
+    out[3] += b * v2 + sigma * (t2h + 2.0 * a * th + a * a * h1)
+    out[4] += (b * b * b * d1 + 3.0 * b * b * sigma * h1 + 3.0 * b * h2 + sigma * h3) / 3.0
+    out[5] += 0.5 * (b * b * v1 + 2.0 * b * sigma * (th + a * h1) + th2 + a * h2)
+
+
+def mixed(lower, upper, ended):
+    """A number for a run, such that sums of them hardly ever coincide."""
+    key = ((int(lower) * 131 + int(upper)) * 4 + ended + 1) * 0x2545F491 & 0x3FFFFFFF
+    key ^= key >> 15
+    key = key * 0x45EBCA6B & 0x3FFFFFFF
+    key ^= key >> 13
+    key = key * 0x42B2AE35 & 0x3FFFFFFF
+    return key ^ (key >> 16)
+
+
+def run_moments(limbs, low, high, runs, spans, run, origin, one, two, below, out):
+    """Area and moments of a run into ``out`` (6,)."""
+    for m in range(6):
+        out[m] = 0.0
+        below[m] = 0.0
+    y0, y1 = spans[run, 0], spans[run, 1]
+    for end in range(2):
+        c = runs[run, end]
+        i = c >> 3
+        base = limbs[WZ, i] + offset(c & 3, low[i], high[i])
+        under(limbs, c, base, y0, y1, origin, one, two, below if end == 0 else out)
+    for m in range(6):
+        out[m] -= below[m]
+
+
+def measure(lows, highs, limbs, signs, table, size, origin, moments, marks, parts):
+    """Area and moments of many sections.
+
+    Args:
+        lows, highs: (N, n) S(ρ_min) and S(ρ_max) of every limb; a negative ``highs`` is out of
+            reach.
+        limbs: (6, n) w'_x, w'_y, w'_z, l, ρ_min, ρ_max.
+        signs: (n, 2) which signs are asked for at all.
+        table: (4^n,) which states are inside.
+        size: mm, a length of the machine.
+        origin: (2,) about which moments are taken.
+        moments: (N, 6) out: ∫ of 1, v, w, v², w², vw.
+        marks: (N,) out: equal where the sections are built alike.
+        parts: (N,) out: connected pieces.
+    """
+    n = limbs.shape[1]
+    most = 16 * n * n
+    where = np.empty((most, 2))
+    who = np.empty((most, 2), np.int64)
+    order = np.empty(most, np.int64)
+    borders = np.empty(most + 2)
+    runs = np.empty((MOST_RUNS, 4), np.int64)
+    spans = np.empty((MOST_RUNS, 2))
+    parent = np.empty(MOST_RUNS, np.int64)
+    one, two, below, out = np.empty(5), np.empty(5), np.empty(6), np.empty(6)
+    ends = np.empty(2)
+    bounds_of(limbs, ends)
+    for at in range(lows.shape[0]):
+        marks[at] = 0
+        parts[at] = 0
+        for m in range(6):
+            moments[at, m] = 0.0
+        reached = ends[0] < ends[1]
+        for i in range(n):
+            if highs[at, i] < 0.0:
+                reached = False
+        if not reached:
+            continue
+        count, last = sweep(
+            limbs, lows[at], highs[at], signs, table, ends, size,
+            where, who, order, borders, runs, spans, parent,
+        )
+        for run in range(count):
+            run_moments(
+                limbs, lows[at], highs[at], runs, spans, run, origin, one, two, below, out
+            )
+            for m in range(6):
+                moments[at, m] += out[m]
+            # A run that ends on the line |y| = l is another one than one that ends before it.
+            ended = (1 if runs[run, 2] == 0 else 0) + (2 if runs[run, 3] == last - 1 else 0)
+            marks[at] += mixed(runs[run, 0], runs[run, 1], ended)
+            if parent[run] == run:
+                parts[at] += 1
