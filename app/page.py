@@ -21,32 +21,31 @@ import numpy as np
 import viser
 
 from app import compute, session
-from app.explorer import Explorer, Found
 from app.exporting import ExportedFile, build_file, solid_name
-from app.ghosts import Ghosts
 from app.morph import Morph
 from app.panels.design import DesignPanel
-from app.panels.desk import Hands, Panel, Save, Sheet, Solutions, safely
+from app.panels.desk import Hands, Panel, Save, Sheet, safely
 from app.panels.header import Header
 from app.panels.hotkeys import add_hotkeys
 from app.panels.move import MovePanel
 from app.panels.review import ReviewPanel
+from app.panels.section import SectionPanel
 from app.panels.solutions import SolutionsPanel
 from app.panels.workspace import WorkspacePanel
+from app.parts import Part
+from app.requests import Request
 from app.scene import FIELD_OF_VIEW, Scene, machine_bounds
-from app.solver import Foreseen, Solved, Unsolved
-from app.state import Change, Drive, History, Place, Review, Visit
+from app.slicing import Slicing
+from app.solving import Solving
+from app.state import Change, History, Place, Review, Visit
 from app.worker import Built, Busy, Event, Failed, Worker
-from kinematics.errors import BohemiaError, InputError
+from kinematics.errors import InputError
 
 log = logging.getLogger(__name__)
 
 TICK = 0.25  # s between looks at the clock while nothing happens
 MOMENT = 0.03  # s, the same while a widget waits to be brought up to date
 FRAME = 0.02  # s, the same while the machine glides to another solution
-# The solutions pause so many times as long as bringing them up to date takes: seen in the scene, or
-# in the list alone.
-PAUSE_SEEN, PAUSE_LISTED = 1.0, 4.0
 SETTLED = 0.8  # s without a change before the session is saved
 PANEL_WIDTH = 400  # px
 
@@ -54,6 +53,7 @@ TABS: tuple[tuple[str, Callable[..., Panel]], ...] = (
     ("Move", MovePanel),
     ("Solutions", SolutionsPanel),
     ("Workspace", WorkspacePanel),
+    ("Section", SectionPanel),
     ("Design", DesignPanel),
     ("Review", ReviewPanel),
 )
@@ -80,16 +80,12 @@ class Page:
         self._session_file = session_file
         self._history = History(review)
         self._inbox: queue.SimpleQueue[Any] = queue.SimpleQueue()
-        self._scene = Scene(server)
-        self._ghosts = Ghosts(self._scene, lambda identity: self.visit(identity, None))
-        self._explorer = Explorer(self._inbox.put)
+        self.scene = Scene(server)
+        self._parts: tuple[Part, ...] = (Solving(self), Slicing(self))
         self._morph: Morph | None = None
-        self._solutions_late = False
-        self._solutions_drawn: object = None
-        self._solutions_from = 0.0  # the time from which they may be brought up to date again
         self._view: compute.View | None = None
         self._header: Header | None = None
-        self._panels: list[Panel] = []
+        self.panels: list[Panel] = []
         self._built: dict[str, Built] = {}
         self._busy: dict[str, Busy] = {}
         self._notes: tuple[str, ...] = ()
@@ -118,22 +114,15 @@ class Page:
         self._inbox.put("fit")
 
     def cancel(self) -> None:
-        if self._longest_work() is self._busy.get("solutions"):
-            self._explorer.solver.cancel()
-        else:
+        busy = self._longest_work()
+        part = next((p for p in self._parts if busy is not None and busy.lane in p.lanes), None)
+        if part is None or busy is None:
             self.worker.cancel()
+        else:
+            part.cancel(busy.lane)
 
-    def visit(self, identity: int, client: viser.ClientHandle | None) -> None:
-        self._inbox.put(("visit", identity, client))
-
-    def find_again(self) -> None:
-        self._inbox.put("find again")
-
-    def redraw_solutions(self) -> None:
-        self._inbox.put("solutions")
-
-    def choose_fold(self, index: int, longer: bool) -> None:
-        self._inbox.put(("fold", index, longer))
+    def ask(self, request: Request) -> None:
+        self._inbox.put(request)
 
     def complain(self, text: str, client: viser.ClientHandle | None = None) -> None:
         """Tell the person who asked, or everybody, what is wrong."""
@@ -151,10 +140,28 @@ class Page:
     def picture(self, client: viser.ClientHandle | None) -> None:
         if client is None:
             raise InputError("a picture is taken of one browser's view; press the button there")
-        self._apart(client, lambda: self.download(self._picture(client), client))
+        self.apart(client, lambda: self.download(self._picture(client), client))
 
     def scene_page(self, client: viser.ClientHandle | None) -> None:
-        self._apart(client, lambda: self.download(self._scene_page(), client))
+        self.apart(client, lambda: self.download(self._scene_page(), client))
+
+    # --- what parts ask for (Stage)
+
+    @property
+    def view(self) -> compute.View:
+        assert self._view is not None
+        return self._view
+
+    def put(self, item: object) -> None:
+        self._inbox.put(item)
+
+    def apart(self, client: viser.ClientHandle | None, act: Callable[[], None]) -> None:
+        """Do something that takes a while in a thread of its own; its failure is told."""
+
+        def work() -> None:
+            safely(self, client, act, "The file could not be made")
+
+        threading.Thread(target=work, daemon=True).start()
 
     # --- the loop
 
@@ -163,7 +170,8 @@ class Page:
         # Threads hand over to each other within a frame: the lanes must not wait for a drawing.
         sys.setswitchinterval(0.0005)
         self.worker.start()
-        self._explorer.solver.start()
+        for part in self._parts:
+            part.start()
         self._publish()
         add_hotkeys(self, lambda: self._history.present)
         while not self._stopping.is_set():
@@ -183,7 +191,8 @@ class Page:
                 self.complain("Something went wrong in the page itself; the last change was lost.")
         self._save_session()
         self.worker.stop()
-        self._explorer.solver.stop()
+        for part in self._parts:
+            part.stop()
 
     def stop(self) -> None:
         """End `run`; the session is saved on the way out."""
@@ -194,7 +203,7 @@ class Page:
         """How long to wait for the next input, s."""
         if self._morph is not None:
             return FRAME
-        return MOMENT if owing or self._solutions_late else TICK
+        return MOMENT if owing or any(part.late for part in self._parts) else TICK
 
     def _take(self, items: Sequence[Any]) -> None:
         redraw = solids = False
@@ -202,7 +211,7 @@ class Page:
             match item:
                 case _Asked(change, client):
                     if not _superseded(item, items[n + 1 :]):
-                        redraw |= self._apply(change, client)
+                        redraw |= self.apply(change, client)
                 case "undo" | "redo":
                     history = self._history
                     self._history = history.undo() if item == "undo" else history.redo()
@@ -216,55 +225,36 @@ class Page:
                     self._export(item)
                 case Built() | Failed() | Busy():
                     solids |= self._worked(item)
-                case Solved() | Foreseen() | Unsolved():
-                    self._found(item)
-                case "find again":
-                    assert self._view is not None
-                    self._explorer.find_again(self._view)
-                    self._redraw_solutions()
-                case ("fold", index, longer):
-                    self._explorer.choose_fold((index, longer))
-                    self._redraw_solutions()
-                case "solutions":
-                    self._redraw_solutions()
-                case ("visit", identity, client):
-                    self._explorer.await_visit(identity)
-                    redraw |= self._visit(client)
                 case ("drag", phase, client_id, pose):
                     redraw |= self._drag(phase, client_id, pose)
+                case _:
+                    for part in self._parts:
+                        redraw |= part.take(item)
         if redraw:
             self._publish()
         elif solids:
             self._publish_solids()
         self._glide()
-        self._explore()
+        for part in self._parts:
+            part.catch_up()
         self._show_work()
         if self._unsaved and time.monotonic() - self._changed_at > SETTLED:
             self._save_session()
 
-    def _apply(self, change: Change, client: viser.ClientHandle | None) -> bool:
+    def apply(self, change: Change, client: viser.ClientHandle | None) -> bool:
+        """Take a change; true when the page has to be brought to it."""
         try:
             self._history, note = self._history.apply(change, time.monotonic())
         except InputError as error:
             self.complain(str(error), client)
             return True
         self._touched((note,) if note else ())
-        if isinstance(change, Drive):
-            self._explorer.drove(change.index)
+        for part in self._parts:
+            part.applied(change)
         if isinstance(change, Visit) and self._view is not None:
             after = compute.view(self._history.present)
             self._morph = Morph(self._shown(), after, time.monotonic())
         return True
-
-    def _visit(self, client: viser.ClientHandle | None) -> bool:
-        """Go to the solution that a person chose, if the set is of the present actuators."""
-        assert self._view is not None
-        try:
-            due = self._explorer.visit(self._view)
-        except BohemiaError as error:
-            self.complain(str(error), client)
-            return False
-        return due is not None and self._apply(due, client)
 
     def _touched(self, notes: tuple[str, ...]) -> None:
         self._notes = notes
@@ -313,17 +303,18 @@ class Page:
         self.worker.want(view.wishes)
         with self.server.atomic():
             if review.design.mechanism != self._kind:
-                self._assemble(self._sheet())
+                self._assemble(self.sheet())
             self._theme(review)
-            self._scene.show(self._shown(), dragging=bool(self._dragging))
+            self.scene.show(self._shown(), dragging=bool(self._dragging))
             self._show_solids(view)
             self._draw_panels()
             if self._framed != review.design:
                 # Again when the first solid is there: it is larger than the machine.
                 self._framed, self._framed_with_solids = review.design, not view.wishes
                 self._fit()
+            for part in self._parts:
+                part.follow()
         self.server.flush()
-        self._solutions_late = True
 
     def _shown(self) -> compute.View:
         """The view that the scene has, or is to have now: on the way to a solution, or there."""
@@ -335,68 +326,22 @@ class Page:
         if self._morph is None:
             return
         with self.server.atomic():
-            self._scene.show(self._shown(), dragging=bool(self._dragging))
+            self.scene.show(self._shown(), dragging=bool(self._dragging))
         self.server.flush()
         if self._morph.over(time.monotonic()):
             self._morph = None
-
-    def _redraw_solutions(self) -> None:
-        self._solutions_late, self._solutions_drawn = True, None
-
-    def _found(self, event: Found) -> None:
-        assert self._view is not None
-        self._explorer.take(event, self._view)
-        self._redraw_solutions()
-        if self._visit(None):
-            self._publish()
-
-    def _explore(self) -> None:
-        """Bring the solutions up to date, after everything else and for a share of the time."""
-        now = time.monotonic()
-        if not self._solutions_late or self._view is None:
-            return
-        view, explorer = self._view, self._explorer
-        explorer.look(view)
-        if now < self._solutions_from:
-            return
-        self._solutions_late = False
-        explorer.catch_up(view)
-        # Who belongs to other actuators stays as it is while the hand moves: that costs nothing.
-        review, current = view.review, explorer.is_current(view)
-        drawn = explorer.known, review.atlas, review.options.dark, explorer.trouble, current
-        if not current and explorer.known is not None and drawn == self._solutions_drawn:
-            return
-        self._solutions_drawn = drawn
-        ahead, fold = explorer.folds(view)
-        solutions = Solutions(
-            explorer.atlas(view),
-            explorer.known,
-            ahead,
-            fold,
-            explorer.trouble,
-            explorer.fold_trouble,
-        )
-        sheet = self._sheet()
-        with self.server.atomic():
-            self._ghosts.show(view, solutions.atlas, fold)
-            for panel in self._panels:
-                panel.draw_solutions(sheet, solutions)
-        self.server.flush()
-        done = time.monotonic()
-        pause = PAUSE_SEEN if review.atlas.ghosts else PAUSE_LISTED
-        self._solutions_from = done + pause * (done - now)
 
     def _publish_solids(self) -> None:
         """Only solids came: the machine stands as it stood."""
         assert self._view is not None
         with self.server.atomic():
             self._show_solids(self._view)
-            sheet = self._sheet()
-            for panel in self._panels:
+            sheet = self.sheet()
+            for panel in self.panels:
                 panel.draw_solids(sheet)
         self.server.flush()
 
-    def _sheet(self) -> Sheet:
+    def sheet(self) -> Sheet:
         assert self._view is not None
         return Sheet(
             self._view,
@@ -407,10 +352,10 @@ class Page:
         )
 
     def _draw_panels(self) -> None:
-        sheet = self._sheet()
+        sheet = self.sheet()
         assert self._header is not None
         self._header.draw(sheet)
-        for panel in self._panels:
+        for panel in self.panels:
             panel.draw(sheet)
 
     def _show_solids(self, view: compute.View) -> None:
@@ -418,14 +363,14 @@ class Page:
         for spec in view.review.mechanism.solids(view.review.design):
             wish, built = wished.get(spec.key), self._built.get(spec.key)
             if wish is None:
-                self._scene.hide_solid(spec.key)
+                self.scene.hide_solid(spec.key)
                 self._built.pop(spec.key, None)
             elif built is None:
-                self._scene.hide_solid(spec.key)
-            elif built.wish.what == wish.what and not self._scene.shows(wish, built.solid):
-                self._scene.show_solid(wish, built.solid)
+                self.scene.hide_solid(spec.key)
+            elif built.wish.what == wish.what and not self.scene.shows(wish, built.solid):
+                self.scene.show_solid(wish, built.solid)
             else:  # the new solid is on its way; until then the old one stays where it was
-                self._scene.fade_solid(wish)
+                self.scene.fade_solid(wish)
 
     def _assemble(self, sheet: Sheet) -> None:
         """Make the panel and the scene's fixed parts for the mechanism of a review."""
@@ -436,15 +381,16 @@ class Page:
         self.gui.main_panel.dock_right()
         self.gui.main_panel.set_width(PANEL_WIDTH)
         self.gui.set_panel_label("Bohemia")
-        self._ghosts.prepare()
-        self._scene.prepare(review.mechanism.solids(review.design), sheet.view.drawing.size)
+        for part in self._parts:
+            part.prepare()
+        self.scene.prepare(review.mechanism.solids(review.design), sheet.view.drawing.size)
         self._header = Header(self, sheet)
         tabs = self.gui.add_tab_group()
-        self._panels = []
+        self.panels = []
         for title, panel in TABS:
             with tabs.add_tab(title):
-                self._panels.append(panel(self, sheet))
-        handle = self._scene.handle
+                self.panels.append(panel(self, sheet))
+        handle = self.scene.handle
         assert handle is not None
 
         async def dragged(event: viser.TransformControlsEvent) -> None:
@@ -459,14 +405,14 @@ class Page:
         who = -1 if client_id is None else client_id
         if phase == "end":
             self._dragging.discard(who)
-            self._scene.release_handle()
+            self.scene.release_handle()
             return True
         self._dragging.add(who)
         if not np.isfinite(placed).all():
             return False
         review = self._history.present
         pose = review.mechanism.pose_from_transform(review.design, placed)
-        return self._apply(Place(pose), None)
+        return self.apply(Place(pose), None)
 
     def _theme(self, review: Review) -> None:
         if review.options.dark == self._dark:
@@ -485,8 +431,8 @@ class Page:
 
     def _longest_work(self) -> Busy | None:
         """What a person waits for; the coarse lane is too quick to be worth a bar."""
-        lanes = (self._busy.get("fine"), self._busy.get("solutions"))
-        at_work = [busy for busy in lanes if busy is not None and busy.title is not None]
+        lanes = (busy for lane, busy in self._busy.items() if lane != "coarse")
+        at_work = [busy for busy in lanes if busy.title is not None]
         return min(at_work, key=lambda busy: busy.since, default=None)
 
     def _fit(self) -> None:
@@ -498,7 +444,7 @@ class Page:
                 placed = built.solid.mesh.vertices @ built.wish.placement[:3, :3].T
                 placed = placed + built.wish.placement[:3, 3]
                 low, high = np.minimum(low, placed.min(0)), np.maximum(high, placed.max(0))
-        position, target = self._scene.frame((low, high))
+        position, target = self.scene.frame((low, high))
         first = self.server.initial_camera
         first.near, first.far = drawing.size / 100.0, drawing.size * 80.0
         first.fov = FIELD_OF_VIEW
@@ -532,7 +478,7 @@ class Page:
             file = self.worker.apart(build_file, request, wish.placement, save.kind, name)
             self.download(file, save.client)
 
-        self._apart(save.client, save_it)
+        self.apart(save.client, save_it)
 
     def _picture(self, client: viser.ClientHandle) -> ExportedFile:
         import imageio.v3 as iio
@@ -547,14 +493,6 @@ class Page:
         page = self.server.scene.as_html()
         name = f"{solid_name(self._history.present.design, 'scene', ())}.html"
         return ExportedFile(name, page.encode(), "text/html")
-
-    def _apart(self, client: viser.ClientHandle | None, act: Callable[[], None]) -> None:
-        """Do something that takes a while in a thread of its own; its failure is told."""
-
-        def work() -> None:
-            safely(self, client, act, "The file could not be made")
-
-        threading.Thread(target=work, daemon=True).start()
 
     def _save_session(self) -> None:
         if self._session_file is None or not self._unsaved:

@@ -17,9 +17,12 @@ from app.atlas import Atlas, Known
 from app.compute import View
 from app.exporting import ExportedFile
 from app.folds import Ahead
+from app.requests import Request
+from app.slicer import Drawn, Region
 from app.state import Change
 from app.worker import Built
 from kinematics.errors import BohemiaError
+from kinematics.sections import Box, Sphere, Volume
 
 log = logging.getLogger(__name__)
 
@@ -79,10 +82,7 @@ class Desk(Protocol):
     def redo(self) -> None: ...
     def fit_view(self) -> None: ...
     def cancel(self) -> None: ...
-    def visit(self, identity: int, client: viser.ClientHandle | None) -> None: ...
-    def find_again(self) -> None: ...
-    def redraw_solutions(self) -> None: ...
-    def choose_fold(self, index: int, longer: bool) -> None: ...
+    def ask(self, request: Request) -> None: ...
     def export(self, save: Save) -> None: ...
     def download(self, file: ExportedFile, client: viser.ClientHandle | None) -> None: ...
     def picture(self, client: viser.ClientHandle | None) -> None: ...
@@ -117,6 +117,32 @@ class Solutions:
     fold_trouble: str
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class Sections:
+    """What is known of the workspace's sections and measures, as panels draw it.
+
+    Attributes:
+        region: the present workspace; the next two may be of the one before.
+        drawn: the newest section.
+        volume, volume_of: the newest volume, and of what it is.
+        ball, box: the largest ones in the present workspace, if a person asked for them.
+        trouble: what could not be computed.
+    """
+
+    region: Region
+    drawn: Drawn | None
+    volume: Volume | None
+    volume_of: Region | None
+    ball: Sphere | None
+    box: Box | None
+    trouble: str
+
+    @property
+    def current(self) -> bool:
+        """The volume is of the present workspace."""
+        return self.volume_of == self.region
+
+
 class Panel(Protocol):
     """One tab: made once for a mechanism, then redrawn."""
 
@@ -128,6 +154,9 @@ class Panel(Protocol):
 
     def draw_solutions(self, sheet: Sheet, solutions: Solutions) -> None:
         """The solutions changed, or their distances from here; most tabs show nothing of them."""
+
+    def draw_sections(self, sheet: Sheet, sections: Sections) -> None:
+        """A section, a volume, a ball or a box came; most tabs show nothing of them."""
 
 
 def answer(desk: Desk, handle: Any, act: Callable[[Any, viser.ClientHandle | None], None]) -> None:
@@ -285,3 +314,9 @@ def volume_text(mm3: float, error: float | None = None) -> str:
     decimals = min(max(0, math.ceil(-math.log10(error * scale))), 9)
     shown = math.ceil(error * scale * 10**decimals) / 10**decimals  # never less than it is
     return f"{value:,.{decimals}f} ± {shown:.{decimals}f} {unit}"
+
+
+def area_text(mm2: float) -> str:
+    """An area in the unit that reads best."""
+    value, unit = (mm2 * 1e-2, "cm²") if abs(mm2) >= 1e3 else (mm2, "mm²")
+    return f"{value:.4g} {unit}" if abs(value) < 1000 else f"{value:,.1f} {unit}".replace(",", " ")

@@ -28,6 +28,7 @@ from app.panels.desk import (
     tone,
 )
 from app.panels.glyphs import key_html, row_html, strokes_html, style
+from app.requests import ChooseFold, FindAgain, RedrawSolutions, VisitSolution
 from app.state import SAME_MODE, Drive, SetAtlas, Sort, Visit
 
 SORTED: dict[Sort, str] = {
@@ -118,7 +119,7 @@ class SolutionsPanel(Panel):
         self._again = button(
             desk,
             "Find all anew",
-            lambda _: desk.find_again(),
+            lambda _: desk.ask(FindAgain()),
             hint="Forget this set and find every solution from scratch",
         )
         with gui.add_folder("Fold ahead"):
@@ -232,11 +233,11 @@ class SolutionsPanel(Panel):
 
     def _visit(self, slot: int, client: viser.ClientHandle | None) -> None:
         if slot < len(self._rows) and not self._rows[slot].here:
-            self._desk.visit(self._rows[slot].identity, client)
+            self._desk.ask(VisitSolution(self._rows[slot].identity, client))
 
     def _show_more(self, _: viser.ClientHandle | None) -> None:
         self._limit += PAGE
-        self._desk.redraw_solutions()
+        self._desk.ask(RedrawSolutions())
 
     def _sorted_by(self, label: str, client: viser.ClientHandle | None) -> None:
         chosen = next(sort for sort, text in SORTED.items() if text == label)
@@ -257,7 +258,8 @@ class SolutionsPanel(Panel):
 
     def _choose_fold(self, name: str, _: Any) -> None:
         if name in self._folds:
-            self._desk.choose_fold(self._folds[name].index, self._folds[name].longer)
+            fold = self._folds[name]
+            self._desk.ask(ChooseFold(fold.index, fold.longer))
 
     def _go_to_fold(self, client: viser.ClientHandle | None) -> None:
         if self._fold is not None:

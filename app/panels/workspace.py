@@ -11,9 +11,11 @@ from app.modes import matching, page_mode
 from app.panels.desk import (
     Desk,
     Panel,
+    Sections,
     Sheet,
     answer,
     box,
+    button,
     chip,
     esc,
     explain,
@@ -22,9 +24,11 @@ from app.panels.desk import (
     tone,
     volume_text,
 )
+from app.requests import Forget, GoToBall, Inscribe
 from app.state import ChooseModes, Fade, Show
 from app.worker import Built
 from kinematics.mechanism import SolidSpec
+from kinematics.sections import Volume
 
 ALL, CURRENT, CHOSEN = "All working modes together", "The current working mode", "A chosen set"
 
@@ -35,8 +39,12 @@ thickness by the actuators' strokes and offset by −sᵢ (Figs. 9 to 15 of Tale
 Each vertex space is its main body (Fig. 12) less the holes H₁, H₂ and H₃ (Figs. 9 to 11), or the
 union of its two halves, one for each side of the U joint.
 
-While a slider moves the solid is coarse, when the hand rests it becomes fine. The volume is that of
-the solid shown, with an estimate of its error; pieces are parts that do not touch.
+While a slider moves the solid is coarse, when the hand rests it becomes fine. The first volume is
+that of the solid shown, with an estimate of its error; pieces are parts that do not touch. The
+**exact** volume is the integral of exact section areas (see the Section tab).
+
+The **largest ball** and the **largest box** along x, y, z inside the workspace are what one can use
+of it; a mechanism's data sheet quotes them.
 """
 
 
@@ -67,6 +75,10 @@ class WorkspacePanel(Panel):
         )
         answer(desk, self._set, self._choose_set)
         self._report = gui.add_html(_report(sheet))
+        self._measured: Sections | None = None
+        self._exact = gui.add_html("")
+        if review.mechanism.section_spec(review.design) is not None:
+            self._usable(desk)
         gui.add_html(box("<b>Vertex spaces of the limbs</b>"))
         self._all = gui.add_checkbox("All limbs", False)
         answer(desk, self._all, partial(self._show_all, specs))
@@ -99,8 +111,34 @@ class WorkspacePanel(Panel):
         put(self._desk, self._all, all(review.shown(key) for key in self._whole))
         self.draw_solids(sheet)
 
+    def draw_sections(self, sheet: Sheet, sections: Sections) -> None:
+        self._measured = sections
+        put_prop(self._exact, "content", _exact(sheet, sections))
+        put_prop(self._inscribed, "content", _inscribed(sections))
+        shown = sections.ball is not None or sections.box is not None
+        put_prop(self._hide, "visible", shown)
+        put_prop(self._go, "visible", sections.ball is not None)
+
+    def _usable(self, desk: Desk) -> None:
+        with desk.gui.add_folder("Usable workspace"):
+            self._here = desk.gui.add_checkbox(
+                "About the platform",
+                False,
+                hint="Centred where the platform is; otherwise wherever the most room is",
+            )
+            button(desk, "Largest ball", lambda _: desk.ask(Inscribe("ball", self._here.value)))
+            button(desk, "Largest box", lambda _: desk.ask(Inscribe("box", self._here.value)))
+            self._inscribed = desk.gui.add_html("")
+            self._go = button(
+                desk, "Platform to the ball's centre", lambda client: desk.ask(GoToBall(client))
+            )
+            self._hide = button(desk, "Hide them", lambda _: desk.ask(Forget()))
+            self._go.visible = self._hide.visible = False
+
     def draw_solids(self, sheet: Sheet) -> None:
         put_prop(self._report, "content", _report(sheet))
+        if self._measured is not None:
+            put_prop(self._exact, "content", _exact(sheet, self._measured))
         put_prop(self._parts, "content", _parts(sheet))
 
     def _switch(self, spec: SolidSpec, title: str, sheet: Sheet) -> None:
@@ -195,3 +233,59 @@ def _parts(sheet: Sheet) -> str:
         )
         rows.append(f"{chip(palette.solid_color(spec))}{esc(spec.title)}: {text}")
     return box("<br>".join(rows)) if rows else ""
+
+
+def _exact(sheet: Sheet, sections: Sections) -> str:
+    """The volume by exact sections, beside that of the solid."""
+    volume = sections.volume
+    if sections.trouble:
+        return box(f'<b style="color:{palette.BEYOND}">{esc(sections.trouble)}</b>')
+    if volume is None:
+        return box("The exact volume is on its way …")
+    if not sections.current:
+        return box(f'<span style="opacity:.5">{_exact_text(volume)}</span>')
+    lines = [_exact_text(volume)]
+    built = sheet.built.get("workspace")
+    if built is not None and volume.value > 0.0 and _what(built) == sections.region.what:
+        off = built.solid.volume - volume.value
+        share = f"{100 * off / volume.value:+.2g}".replace("-", "−")
+        lines.append(
+            f'<span style="opacity:.75">the {built.resolution} solid differs by '
+            f"{_signed(off)} mm³ ({share} %)</span>"
+        )
+    return box("<br>".join(lines))
+
+
+def _what(built: Built) -> tuple[object, ...]:
+    """Of what a solid is; it may still be of the workspace before."""
+    request = built.wish.requests[built.resolution]
+    return request.mechanism, *request.arguments
+
+
+def _exact_text(volume: Volume) -> str:
+    exact = f"{volume.value:,.0f} ± {volume.error:,.2g} mm³".replace(",", " ")
+    return (
+        f"Exact: <b>{volume_text(volume.value, volume.error)}</b> "
+        f'<span style="opacity:.75">({exact})</span>'
+    )
+
+
+def _signed(value: float) -> str:
+    return f"{value:+,.0f}".replace(",", " ").replace("-", "−")
+
+
+def _inscribed(sections: Sections) -> str:
+    lines = []
+    if sections.ball is not None:
+        x, y, z = sections.ball.center
+        lines.append(
+            f"Ball: radius <b>{sections.ball.radius:.2f} mm</b> about {x:.1f}, {y:.1f}, {z:.1f} mm"
+        )
+    if sections.box is not None:
+        sides = " × ".join(f"{v:.1f}" for v in sections.box.high - sections.box.low)
+        x, y, z = 0.5 * (sections.box.low + sections.box.high)
+        lines.append(
+            f"Box: <b>{sides} mm</b> about {x:.1f}, {y:.1f}, {z:.1f} mm, "
+            f"{volume_text(sections.box.volume)}"
+        )
+    return box("<br>".join(lines)) if lines else ""

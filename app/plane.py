@@ -1,0 +1,236 @@
+"""The section in the scene, and the ball and the box inside the workspace.
+
+All meshes were made before the solids', with their origins at zero, so that the browser draws them
+first and no translucent solid hides them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import viser.transforms as tf
+
+from app import palette
+from app.scene import Scene
+from app.slicer import Drawn, Extent
+from kinematics.sections import Box, Sphere
+from kinematics.spatial import Array
+
+LIMBS = 8  # nodes of edges; more than any mechanism has
+AHEAD = 0.4  # mm by which the edges stand before the plane
+ROOM = 0.06  # of the region's size around it in the outline of the plane
+INSIDE = palette.mixed(palette.WORKSPACE, -0.4)
+_NOTHING = np.zeros((3, 3), dtype=np.float32)
+_ONE_FACE = np.array([[0, 1, 2]], dtype=np.uint32)
+_NO_LINE = np.zeros((1, 2, 3), dtype=np.float32)
+
+
+class Plane:
+    """Scene nodes of the section; made once for a mechanism, then only brought up to date."""
+
+    def __init__(self, scene: Scene, moved: Callable[[str, int | None, float], None]) -> None:
+        self._scene = scene
+        self._moved = moved
+        self._frame: Any = None
+        self._fill: Any = None
+        self._outline: Any = None
+        self._edges: list[Any] = []
+        self._handle: Any = None
+        self._drawn: Drawn | None = None
+        self._placed: object = None
+
+    def prepare(self, size: float) -> None:
+        """Make the nodes, with nothing to see; call it before the solids' are made."""
+        scene = self._scene.server.scene
+        self._frame = scene.add_frame("/section", show_axes=False, visible=False)
+        self._fill = scene.add_mesh_simple(
+            "/section/fill",
+            _NOTHING,
+            _ONE_FACE,
+            color=palette.rgb(palette.WORKSPACE),
+            opacity=0.6,
+            side="double",
+            cast_shadow=False,
+            receive_shadow=False,
+        )
+        self._outline = scene.add_line_segments(
+            "/section/outline",
+            _NO_LINE,
+            palette.rgb(palette.WORKSPACE),
+            thickness=1.5,
+            thickness_units="screen",
+        )
+        self._edges = [
+            scene.add_line_segments(
+                f"/section/edges{limb}",
+                _NO_LINE,
+                palette.rgb(palette.limb_color(limb)),
+                thickness=3.0,
+                thickness_units="screen",
+                visible=False,
+            )
+            for limb in range(1, LIMBS + 1)
+        ]
+        self._handle = scene.add_transform_controls(
+            "/section/handle",
+            scale=0.3 * size,
+            line_width=3.0,
+            active_axes=(True, False, False),
+            disable_sliders=True,
+            disable_rotations=True,
+            translation_limits=((-1e4, 1e4),) * 3,
+            depth_test=False,
+            opacity=0.85,
+        )
+        self._drawn = self._placed = None
+
+        async def dragged(event: Any) -> None:
+            self._moved(event.phase, event.client_id, float(event.target.position[0]))
+
+        self._handle.on_update(dragged)
+
+    def place(
+        self, frame: Array, at: float, extent: Extent | None, *, on: bool, dragging: bool
+    ) -> None:
+        """Put plane and handle where the review has them; what fills it comes by `fill`."""
+        placed = (frame.tobytes(), at, id(extent), on, dragging)
+        if placed == self._placed:
+            return
+        self._placed = placed
+        if self._frame.visible != on:
+            self._frame.visible = on
+        if not on:
+            return
+        self._frame.wxyz = tf.SO3.from_matrix(frame[:3, :3]).wxyz
+        self._frame.position = frame[:3, 3]
+        across = None if extent is None else extent.across
+        if across is None:
+            self._outline.points = _NO_LINE
+            corner = (0.0, 0.0)
+        else:
+            low, high = np.array(across).T
+            room = ROOM * float((high - low).max())
+            low, high = low - room, high + room
+            flat = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
+            ring = np.column_stack([np.full(4, at), flat])
+            self._outline.points = np.stack([ring, np.roll(ring, -1, axis=0)], axis=1).astype(
+                np.float32
+            )
+            corner = (float(low[0]), float(high[1]))
+        if not dragging:  # the hand that holds it decides where it is
+            self._handle.position = (at, *corner)
+
+    def fill(self, drawn: Drawn) -> None:
+        """Show a section in the plane."""
+        if drawn is self._drawn:
+            return
+        before, self._drawn = self._drawn, drawn
+        if before is not None and before.section is drawn.section:
+            return
+        if len(drawn.triangles):
+            self._fill.vertices = drawn.points.astype(np.float32)
+            self._fill.faces = drawn.triangles.astype(np.uint32)
+        else:
+            self._fill.vertices, self._fill.faces = _NOTHING, _ONE_FACE
+        for limb, node in enumerate(self._edges, 1):
+            own = drawn.lines[drawn.line_limb == limb]
+            if node.visible != bool(len(own)):
+                node.visible = bool(len(own))
+            if len(own):
+                node.points = (own + np.array([AHEAD, 0.0, 0.0])).astype(np.float32)
+
+
+class Inside:
+    """Scene nodes of the largest ball and of the largest box."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        self._ball: Any = None
+        self._box: Any = None
+        self._frame: Any = None
+        self._labels: tuple[Any, Any] = (None, None)
+
+    def prepare(self) -> None:
+        """Make the nodes, with nothing to see; call it before the solids' are made."""
+        scene = self._scene.server.scene
+        self._ball, self._box = (
+            scene.add_mesh_simple(
+                f"/inside/{name}",
+                _NOTHING,
+                _ONE_FACE,
+                color=palette.rgb(INSIDE),
+                opacity=0.55,
+                side="front",
+                flat_shading=name == "box",
+                cast_shadow=False,
+                receive_shadow=False,
+                visible=False,
+            )
+            for name in ("ball", "box")
+        )
+        self._frame = scene.add_line_segments(
+            "/inside/frame",
+            _NO_LINE,
+            palette.rgb(palette.mixed(INSIDE, -0.4)),
+            thickness=1.5,
+            thickness_units="screen",
+            visible=False,
+        )
+        ball, box = (
+            scene.add_label(f"/labels/{name}", "", anchor="bottom-center", visible=False)
+            for name in ("largest ball", "largest box")
+        )
+        self._labels = ball, box
+
+    def show(self, ball: Sphere | None, box: Box | None) -> None:
+        """Bring them to these; None hides one."""
+        of_ball, of_box = self._labels
+        for node in (self._ball, of_ball):
+            node.visible = ball is not None
+        for node in (self._box, self._frame, of_box):
+            node.visible = box is not None
+        if ball is not None:
+            vertices, faces = _BALL
+            self._ball.vertices = (ball.center + ball.radius * vertices).astype(np.float32)
+            self._ball.faces = faces
+            of_ball.text = f"radius {ball.radius:.1f} mm"
+            of_ball.position = tuple(ball.center + np.array([0.0, 0.0, ball.radius]))
+        if box is not None:
+            corners = np.where(_CORNERS, box.high, box.low)
+            self._box.vertices, self._box.faces = corners.astype(np.float32), _BOX_FACES
+            self._frame.points = corners[_BOX_EDGES].astype(np.float32)
+            size = " × ".join(f"{side:.1f}" for side in box.high - box.low)
+            of_box.text = f"{size} mm"
+            middle = 0.5 * (box.low + box.high)
+            of_box.position = (float(middle[0]), float(middle[1]), float(box.high[2]))
+
+
+def _sphere(rings: int = 24, sides: int = 48) -> tuple[Array, np.ndarray]:
+    """A unit sphere: vertices (V, 3) and faces (F, 3) turned outwards."""
+    polar, around = np.meshgrid(
+        np.pi * np.arange(rings + 1) / rings,
+        2 * np.pi * np.arange(sides) / sides,
+        indexing="ij",
+    )
+    vertices = np.stack(
+        [np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar)], axis=-1
+    ).reshape(-1, 3)
+    ring, side = np.meshgrid(np.arange(rings), np.arange(sides), indexing="ij")
+    a, b = ring * sides + side, ring * sides + (side + 1) % sides
+    faces = np.stack([a, a + sides, b, b, a + sides, b + sides], axis=-1).reshape(-1, 3)
+    return vertices, faces.astype(np.uint32)
+
+
+_BALL = _sphere()
+_CORNERS = np.array([[n & 1, n >> 1 & 1, n >> 2 & 1] for n in range(8)], dtype=bool)
+_BOX_EDGES = np.array([[n, n | 1 << k] for n in range(8) for k in range(3) if not n >> k & 1])
+_BOX_FACES = np.array(
+    [
+        [0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6],
+        [0, 1, 4], [1, 5, 4], [2, 6, 3], [3, 6, 7],
+        [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5],
+    ],
+    dtype=np.uint32,
+)  # fmt: skip

@@ -1,0 +1,98 @@
+"""What a person may ask for that does not change the review: plain values for the page's loop."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    import viser
+
+
+@dataclass(frozen=True, slots=True)
+class VisitSolution:
+    """Go to a solution of the list, by its number."""
+
+    identity: int
+    client: viser.ClientHandle | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class FindAgain:
+    """Forget the solutions and find them all from scratch."""
+
+
+@dataclass(frozen=True, slots=True)
+class RedrawSolutions:
+    """The list is to be drawn again, as when it shows more of itself."""
+
+
+@dataclass(frozen=True, slots=True)
+class ChooseFold:
+    """Tell of the fold of this actuator, as it grows or shrinks."""
+
+    index: int
+    longer: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Inscribe:
+    """Find the largest ball or box in the workspace, about the platform or anywhere."""
+
+    what: Literal["ball", "box"]
+    here: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Forget:
+    """Take the ball and the box off display."""
+
+
+@dataclass(frozen=True, slots=True)
+class GoToBall:
+    """Put the platform into the middle of the largest ball, at its present orientation."""
+
+    client: viser.ClientHandle | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class SaveSection:
+    """Save the section as a file of this kind."""
+
+    kind: str
+    client: viser.ClientHandle | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class StartMap:
+    """Compute the map that is chosen."""
+
+    client: viser.ClientHandle | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class StopMap:
+    """Give up the map that is being computed."""
+
+
+@dataclass(frozen=True, slots=True)
+class SaveMap:
+    """Save the map as a file of this kind."""
+
+    kind: str
+    client: viser.ClientHandle | None = None
+
+
+Request = (
+    VisitSolution
+    | FindAgain
+    | RedrawSolutions
+    | ChooseFold
+    | Inscribe
+    | Forget
+    | GoToBall
+    | SaveSection
+    | StartMap
+    | StopMap
+    | SaveMap
+)

@@ -1,0 +1,180 @@
+"""What is computed of sections, in a process of its own: pure functions and plain results.
+
+A section takes some 50 µs once the compiled code is there, a volume some 10 ms; what is drawn of a
+section is made here too, so that the page's loop only passes it on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from app.section_plot import Bounds, section_bounds, section_svg
+from app.state import Review, point_in_section
+from kinematics.mechanism import Design, mechanism
+from kinematics.sections import Box, Section, Sphere, Volume
+from kinematics.spatial import Array
+
+LOOKS = 24  # sections from which the extent of a workspace in its planes is taken
+STEP = 6.0  # mm, the longest chord of an arc in the scene
+ON_PLANE = 0.05  # mm; the platform is in a plane that it is not farther from
+PLOT = (384.0, 372.0)  # px
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """The workspace that is cut and measured. Regions are equal where the workspaces are.
+
+    ``what`` is everything that it depends on.
+    """
+
+    what: tuple[Any, ...]
+    design: Design = field(compare=False)
+    pose: tuple[float, ...] = field(compare=False)
+    modes: tuple[str, ...] | None = field(compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """A section to draw: of what, where (mm), for a light or a dark page.
+
+    ``mark`` is where the platform stands in the plane, mm.
+    """
+
+    region: Region
+    at: float
+    mark: tuple[float, float] | None
+    dark: bool
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Extent:
+    """Where a workspace is: along the normal of its sections, and in their planes; mm.
+
+    Both are None if it is empty.
+    """
+
+    along: tuple[float, float] | None
+    across: Bounds | None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Drawn:
+    """A section as the page shows it.
+
+    Attributes:
+        points: (N, 3) mm in the frame of sections, of the filled region.
+        triangles: (F, 3) of them.
+        lines: (S, 2, 3) mm along the edges.
+        line_limb: (S,) from 1.
+        svg: the plot.
+    """
+
+    wish: Wish
+    section: Section
+    extent: Extent
+    points: Array
+    triangles: np.ndarray
+    lines: Array
+    line_limb: np.ndarray
+    svg: str
+
+
+def region(review: Review) -> Region:
+    """What is cut in a review whose mechanism has sections."""
+    kind, design, modes = review.mechanism, review.design, review.solver_modes
+    request = kind.solid_request(design, "workspace", review.pose, modes, "fine")
+    what = (request.mechanism, *request.arguments)
+    return Region(what, design, review.pose, modes)
+
+
+def wish(review: Review) -> Wish:
+    """The section that a review shows."""
+    x, y, z = point_in_section(review)
+    mark = (y, z) if abs(x - review.cut.at) < ON_PLANE else None
+    return Wish(region(review), review.cut.at, mark, review.options.dark)
+
+
+# --- called in the process ----------------------------------------------------------------
+
+
+def draw(wanted: Wish) -> Drawn:
+    """The section, the region filled, its edges, its plot."""
+    of = wanted.region
+    kind = mechanism(of.design.mechanism)
+    section = kind.section(of.design, of.pose, of.modes, wanted.at)
+    spec = kind.section_spec(of.design)
+    assert spec is not None
+    reach = extent(of)
+    points, triangles = filled(section)
+    lines, limbs = edges(section)
+    svg = section_svg(
+        section,
+        spec,
+        width=PLOT[0],
+        height=PLOT[1],
+        dark=wanted.dark,
+        standalone=False,
+        mark=wanted.mark,
+        bounds=reach.across,
+    )
+    return Drawn(wanted, section, reach, points, triangles, lines, limbs, svg)
+
+
+@lru_cache(maxsize=16)
+def extent(of: Region) -> Extent:
+    """Where the workspace is; from so many sections that a picture of it does not jump."""
+    kind = mechanism(of.design.mechanism)
+    along = kind.section_range(of.design, of.pose, of.modes)
+    if along is None:
+        return Extent(None, None)
+    places = np.linspace(*along, LOOKS + 2)[1:-1]
+    cuts = [kind.section(of.design, of.pose, of.modes, float(at)) for at in places]
+    found = np.array([section_bounds(cut) for cut in cuts if cut.loops]).reshape(-1, 2, 2)
+    if not len(found):
+        return Extent(along, None)
+    (u0, v0), (u1, v1) = found[:, :, 0].min(axis=0), found[:, :, 1].max(axis=0)
+    return Extent(along, ((float(u0), float(u1)), (float(v0), float(v1))))
+
+
+def measure(of: Region) -> Volume:
+    """The exact volume."""
+    return mechanism(of.design.mechanism).volume(of.design, of.pose, of.modes)
+
+
+def sphere(of: Region, center: Sequence[float] | None) -> Sphere | None:
+    """The largest ball inside."""
+    return mechanism(of.design.mechanism).sphere(of.design, of.pose, of.modes, center)
+
+
+def box(of: Region, center: Sequence[float] | None) -> Box | None:
+    """The largest box inside."""
+    return mechanism(of.design.mechanism).box(of.design, of.pose, of.modes, center)
+
+
+def filled(section: Section) -> tuple[Array, np.ndarray]:
+    """Points (N, 3) in the frame of sections and triangles (F, 3) that fill a section."""
+    from kinematics.solids import flat_triangles  # manifold3d is loaded only in the process
+
+    loops = [section.polyline(n, STEP) for n in range(section.loops)]
+    triangles = flat_triangles(loops)
+    flat = np.concatenate(loops) if loops else np.empty((0, 2))
+    return _raised(flat, section.at), triangles
+
+
+def edges(section: Section) -> tuple[Array, np.ndarray]:
+    """Line segments (S, 2, 3) along the edges, and whose each is, limbs from 1."""
+    runs = [section.edge_points(k, STEP) for k in range(len(section.limb))]
+    pairs = [np.stack([run[:-1], run[1:]], axis=1) for run in runs]
+    flat = np.concatenate(pairs) if pairs else np.empty((0, 2, 2))
+    limbs = np.repeat(section.limb, [len(pair) for pair in pairs])
+    return _raised(flat, section.at), limbs
+
+
+def _raised(flat: Array, at: float) -> Array:
+    """Points (..., 2) of a plane at ``at`` as points (..., 3)."""
+    return np.concatenate([np.full((*flat.shape[:-1], 1), at), flat], axis=-1)
