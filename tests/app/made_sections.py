@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import acos, pi, sqrt
+from math import acos, pi, sin, sqrt
 
 import numpy as np
 
@@ -122,3 +122,12 @@ TWO = made(
 
 EMPTY = made([], [], [], circles([(-80, 0), (80, 0)], [50.0, 50.0]))
 """Two discs that do not meet."""
+
+
+def area_by_edge(start: complex, end: complex, turn: float) -> float:
+    """What an edge adds to the area by Green's theorem; ``turn`` is 0 of a line."""
+    triangle = (start.conjugate() * end).imag / 2
+    if turn == 0.0:
+        return triangle
+    radius = abs(end - start) / 2 / abs(sin(turn / 2))
+    return triangle + radius**2 / 2 * (turn - sin(turn))
