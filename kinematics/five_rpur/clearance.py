@@ -25,17 +25,17 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.errors import InputError
 from kinematics.five_rpur import inverse
 from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
-from kinematics.spatial import Array, finite, rotation_x, rotation_y
+from kinematics.five_rpur.offsets import aligned_offsets
+from kinematics.spatial import Array, rotation_y
 
 Ints = NDArray[np.intp]
 Mask = NDArray[np.bool_]
 
 SETS = 2 * LIMBS
 """Set 2 i is limb i + 1 in mode +, set 2 i + 1 the same limb in mode −."""
-_SIGN = np.array([1.0, -1.0] * LIMBS)
+SIGN = np.array([1.0, -1.0] * LIMBS)
 _LIMB = np.arange(SETS) // 2
 _STRICT = 1e-9  # part of the machine's size by which a set must cover a point to count
 
@@ -98,11 +98,9 @@ class Region:
         modes: Iterable[str] | None,
         detail: int = 96,
     ) -> Region:
-        angles = finite([phi, theta], name="phi and theta")
-        if angles.shape != (2,):
-            raise InputError("phi and theta must be one number each")
-        turn = rotation_y(angles[1])
-        offset = design.base - design.platform @ (turn @ rotation_x(angles[0])).T
+        offset = aligned_offsets(design, phi, theta)
+        turn = rotation_y(theta)
+        offset = offset @ turn.T
         return cls(offset, design.link, design.stroke, turn[[0, 2], 2], mode_table(modes), detail)
 
     @cached_property
@@ -131,7 +129,7 @@ class Region:
         low, high = np.full(3, -np.inf), np.full(3, np.inf)
         low[1], high[1] = self.span
         for limb in range(LIMBS):
-            signs = _SIGN[self.used[_LIMB[self.used] == limb]]
+            signs = SIGN[self.used[_LIMB[self.used] == limb]]
             heights = self._heights_between(limb, *self.span)
             shift = np.array([s * h for s in signs for h in heights])
             for axis, lean in zip((0, 2), self.lean, strict=True):
@@ -152,25 +150,56 @@ class Region:
         x, y, z = np.moveaxis(points, -1, 0)
         code = np.zeros(x.shape, dtype=np.intp)
         for limb in np.unique(_LIMB[self.used]):
-            dx, dy, dz = x - self.offset[limb, 0], y - self.offset[limb, 1], z - self.offset[limb, 2]
+            dx, dy, dz = (
+                x - self.offset[limb, 0],
+                y - self.offset[limb, 1],
+                z - self.offset[limb, 2],
+            )
             room = (self.link[limb] - dy) * (self.link[limb] + dy)
             h = np.sqrt(np.maximum(room, 0.0))
             low, high = self.stroke[limb]
             near = (low + margin) ** 2 if low > 0 else -1.0
             far = max(high - margin, 0.0) ** 2
             for k in self.used[_LIMB[self.used] == limb]:
-                shift = _SIGN[k] * h
+                shift = SIGN[k] * h
                 square = (dx - shift * self.lean[0]) ** 2 + (dz - shift * self.lean[1]) ** 2
                 code |= ((square > near) & (square < far) & (room > 0.0)).astype(np.intp) << k
         return code
 
     def inside(self, points: Array) -> Mask:
         """Whether points (..., 3) lie inside the region."""
-        return self.table[self.covering(points)]
+        return np.asarray(self.table[self.covering(points)])
 
     def uncovered(self, points: Array, own: Ints) -> Mask:
         """Whether points on surfaces of the sets in the bit codes ``own`` bound the region."""
-        return ~self.table[self.covering(points, _STRICT * self.size) & ~own]
+        return np.asarray(~self.table[self.covering(points, _STRICT * self.size) & ~own])
+
+    def cells(self, axes: tuple[Array, Array, Array], half: Array | None = None) -> Mask:
+        """Whether the nodes of a grid lie inside, (nx, ny, nz).
+
+        With ``half`` (3,), half the sides of a cell about each node: whether a cell may have
+        anything inside; False is certain.
+        """
+        x, y, z = axes
+        hx, hy, hz = np.zeros(3) if half is None else half
+        code = np.zeros((len(x), len(y), len(z)), dtype=np.uint16)
+        for limb in np.unique(_LIMB[self.used]):
+            dy, link = y - self.offset[limb, 1], self.link[limb]
+            nearest, farthest = np.maximum(np.abs(dy) - hy, 0.0), np.abs(dy) + hy
+            top, bottom = (np.sqrt(np.maximum(link**2 - d**2, 0.0)) for d in (nearest, farthest))
+            h, spread = 0.5 * (top + bottom), 0.5 * (top - bottom) + np.hypot(hx, hz)
+            low, high = self.stroke[limb]
+            near = np.where(low > spread, low - spread, -1.0)
+            near = np.where(nearest < link, np.sign(near) * near**2, np.inf)[:, None]
+            far = ((high + spread) ** 2)[:, None]
+            for k in self.used[_LIMB[self.used] == limb]:
+                shift = self.offset[limb, 0] + SIGN[k] * h * self.lean[0]
+                across = (x[:, None] - shift) ** 2
+                shift = self.offset[limb, 2] + SIGN[k] * h * self.lean[1]
+                square = across[:, :, None] + (z - shift[:, None]) ** 2
+                code |= ((square > near) & (square < far)).astype(np.uint16) << np.uint16(k)
+        inside: Mask = self.table[code]
+        return inside
 
     # --- tubes
 
@@ -188,7 +217,7 @@ class Region:
     def axis(self, sets: Ints, beta: Array) -> tuple[Array, Array, Array]:
         """x, y, z of the centre of sets' annuli at y = y_i + l cos β, as broadcast."""
         limb = _LIMB[sets]
-        shift = _SIGN[sets] * self.link[limb] * np.sin(beta)
+        shift = SIGN[sets] * self.link[limb] * np.sin(beta)
         return (
             self.offset[limb, 0] + shift * self.lean[0],
             self.offset[limb, 1] + self.link[limb] * np.cos(beta),
@@ -243,20 +272,19 @@ class Curves:
         pair = table[:, :2].astype(np.intp)
         all_ = cls(region, pair, table[:, 2:4], table[:, 4], everywhere)
         count = 4 * region.detail
-        turn = np.broadcast_to(np.linspace(0.0, np.pi, count), (len(table), count))
+        evenly = np.linspace(0.0, np.pi, count)
+        turn = np.broadcast_to(evenly, (len(table), count))
         kept = all_._kept(np.arange(len(table)), turn)
         padded = np.zeros((len(table), count + 2), dtype=bool)
         padded[:, 1:-1] = kept
         which, first = np.nonzero(padded[:, 1:-1] & ~padded[:, :-2])
         _, last = np.nonzero(padded[:, 1:-1] & ~padded[:, 2:])
-        step = np.pi / (count - 1)
-        reach = np.stack(
-            [
-                all_._end(which, first * step, np.maximum(first - 1, 0) * step),
-                all_._end(which, last * step, np.minimum(last + 1, count - 1) * step),
-            ],
-            axis=-1,
-        )
+        before, after = np.maximum(first - 1, 0), np.minimum(last + 1, count - 1)
+        ends = [
+            all_._end(which, evenly[kept_at], evenly[lost_at])
+            for kept_at, lost_at in ((first, before), (last, after))
+        ]
+        reach = np.stack(ends, axis=-1)
         return cls(region, pair[which], table[which, 2:4], table[which, 4], reach)
 
     def _end(self, which: Ints, kept: Array, lost: Array) -> Array:
@@ -307,7 +335,7 @@ class Curves:
 
     def _height(self, k: Ints, y: Array) -> Array:
         link, dy = self.region.link[_LIMB[k]], y - self.region.offset[_LIMB[k], 1]
-        signed: Array = _SIGN[k] * np.sqrt(np.maximum((link - dy) * (link + dy), 0.0))
+        signed: Array = SIGN[k] * np.sqrt(np.maximum((link - dy) * (link + dy), 0.0))
         return signed
 
     def at(self, which: Ints, s: Array) -> Array:
@@ -361,9 +389,6 @@ class Contacts:
     at: Array
 
 
-_FEW = np.empty(0, dtype=np.intp)
-
-
 def contacts(region: Region, probe: Probe, band: float, rounds: int = 8) -> Contacts:
     """The nearest points on tubes and curves, and local minima up to ``band`` mm farther.
 
@@ -408,10 +433,9 @@ def contacts(region: Region, probe: Probe, band: float, rounds: int = 8) -> Cont
 
 def _minima(values: Array, limit: float) -> tuple[Ints, Ints]:
     """Rows and columns of local minima along the rows, up to a limit."""
-    if not values.size:
-        return _FEW, _FEW
-    padded = np.pad(values, ((0, 0), (1, 1)), constant_values=np.inf)
-    lowest = (values <= padded[:, :-2]) & (values < padded[:, 2:]) & (values <= limit)
+    lowest = values <= limit
+    lowest[:, 1:] &= values[:, 1:] <= values[:, :-1]
+    lowest[:, :-1] &= values[:, :-1] < values[:, 1:]
     row, column = np.nonzero(lowest)
     return row, column
 

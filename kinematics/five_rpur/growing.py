@@ -1,0 +1,387 @@
+"""Balls and boxes that grow inside a region until contacts hold them from all sides.
+
+Each step solves a small concave program over the contacts (`clearance.contacts`) within reach, a
+trust region; it is taken only where the body really becomes larger. Lengths mm.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+
+import numpy as np
+
+from kinematics.five_rpur.clearance import SIGN, Contacts, Ints, Region, contacts
+from kinematics.spatial import Array
+
+ERROR = 1e-9
+"""Part of the machine's size by which a distance may be wrong."""
+_REACH = 0.03  # of the machine's size, the first and the longest step
+_STEPS = 40
+_GAIN = 1e-7  # the part by which a box must still be hoped to grow
+
+
+def concave_program(
+    rows: Array, room: Array, slope: Array, curvature: Array
+) -> tuple[Array, Array]:
+    """Maximise slope·x + x·curvature·x / 2 where ``rows @ x + room`` >= 0 and all |x| <= 1.
+
+    Primal-dual interior point method from x = 0, which need not be feasible.
+
+    Args:
+        rows: (m, n).
+        room: (m,).
+        slope: (n,).
+        curvature: (n, n), negative semidefinite.
+
+    Returns:
+        x and the multipliers (m,) of the rows.
+    """
+    n = rows.shape[1]
+    unit = np.eye(n)
+    rows = np.concatenate([rows, unit, -unit])
+    room = np.concatenate([room, np.ones(2 * n)])
+    x = np.zeros(n)
+    slack = np.maximum(room, 0.1)
+    weight = 0.1 / slack
+    for _ in range(40):
+        dual = -slope - curvature @ x - weight @ rows
+        primal = rows @ x + room - slack
+        mean = float(slack @ weight) / len(room)
+        if mean < 1e-11 and np.abs(dual).max() < 1e-8 and np.abs(primal).max() < 1e-11:
+            break
+        ratio = weight / slack
+        matrix = (rows.T * ratio) @ rows - curvature
+
+        # First towards the bounds, to see how far they let go; then to a share of the mean.
+        target = 0.0
+        for last in (False, True):
+            wanted = target / slack - weight - ratio * primal
+            dx = np.linalg.solve(matrix, wanted @ rows - dual)
+            ds = rows @ dx + primal
+            dw = (target - weight * ds) / slack - weight
+            short = float(np.concatenate([ds / slack, dw / weight]).min())
+            length = min(1.0, 0.995 / max(-short, 1e-300))
+            if not last:
+                ahead = float((slack + length * ds) @ (weight + length * dw)) / len(room)
+                target = (ahead / mean) ** 3 * mean
+        x, slack, weight = x + length * dx, slack + length * ds, weight + length * dw
+    return x, weight[: len(room) - 2 * n]
+
+
+# --- the ball ------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class _Centre:
+    """A point, and distances from it."""
+
+    region: Region
+    center: Array
+
+    @property
+    def tube(self) -> Ints:
+        return np.arange(len(self.region.tubes[0]))
+
+    def foot(self, which: Ints, axis: tuple[Array, Array, Array]) -> Array:
+        radius = self.region.tubes[1][which]
+        x, y, z = axis
+        dx, dz = self.center[0] - x, self.center[2] - z
+        apart = np.hypot(dx, dz)
+        # On the axis every point of the circle is as near as the others.
+        scale = radius / np.maximum(apart, 1e-300)
+        points = np.empty((*x.shape, 3))
+        points[..., 0] = x + np.where(apart > 0.0, dx * scale, radius)
+        points[..., 1] = y
+        points[..., 2] = z + dz * scale
+        return points
+
+    def measure(self, points: Array) -> Array:
+        d = points - self.center
+        distance: Array = np.sqrt(np.einsum("...k,...k", d, d))
+        return distance
+
+
+def clearance(region: Region, center: Array, band: float) -> tuple[float, Contacts | None]:
+    """The largest radius about a centre, and the contacts up to ``band`` farther."""
+    if not region.inside(center):
+        return 0.0, None
+    near = contacts(region, _Centre(region, center), band)
+    low, high = region.span
+    ends = min(center[1] - low, high - center[1])
+    return float(min(near.value.min(initial=np.inf), ends)), near
+
+
+def grow_ball(region: Region, center: Array, steps: int = _STEPS) -> tuple[Array, float]:
+    """The centre and radius of the largest ball uphill of a centre."""
+    reach = _REACH * region.size
+    radius, near = clearance(region, center, 4.0 * reach)
+    for _ in range(steps):
+        if near is None or radius <= 0.0 or reach < ERROR * region.size:
+            break
+        move, hoped = _ball_step(region, center, near, radius, reach)
+        if hoped <= radius + 0.1 * ERROR * region.size:
+            break
+        there, beyond = clearance(region, center + move, 8.0 * reach)
+        share = (there - radius) / (hoped - radius)
+        if there > radius:
+            center, radius, near = center + move, there, beyond
+        reach = _next(reach, share, region)
+    return center, radius
+
+
+def _held(rows: Array, weight: Array, curvature: Array) -> Array:
+    """A curvature as it counts where active rows hold: its concave part along them."""
+    _, sizes, across = np.linalg.svd(rows[weight > 1e-6 * weight.max()])
+    free = across[int((sizes > 1e-9 * sizes[0]).sum()) :]
+    turn, along = np.linalg.eigh(free @ curvature @ free.T)
+    basis = along.T @ free
+    return np.asarray((basis.T * np.minimum(turn, 0.0)) @ basis)
+
+
+_LAST = np.array([0.0, 0.0, 0.0, 1.0])
+
+
+def _next(reach: float, share: float, region: Region) -> float:
+    """The next step's reach, by the share of the hoped gain that came true."""
+    factor = 2.0 if share > 0.75 else 1.0 if share > 0.25 else 0.25
+    return min(factor * reach, _REACH * region.size)
+
+
+def _ball_step(
+    region: Region, center: Array, near: Contacts, radius: float, reach: float
+) -> tuple[Array, float]:
+    """The best move by the contacts' distances to second order, and the radius it promises."""
+    use = np.flatnonzero((near.value <= radius + 4.0 * reach) & (near.value > 0.0))
+    value, away = near.value[use], center - near.point[use]
+    low, high = region.span
+    room = np.concatenate([value, [center[1] - low, high - center[1]]]) - radius
+    normal = np.zeros((len(room), 3))
+    normal[:-2] = away / value[:, None]
+    normal[-2:, 1] = 1.0, -1.0
+    bend = np.zeros((len(room), 3, 3))
+    bend[:-2] = _bend(region, near, use, away)
+    # In units of the reach: the move, and what the radius gains.
+    rows = np.column_stack([normal, np.full(len(room), -1.0)])
+    curvature = np.zeros((4, 4))
+    for _ in range(3):
+        x, weight = concave_program(rows, room / reach, _LAST, curvature)
+        curvature[:3, :3] = reach * np.einsum("n,nij->ij", weight, bend)
+        curvature = _held(rows, weight, curvature)
+    move = reach * x[:3]
+    hoped = room + normal @ move + 0.5 * np.einsum("nij,i,j->n", bend, move, move)
+    return move, radius + float(hoped.min())
+
+
+def _tangents(region: Region, near: Contacts, use: Ints) -> tuple[Array, Array]:
+    """First (N, 3, 2) and unmixed second (N, 3, 2) derivatives of the surfaces at contacts.
+
+    Along the axis of a tube and around it; along a curve, and nothing.
+    """
+    first, second = np.zeros((2, len(use), 3, 2))
+    tube = np.flatnonzero(near.tube[use] >= 0)
+    contact = use[tube]
+    sets = region.tubes[0][near.tube[contact]]
+    at, link = near.at[contact], region.link[sets // 2]
+    out = SIGN[sets] * link
+    for axis, lean in zip((0, 2), region.lean, strict=True):
+        first[tube, axis, 0] = out * np.cos(at) * lean
+        second[tube, axis, 0] = -out * np.sin(at) * lean
+    first[tube, 1, 0], second[tube, 1, 0] = -link * np.sin(at), -link * np.cos(at)
+    x, _, z = region.axis(sets, at)
+    dx, dz = near.point[contact, 0] - x, near.point[contact, 2] - z
+    first[tube, 0, 1], first[tube, 2, 1] = -dz, dx
+    second[tube, 0, 1], second[tube, 2, 1] = -dx, -dz
+    curve = np.flatnonzero(near.tube[use] < 0)
+    if curve.size:
+        contact, tiny = use[curve], 1e-4
+        s = near.at[contact, None] + np.array([-tiny, 0.0, tiny])
+        before, here, after = np.moveaxis(region.curves.at(near.piece[contact, None], s), 1, 0)
+        first[curve, :, 0] = (after - before) / (2.0 * tiny)
+        second[curve, :, 0] = (after - 2.0 * here + before) / tiny**2
+    return first, second
+
+
+def _bend(region: Region, near: Contacts, use: Ints, away: Array) -> Array:
+    """Second derivatives (N, 3, 3) of the contacts' distances by the centre p.
+
+    A foot q(u) on a surface or curve keeps J^T (p − q) = 0, J = ∂q/∂u, and so moves by
+    J M^-1 J^T dp with M = J^T J − (p − q)·∂²q, which is positive at a nearest point.
+    """
+    first, second = _tangents(region, near, use)
+    m = np.einsum("nki,nkj->nij", first, first)
+    m[:, [0, 1], [0, 1]] -= np.einsum("nk,nki->ni", away, second)
+    m[near.tube[use] < 0, 1, 1] = 1.0
+    det = m[:, 0, 0] * m[:, 1, 1] - m[:, 0, 1] ** 2
+    least = (m[:, 0, 0] > 0.0) & (det > 1e-9 * np.abs(m[:, 0, 0] * m[:, 1, 1]))
+    inverse = np.stack(
+        [np.stack([m[:, 1, 1], -m[:, 0, 1]], -1), np.stack([-m[:, 0, 1], m[:, 0, 0]], -1)], -1
+    )
+    # Elsewhere, as at an end of a tube, the foot is taken to stay.
+    inverse *= (least / np.where(least, det, 1.0))[:, None, None]
+    slid = first @ inverse @ first.swapaxes(1, 2)
+    square = np.einsum("nk,nk->n", away, away)[:, None, None]
+    along = away[:, :, None] * away[:, None, :] / square
+    return np.asarray((np.eye(3) - along - slid) / np.sqrt(square))
+
+
+# --- the box -------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class _Faces:
+    """A box (2, 3), and distances from it in the maximum norm.
+
+    In a plane y = const a growing rectangle meets a circle about it with a corner, and a circle
+    outside of it with a corner or a side.
+    """
+
+    region: Region
+    corners: Array
+
+    @cached_property
+    def _kinds(self) -> Ints:
+        """(K, 3): a tube, and the way in x and z in which a corner or side looks for it."""
+        rows = [
+            (n, sx, sz)
+            for n, outer in enumerate(self.region.tubes[2])
+            for sx, sz in product((-1, 0, 1), repeat=2)
+            if (sx and sz) or ((sx or sz) and not outer)
+        ]
+        return np.array(rows, dtype=np.intp).reshape(-1, 3)
+
+    @property
+    def tube(self) -> Ints:
+        return self._kinds[:, 0]
+
+    def foot(self, which: Ints, axis: tuple[Array, Array, Array]) -> Array:
+        tube, sx, sz = np.moveaxis(self._kinds[which], -1, 0)
+        radius, outer = self.region.tubes[1][tube], self.region.tubes[2][tube]
+        x, y, z = axis
+        # The corner, from the circle's centre; it moves along (sx, sz) as the box grows.
+        cx = self.corners[(sx > 0).astype(np.intp), 0] - x
+        cz = self.corners[(sz > 0).astype(np.intp), 2] - z
+        ahead = 0.5 * (sx * cx + sz * cz)
+        square = ahead**2 - 0.5 * (cx**2 + cz**2 - radius**2)
+        root = np.sqrt(np.where(square >= 0.0, square, np.nan))
+        grow = np.where(outer, root, -root) - ahead
+        qx, qz = cx + sx * grow, cz + sz * grow
+        # There the circle must lie about the corner, or face it.
+        way = np.where(outer, 1, -1)
+        corner, meets = sx * sz != 0, (qx * sx * way >= 0.0) & (qz * sz * way >= 0.0)
+        points = np.empty((*x.shape, 3))
+        points[..., 0] = x + np.where(corner, np.where(meets, qx, np.nan), -radius * sx)
+        points[..., 1] = y
+        points[..., 2] = z + np.where(corner, np.where(meets, qz, np.nan), -radius * sz)
+        return points
+
+    def measure(self, points: Array) -> Array:
+        low, high = self.corners
+        beyond = np.maximum(low - points, points - high).max(axis=-1)
+        return np.where(np.isnan(beyond), np.inf, beyond)
+
+
+def fitted(region: Region, corners: Array, band: float) -> tuple[Array, Contacts]:
+    """A box (2, 3) with all faces moved by as much as they may (or must), and its contacts.
+
+    Where a corner of it would be turned inside out it has no size.
+    """
+    near = contacts(region, _Faces(region, corners), band)
+    low, high = region.span
+    room = min(near.value.min(initial=np.inf), corners[0, 1] - low, high - corners[1, 1])
+    moved = np.stack([corners[0] - room, corners[1] + room])
+    if not (moved[0] < moved[1]).all():
+        moved = np.tile(corners.mean(axis=0), (2, 1))
+    return moved, near
+
+
+def grow_box(region: Region, corners: Array, centred: bool, steps: int = _STEPS) -> Array:
+    """The corners (2, 3) of the largest box uphill of one, with the same centre if ``centred``."""
+    reach = _REACH * region.size
+    best, _ = fitted(region, corners, 0.0)
+    volume = _volume(best)
+    near = None
+    for _ in range(steps):
+        if volume <= 0.0 or reach < ERROR * region.size:
+            break
+        if near is None:
+            _, near = fitted(region, best, 4.0 * reach)
+        trial = best + _box_step(region, best, near, reach, centred)
+        hoped = _volume(trial) / volume - 1.0
+        if hoped <= _GAIN:
+            break
+        trial, _ = fitted(region, trial, 0.0)
+        gain = _volume(trial) / volume - 1.0
+        # print("   ", volume, hoped, gain, reach, len(near.value))
+        if gain > 0.0:
+            best, volume, near = trial, _volume(trial), None
+        reach = _next(reach, gain / hoped, region)
+    return best
+
+
+def _volume(corners: Array) -> float:
+    return float(np.prod(corners[1] - corners[0]))
+
+
+def _box_step(region: Region, corners: Array, near: Contacts, reach: float, centred: bool) -> Array:
+    """How the faces (2, 3) should move by the contacts' distances to second order."""
+    use = np.flatnonzero(near.value <= 4.0 * reach)
+    size = corners[1] - corners[0]
+    low, high = region.span
+    pushes, bend = _pushes(region, corners, near, use)
+    rows = np.concatenate([pushes, np.zeros((2, 6))])
+    rows[-2, 1], rows[-1, 4] = 1.0, -1.0
+    room = np.concatenate([near.value[use], [corners[0, 1] - low, high - corners[1, 1]]])
+    # In units that leave a box of some size: opposite faces come no more than halfway closer.
+    unit = np.diag(np.tile(np.minimum(reach, 0.24 * size), 2))
+    if centred:
+        unit = unit[:, 3:] - unit[:, :3]
+    sides = unit[3:] - unit[:3]
+    rows, room = rows @ unit / reach, room / reach
+    share = sides / size[:, None]
+    curvature = -share.T @ share
+    for _ in range(3):
+        x, weight = concave_program(rows, room, share.sum(axis=0), curvature)
+        curved = np.einsum("n,nij->ij", weight[:-2] / reach, bend)
+        curvature = _held(rows, weight, unit.T @ curved @ unit - share.T @ share)
+    return np.asarray((unit @ x).reshape(2, 3))
+
+
+def _pushes(region: Region, corners: Array, near: Contacts, use: Ints) -> tuple[Array, Array]:
+    """First (N, 6) and second (N, 6, 6) derivatives of the contacts' distances by the faces.
+
+    Faces are in the order low x, y, z and high x, y, z. A distance is the greatest of those from
+    the faces, least on a surface or curve q(u): weights of the greatest ones, on a surface the
+    parts of its normal, leave nothing along the tangents. How u and the weights change with the
+    faces follows by differentiating these conditions.
+    """
+    first, second = _tangents(region, near, use)
+    point, count = near.point[use], len(use)
+    outward = np.repeat([-1.0, 1.0], 3)
+    beyond = np.concatenate([corners[0] - point, point - corners[1]], axis=1)
+    active = beyond >= near.value[use, None] - 1e-7 * region.size
+    normal = np.abs(np.cross(first[:, :, 0], first[:, :, 1]))
+    weight = np.where(active, np.tile(normal, 2), 0.0)
+    for n in np.flatnonzero(near.tube[use] < 0):
+        along = np.where(active[n], outward * np.tile(first[n, :, 0], 2), 0.0)
+        down, up = along.argmin(), along.argmax()
+        if along[down] < 0.0 < along[up]:
+            weight[n, [down, up]] = along[up], -along[down]
+    lost = weight.sum(axis=1) <= 0.0
+    weight[lost, beyond[lost].argmax(axis=1)] = 1.0
+    weight /= weight.sum(axis=1, keepdims=True)
+    # Unknown: two parameters u, six weights, the distance. Faces not in touch keep weight 0.
+    touched = weight > 1e-9
+    slopes = np.tile(first, (1, 2, 1)) * outward[:, None] * touched[:, :, None]
+    bends = np.einsum("nk,nkj->nj", weight * outward, np.tile(second, (1, 2, 1)))
+    system = np.zeros((count, 9, 9))
+    system[:, [0, 1], [0, 1]] = bends
+    system[near.tube[use] < 0, 1, 1] = 1.0
+    system[:, :2, 2:8] = slopes.swapaxes(1, 2)
+    system[:, 2:8, :2] = slopes
+    system[:, 2:8, 8] = system[:, 8, 2:8] = -1.0 * touched
+    system[:, range(2, 8), range(2, 8)] = ~touched
+    moved = np.linalg.pinv(system, rcond=1e-10)[:, :2, 2:8] * (outward * touched)[:, None, :]
+    bend = np.einsum("nai,na,naj->nij", moved, bends, moved)
+    return weight * -outward, bend
