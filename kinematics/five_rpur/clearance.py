@@ -16,11 +16,11 @@ known in closed form. Base frame; lengths mm, angles rad.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations, product
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +30,7 @@ from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.five_rpur.offsets import aligned_offsets
 from kinematics.spatial import Array, rotation_y
 
-Ints = NDArray[np.intp]
+Ints = NDArray[np.integer[Any]]
 Mask = NDArray[np.bool_]
 
 SETS = 2 * LIMBS
@@ -38,6 +38,10 @@ SETS = 2 * LIMBS
 SIGN = np.array([1.0, -1.0] * LIMBS)
 _LIMB = np.arange(SETS) // 2
 _STRICT = 1e-9  # part of the machine's size by which a set must cover a point to count
+
+
+def _split(points: Array) -> tuple[Array, Array, Array]:
+    return points[..., 0], points[..., 1], points[..., 2]
 
 
 # --- which sets make a region ------------------------------------------------------------------
@@ -145,61 +149,47 @@ class Region:
 
     # --- membership
 
-    def covering(self, points: Array, margin: float = 0.0) -> Ints:
-        """Bit codes (...) of the sets that hold points (..., 3), each by more than ``margin``."""
-        x, y, z = np.moveaxis(points, -1, 0)
-        code = np.zeros(x.shape, dtype=np.intp)
+    def covering(
+        self, x: Array, y: Array, z: Array, margin: float = 0.0, half: Array | None = None
+    ) -> Ints:
+        """Bit codes of the sets that hold points, each by more than ``margin``; broadcasts.
+
+        With ``half`` (3,), half the sides of a cell about each point: of all sets that may hold
+        anything of the cell; none other does.
+        """
+        hx, hy, hz = (0.0, 0.0, 0.0) if half is None else half
+        code = np.zeros(np.broadcast_shapes(x.shape, y.shape, z.shape), dtype=np.uint16)
         for limb in np.unique(_LIMB[self.used]):
-            dx, dy, dz = (
-                x - self.offset[limb, 0],
-                y - self.offset[limb, 1],
-                z - self.offset[limb, 2],
-            )
-            room = (self.link[limb] - dy) * (self.link[limb] + dy)
-            h = np.sqrt(np.maximum(room, 0.0))
+            (x0, y0, z0), link = self.offset[limb], self.link[limb]
+            nearest = np.abs(y - y0)
+            bottom = np.sqrt(np.maximum(link**2 - (nearest + hy) ** 2, 0.0))
+            nearest = np.maximum(nearest - hy, 0.0)
+            top = np.sqrt(np.maximum(link**2 - nearest**2, 0.0))
+            h, spread = 0.5 * (top + bottom), 0.5 * (top - bottom) + np.hypot(hx, hz) - margin
             low, high = self.stroke[limb]
-            near = (low + margin) ** 2 if low > 0 else -1.0
-            far = max(high - margin, 0.0) ** 2
+            near = np.where((low > spread) & (low > 0.0), low - spread, -1.0)
+            near = np.where(nearest < link, np.sign(near) * near**2, np.inf)
+            far = np.maximum(high + spread, 0.0) ** 2
             for k in self.used[_LIMB[self.used] == limb]:
-                shift = SIGN[k] * h
-                square = (dx - shift * self.lean[0]) ** 2 + (dz - shift * self.lean[1]) ** 2
-                code |= ((square > near) & (square < far) & (room > 0.0)).astype(np.intp) << k
+                across = (x - x0 - SIGN[k] * self.lean[0] * h) ** 2
+                square = across + (z - z0 - SIGN[k] * self.lean[1] * h) ** 2
+                code |= ((square > near) & (square < far)).astype(np.uint16) << np.uint16(k)
         return code
 
-    def inside(self, points: Array) -> Mask:
-        """Whether points (..., 3) lie inside the region."""
-        return np.asarray(self.table[self.covering(points)])
+    def inside(self, points: Array, half: Array | None = None) -> Mask:
+        """Whether points (..., 3) lie inside the region; of cells, whether anything may."""
+        return np.asarray(self.table[self.covering(*_split(points), half=half)])
 
     def uncovered(self, points: Array, own: Ints) -> Mask:
         """Whether points on surfaces of the sets in the bit codes ``own`` bound the region."""
-        return np.asarray(~self.table[self.covering(points, _STRICT * self.size) & ~own])
+        code = self.covering(*_split(points), margin=_STRICT * self.size)
+        return np.asarray(~self.table[code & ~own])
 
-    def cells(self, axes: tuple[Array, Array, Array], half: Array | None = None) -> Mask:
-        """Whether the nodes of a grid lie inside, (nx, ny, nz).
-
-        With ``half`` (3,), half the sides of a cell about each node: whether a cell may have
-        anything inside; False is certain.
-        """
+    def nodes(self, axes: Sequence[Array], half: Array | None = None) -> Mask:
+        """`inside` of a grid with the given x, y and z, (nx, ny, nz)."""
         x, y, z = axes
-        hx, hy, hz = np.zeros(3) if half is None else half
-        code = np.zeros((len(x), len(y), len(z)), dtype=np.uint16)
-        for limb in np.unique(_LIMB[self.used]):
-            dy, link = y - self.offset[limb, 1], self.link[limb]
-            nearest, farthest = np.maximum(np.abs(dy) - hy, 0.0), np.abs(dy) + hy
-            top, bottom = (np.sqrt(np.maximum(link**2 - d**2, 0.0)) for d in (nearest, farthest))
-            h, spread = 0.5 * (top + bottom), 0.5 * (top - bottom) + np.hypot(hx, hz)
-            low, high = self.stroke[limb]
-            near = np.where(low > spread, low - spread, -1.0)
-            near = np.where(nearest < link, np.sign(near) * near**2, np.inf)[:, None]
-            far = ((high + spread) ** 2)[:, None]
-            for k in self.used[_LIMB[self.used] == limb]:
-                shift = self.offset[limb, 0] + SIGN[k] * h * self.lean[0]
-                across = (x[:, None] - shift) ** 2
-                shift = self.offset[limb, 2] + SIGN[k] * h * self.lean[1]
-                square = across[:, :, None] + (z - shift[:, None]) ** 2
-                code |= ((square > near) & (square < far)).astype(np.uint16) << np.uint16(k)
-        inside: Mask = self.table[code]
-        return inside
+        code = self.covering(x[:, None, None], y[None, :, None], z[None, None, :], half=half)
+        return np.asarray(self.table[code])
 
     # --- tubes
 

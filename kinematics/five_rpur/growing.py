@@ -6,7 +6,7 @@ trust region; it is taken only where the body really becomes larger. Lengths mm.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
 
@@ -18,7 +18,8 @@ from kinematics.spatial import Array
 ERROR = 1e-9
 """Part of the machine's size by which a distance may be wrong."""
 _REACH = 0.03  # of the machine's size, the first and the longest step
-_STEPS = 40
+STEPS = 40
+"""More than a body ever took to grow."""
 _GAIN = 1e-7  # the part by which a box must still be hoped to grow
 
 
@@ -98,25 +99,25 @@ class _Centre:
         return points
 
     def measure(self, points: Array) -> Array:
-        d = points - self.center
-        distance: Array = np.sqrt(np.einsum("...k,...k", d, d))
-        return distance
+        x, y, z = (points[..., k] - self.center[k] for k in range(3))
+        return np.asarray(np.sqrt(x * x + y * y + z * z))
 
 
 def clearance(region: Region, center: Array, band: float) -> tuple[float, Contacts | None]:
     """The largest radius about a centre, and the contacts up to ``band`` farther."""
     if not region.inside(center):
         return 0.0, None
-    near = contacts(region, _Centre(region, center), band)
+    near = contacts(region, _Centre(region, center), band, rounds=6)
     low, high = region.span
     ends = min(center[1] - low, high - center[1])
     return float(min(near.value.min(initial=np.inf), ends)), near
 
 
-def grow_ball(region: Region, center: Array, steps: int = _STEPS) -> tuple[Array, float]:
+def grow_ball(region: Region, center: Array, steps: int = STEPS) -> tuple[Array, float]:
     """The centre and radius of the largest ball uphill of a centre."""
     reach = _REACH * region.size
     radius, near = clearance(region, center, 4.0 * reach)
+    reach = min(reach, 4.0 * radius)
     for _ in range(steps):
         if near is None or radius <= 0.0 or reach < ERROR * region.size:
             break
@@ -165,7 +166,7 @@ def _ball_step(
     # In units of the reach: the move, and what the radius gains.
     rows = np.column_stack([normal, np.full(len(room), -1.0)])
     curvature = np.zeros((4, 4))
-    for _ in range(3):
+    for _ in range(2):
         x, weight = concave_program(rows, room / reach, _LAST, curvature)
         curvature[:3, :3] = reach * np.einsum("n,nij->ij", weight, bend)
         curvature = _held(rows, weight, curvature)
@@ -277,50 +278,51 @@ class _Faces:
         return points
 
     def measure(self, points: Array) -> Array:
-        low, high = self.corners
-        beyond = np.maximum(low - points, points - high).max(axis=-1)
+        half, middle = 0.5 * (self.corners[1] - self.corners[0]), self.corners.mean(axis=0)
+        x, y, z = (np.abs(points[..., k] - middle[k]) - half[k] for k in range(3))
+        beyond = np.maximum(np.maximum(x, z), y)
         return np.where(np.isnan(beyond), np.inf, beyond)
 
 
 def fitted(region: Region, corners: Array, band: float) -> tuple[Array, Contacts]:
     """A box (2, 3) with all faces moved by as much as they may (or must), and its contacts.
 
-    Where a corner of it would be turned inside out it has no size.
+    Where it would be turned inside out it has no size.
     """
     near = contacts(region, _Faces(region, corners), band)
     low, high = region.span
-    room = min(near.value.min(initial=np.inf), corners[0, 1] - low, high - corners[1, 1])
+    ends = min(corners[0, 1] - low, high - corners[1, 1])
+    room = min(float(near.value.min(initial=np.inf)), ends)
     moved = np.stack([corners[0] - room, corners[1] + room])
     if not (moved[0] < moved[1]).all():
         moved = np.tile(corners.mean(axis=0), (2, 1))
-    return moved, near
+    # Faces that all move out by as much come so much nearer to every point.
+    return moved, replace(near, value=near.value - room)
 
 
-def grow_box(region: Region, corners: Array, centred: bool, steps: int = _STEPS) -> Array:
+def grow_box(region: Region, corners: Array, centred: bool, steps: int = STEPS) -> Array:
     """The corners (2, 3) of the largest box uphill of one, with the same centre if ``centred``."""
     reach = _REACH * region.size
-    best, _ = fitted(region, corners, 0.0)
-    volume = _volume(best)
-    near = None
+    best, near = fitted(region, corners, 4.0 * reach)
+    reach = min(reach, float((best[1] - best[0]).max()))
+    volume = volume_of(best)
     for _ in range(steps):
         if volume <= 0.0 or reach < ERROR * region.size:
             break
-        if near is None:
-            _, near = fitted(region, best, 4.0 * reach)
         trial = best + _box_step(region, best, near, reach, centred)
-        hoped = _volume(trial) / volume - 1.0
+        hoped = volume_of(trial) / volume - 1.0
         if hoped <= _GAIN:
             break
-        trial, _ = fitted(region, trial, 0.0)
-        gain = _volume(trial) / volume - 1.0
-        # print("   ", volume, hoped, gain, reach, len(near.value))
+        trial, beyond = fitted(region, trial, 8.0 * reach)
+        gain = volume_of(trial) / volume - 1.0
         if gain > 0.0:
-            best, volume, near = trial, _volume(trial), None
+            best, volume, near = trial, volume_of(trial), beyond
         reach = _next(reach, gain / hoped, region)
     return best
 
 
-def _volume(corners: Array) -> float:
+def volume_of(corners: Array) -> float:
+    """mm³ of a box (2, 3)."""
     return float(np.prod(corners[1] - corners[0]))
 
 
@@ -341,7 +343,7 @@ def _box_step(region: Region, corners: Array, near: Contacts, reach: float, cent
     rows, room = rows @ unit / reach, room / reach
     share = sides / size[:, None]
     curvature = -share.T @ share
-    for _ in range(3):
+    for _ in range(2):
         x, weight = concave_program(rows, room, share.sum(axis=0), curvature)
         curved = np.einsum("n,nij->ij", weight[:-2] / reach, bend)
         curvature = _held(rows, weight, unit.T @ curved @ unit - share.T @ share)

@@ -17,13 +17,16 @@ from scipy import ndimage
 from kinematics.errors import InputError
 from kinematics.five_rpur.clearance import Mask, Region
 from kinematics.five_rpur.design import FiveRPURDesign
-from kinematics.five_rpur.growing import clearance, grow_ball, grow_box
+from kinematics.five_rpur.growing import ERROR, clearance, grow_ball, grow_box, volume_of
 from kinematics.sections import Box, Sphere
 from kinematics.spatial import Array, finite
 
-_ERROR = 1e-9  # of a distance, as part of the machine's size
 _STARTS = 6  # from which the best anywhere is sought
+_FINALISTS = 3  # of these, when they have grown a little
 _NODES = 40  # of the grid along each axis
+_CELLS = 40_000  # that are halved again
+_SMALLEST = 1e-8  # part of the machine's size: cells are not halved further
+_EIGHTHS = np.array(list(product((-1.0, 1.0), repeat=3)))
 
 
 def sphere(
@@ -50,11 +53,11 @@ def sphere(
         InputError: angles, modes or centre that are not what they should be.
     """
     region = Region.at(design, phi, theta, modes)
-    error = _ERROR * region.size
+    error = 2.0 * ERROR * region.size
     if center is not None:
         middle = _point(center)
         return Sphere(middle, clearance(region, middle, 0.0)[0], error)
-    balls = [grow_ball(region, start) for start in _starts(region, _NODES, _STARTS)]
+    balls = [grow_ball(region, c) for c, _ in _young(region, _NODES, _STARTS)[:_FINALISTS]]
     return max((Sphere(c, r, error) for c, r in balls), key=lambda ball: ball.radius, default=None)
 
 
@@ -70,17 +73,36 @@ def box(
     As `sphere`; a box about a centre is centred there, and of no size about one outside.
     """
     region = Region.at(design, phi, theta, modes)
-    error = _ERROR * region.size
-    if center is not None:
+    error = 2.0 * ERROR * region.size
+    found = []
+    if center is None:
+        balls = _young(region, _NODES, _STARTS)[:_FINALISTS]
+        starts = [_cube(c, r) for c, r in balls]
+        found = starts.copy()
+        if starts:
+            starts += _cuboids(region)
+    else:
         middle = _point(center)
         radius, _ = clearance(region, middle, 0.0)
+        found = [_cube(middle, radius)]
         starts = _centred_starts(region, middle, radius) if radius > error else []
-        boxes = [grow_box(region, start, True) for start in starts]
-        boxes.append(np.stack([middle, middle]))
-    else:
-        boxes = [grow_box(region, start, False) for start in _cuboids(region)]
-    found = (Box(low, high, error) for low, high in boxes)
-    return max(found, key=lambda b: b.volume, default=None)
+    centred = center is not None
+    young = sorted((grow_box(region, start, centred, 3) for start in starts), key=volume_of)
+    found += [grow_box(region, start, centred) for start in young[-_FINALISTS:]]
+    boxes = (Box(low, high, error) for low, high in found)
+    return max(boxes, key=lambda b: b.volume, default=None)
+
+
+def _young(region: Region, count: int, wanted: int) -> list[tuple[Array, float]]:
+    """Balls that have begun to grow, largest first."""
+    young = [grow_ball(region, start, 3) for start in _starts(region, count, wanted)]
+    return sorted(young, key=lambda ball: -ball[1])
+
+
+def _cube(center: Array, radius: float) -> Array:
+    """The cube in a ball, (2, 3)."""
+    half = radius / np.sqrt(3.0)
+    return np.stack([center - half, center + half])
 
 
 def _point(center: Sequence[float]) -> Array:
@@ -93,7 +115,7 @@ def _point(center: Sequence[float]) -> Array:
 # --- starts --------------------------------------------------------------------------------------
 
 
-def _grid(region: Region, nodes: int) -> tuple[Array, Array, Mask] | None:
+def _grid(region: Region, count: int) -> tuple[Array, Array, Mask] | None:
     """A grid about all that may be inside: its first node, step (3,), and which nodes are inside.
 
     None where the region is proven to be empty.
@@ -102,25 +124,27 @@ def _grid(region: Region, nodes: int) -> tuple[Array, Array, Mask] | None:
         return None
     low, high = region.bounds
     while True:
-        step = (high - low) / nodes
-        axes = [low[k] + step[k] * (np.arange(nodes) + 0.5) for k in range(3)]
-        may_be = region.cells((axes[0], axes[1], axes[2]), 0.5 * step)
+        step = (high - low) / count
+        axes = [a + s * (np.arange(count) + 0.5) for a, s in zip(low, step, strict=True)]
+        may_be = region.nodes(axes, 0.5 * step)
         where = [np.flatnonzero(may_be.any(axis=other)) for other in ((1, 2), (0, 2), (0, 1))]
         if not where[0].size:
             return None
         first = np.array([w[0] for w in where])
         last = np.array([w[-1] + 1 for w in where])
-        if np.prod((last - first) / nodes) > 0.25:
-            return low + 0.5 * step, step, region.cells((axes[0], axes[1], axes[2]))
         low, high = low + step * first, low + step * last
+        if np.prod((last - first) / count) > 0.3 or step.max() < _SMALLEST * region.size:
+            return np.array([a[0] for a in axes]), step, region.nodes(axes)
 
 
-def _starts(region: Region, nodes: int, count: int) -> list[Array]:
-    """Places far from the complement and from each other, best first."""
-    grid = _grid(region, nodes)
+def _starts(region: Region, count: int, wanted: int) -> list[Array]:
+    """Places inside, far from the complement and from each other, best first."""
+    grid = _grid(region, count)
     if grid is None:
         return []
     first, step, inside = grid
+    if not inside.any():
+        return _sought(region, first, step, inside.shape, wanted)
     far = ndimage.distance_transform_edt(np.pad(inside, 1), sampling=step)[1:-1, 1:-1, 1:-1]
     peak = inside & (far == ndimage.maximum_filter(far, size=3))
     where = np.argwhere(peak)
@@ -130,9 +154,37 @@ def _starts(region: Region, nodes: int, count: int) -> list[Array]:
         point = first + step * index
         if all(np.linalg.norm(point - other) > 0.7 * far[tuple(index)] for other in starts):
             starts.append(point)
-            if len(starts) == count:
+            if len(starts) == wanted:
                 break
     return starts
+
+
+def _sought(
+    region: Region, first: Array, step: Array, shape: tuple[int, ...], wanted: int
+) -> list[Array]:
+    """Places inside a region too thin for a grid: cells that may hold some are halved."""
+    cells = first + step * np.indices(shape).reshape(3, -1).T
+    half = 0.5 * step
+    while half.max() > _SMALLEST * region.size:
+        cells = cells[region.inside(cells, half)]
+        found = cells[region.inside(cells)]
+        if len(found):
+            return _spread(found, wanted)
+        if len(cells) > _CELLS:
+            cells = cells[:: len(cells) // _CELLS + 1]
+        half = 0.5 * half
+        cells = (cells[:, None] + half * _EIGHTHS).reshape(-1, 3)
+    return []
+
+
+def _spread(points: Array, wanted: int) -> list[Array]:
+    """Some points, each as far as can be from those before it."""
+    chosen = [points[len(points) // 2]]
+    far = np.full(len(points), np.inf)
+    while len(chosen) < min(wanted, len(points)):
+        far = np.minimum(far, np.linalg.norm(points - chosen[-1], axis=1))
+        chosen.append(points[int(far.argmax())])
+    return chosen
 
 
 def _cuboids(region: Region) -> list[Array]:
@@ -181,14 +233,13 @@ def _overlap(a: Array, b: Array) -> float:
 
 def _centred_starts(region: Region, center: Array, radius: float) -> list[Array]:
     """Boxes about a centre: in its ball, and the largest that the nodes of a grid allow."""
-    corners = np.tile(radius / np.sqrt(3.0), 3)
-    halves = [corners]
+    halves = [np.full(3, radius / np.sqrt(3.0))]
     if region.bounds is not None:
         low, high = region.bounds
         count = 24
         step = np.maximum(high - center, center - low) / count
         axes = [c + s * np.arange(-count, count + 1) for c, s in zip(center, step, strict=True)]
-        inside = region.cells((axes[0], axes[1], axes[2]))
+        inside = region.nodes(axes)
         eighth = np.ones((count + 1,) * 3, dtype=bool)
         for flips in product((slice(count, None), slice(count, None, -1)), repeat=3):
             eighth &= inside[flips]
