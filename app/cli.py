@@ -13,11 +13,11 @@ from collections.abc import Sequence
 from difflib import get_close_matches
 from typing import Any, NoReturn
 
-from app.commands import serving, solids, solving
+from app.commands import mapping, measuring, serving, solids, solving
 from kinematics.errors import BohemiaError, InputError
 
 # Their values may begin with a minus sign, which argparse takes for an option.
-SIGNED_OPTIONS = frozenset({"--pose", "--joints", "--phi", "--theta", "--modes"})
+SIGNED_OPTIONS = frozenset({"--pose", "--joints", "--phi", "--theta", "--modes", "--x", "--around"})
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -91,7 +91,7 @@ def _parser() -> tuple[argparse.ArgumentParser, tuple[str, ...]]:
         added.set_defaults(command=run)
         return added
 
-    for family in (serving, solving, solids):
+    for family in (serving, solving, solids, measuring, mapping):
         family.register(command)
     return parser, tuple(commands.choices)
 

@@ -171,14 +171,12 @@ def solid_text(
     built: BuiltSolid, title: str, where: str, modes: tuple[str, ...] | None, file: str | None
 ) -> str:
     """What a solid is; ``modes`` is None for all, () where they do not matter."""
-    if modes is None:
-        where += ", all working modes"
-    elif modes:
-        where += f", working mode {', '.join(modes)}"
-    pieces = ", ".join(_volume(piece.volume) for piece in built.pieces)
+    if modes != ():
+        where += f", {modes_text(modes)}"
+    pieces = ", ".join(volume_text(piece.volume) for piece in built.pieces)
     lines = [
         f"{title} {where}",
-        f"volume     {_volume(built.volume)} ± {_volume(built.volume_error)}",
+        f"volume     {volume_text(built.volume)} ± {volume_text(built.volume_error)}",
         f"pieces     {len(built.pieces)}" + (f": {pieces}" if len(built.pieces) > 1 else ""),
         f"triangles  {built.triangles}" + ("" if built.watertight else ", not watertight"),
     ]
@@ -187,6 +185,14 @@ def solid_text(
     return "\n".join(lines)
 
 
-def _volume(value: float) -> str:
+def modes_text(modes: Sequence[str] | None) -> str:
+    """ "working mode +-+++"; None is all of them together."""
+    if modes is None:
+        return "all working modes"
+    return f"working mode{'s' if len(modes) > 1 else ''} {', '.join(modes)}"
+
+
+def volume_text(value: float) -> str:
+    """mm³, in groups of three digits."""
     number = f"{value:,.0f}".replace(",", "\u202f") if value >= 100 else f"{value:.3g}"
     return f"{number} mm³"

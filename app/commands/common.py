@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 # Beyond this a typed number is a slip, and squares of it no longer hold a mm.
 LARGEST = 1e9
 
+# No double holds a volume more exactly, however many sections are taken.
+FINEST = 1e-12
+
 
 class AddCommand(Protocol):
     """Adds a command's parser: its name, what runs it, and one line of help."""
@@ -59,6 +62,26 @@ def add_modes(parser: argparse.ArgumentParser) -> None:
         help="working modes, one sign a limb, as +-+++; several with commas, ? for either sign "
         "(default all)",
     )
+
+
+def add_tolerance(parser: argparse.ArgumentParser, default: float) -> None:
+    parser.add_argument(
+        "--tolerance",
+        type=_tolerance,
+        default=default,
+        metavar="REL",
+        help="how exact, as a part of the volume (default %(default)g)",
+    )
+
+
+def _tolerance(text: str) -> float:
+    try:
+        value = number(text, "the tolerance")
+    except InputError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+    if not FINEST <= value < 1.0:
+        raise argparse.ArgumentTypeError(f"{text!r} does not lie between {FINEST:g} and 1")
+    return value
 
 
 def angle(text: str) -> float:
@@ -134,6 +157,16 @@ def progress(what: str) -> Iterator[None]:
     finally:
         if shown:
             print("\r\x1b[K", end="", file=sys.stderr, flush=True)
+
+
+def ending(path: Path, known: tuple[str, ...], what: str) -> str:
+    """The format that an ending asks for; refused, before any work, if it cannot be written."""
+    kind = path.suffix.removeprefix(".").lower()
+    if kind not in known:
+        got = f"has the ending .{kind}" if kind else "has no ending"
+        endings = ", ".join(f".{each}" for each in known)
+        raise InputError(f"{str(path)!r} {got}; {what} is written as one of {endings}")
+    return checked(path, kind)
 
 
 def checked(path: Path, kind: str) -> str:
