@@ -16,9 +16,9 @@ known in closed form. Base frame; lengths mm, angles rad.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import combinations, product
 from typing import Any, Protocol
 
@@ -47,30 +47,40 @@ def _split(points: Array) -> tuple[Array, Array, Array]:
 # --- which sets make a region ------------------------------------------------------------------
 
 
-def mode_table(modes: Iterable[str] | None) -> Mask:
-    """Whether points covered by given sets are in the region, (1024,), by the sets' bit code.
+@dataclass(frozen=True, eq=False)
+class Formula:
+    """Which sets must hold a point for it to be in the region.
+
+    Attributes:
+        table: (1024,) the answer by the bit code of the sets that hold the point.
+        used: (S,) the sets that matter.
+        pairs: those of which, somewhere, either one alone makes a point inside.
+    """
+
+    table: Mask
+    used: Ints
+    pairs: tuple[tuple[int, int], ...]
+
+
+@lru_cache(maxsize=64)
+def formula(modes: tuple[str, ...] | None) -> Formula:
+    """The union over working modes (None: all 32) of the intersections of their sets.
 
     Raises:
         InputError: a mode is not five signs.
     """
-    chosen = inverse.MODES if modes is None else (modes,) if isinstance(modes, str) else modes
     codes = np.arange(1 << SETS)
     table = np.zeros(len(codes), dtype=bool)
-    for mode in chosen:
+    for mode in inverse.MODES if modes is None else modes:
         need = sum(1 << (2 * i + int(sign < 0)) for i, sign in enumerate(inverse.signs(mode)))
         table |= (codes & need) == need
-    return table
-
-
-def replacing_pairs(table: Mask) -> list[tuple[int, int]]:
-    """The pairs of sets of which, somewhere, either one alone makes a point inside."""
+    used = [k for k in range(SETS) if (table[codes | 1 << k] & ~table[codes & ~(1 << k)]).any()]
     pairs = []
-    codes = np.arange(len(table))
-    for a, b in combinations(range(SETS), 2):
+    for a, b in combinations(used, 2):
         rest = codes[(codes & (1 << a | 1 << b)) == 0]
         if (~table[rest] & table[rest | 1 << a] & table[rest | 1 << b]).any():
             pairs.append((a, b))
-    return pairs
+    return Formula(table, np.array(used, dtype=np.intp), tuple(pairs))
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +92,7 @@ class Region:
         link: (5,).
         stroke: (5, 2).
         lean: (2,) the z' axis in the x-z plane.
-        table: `mode_table`.
+        formula: what makes a point inside.
         detail: points along each tube; four times as many where curves are sought.
     """
 
@@ -90,7 +100,7 @@ class Region:
     link: Array
     stroke: Array
     lean: Array
-    table: Mask
+    formula: Formula
     detail: int
 
     @classmethod
@@ -99,25 +109,23 @@ class Region:
         design: FiveRPURDesign,
         phi: float,
         theta: float,
-        modes: Iterable[str] | None,
+        modes: tuple[str, ...] | None,
         detail: int = 96,
     ) -> Region:
         offset = aligned_offsets(design, phi, theta)
         turn = rotation_y(theta)
         offset = offset @ turn.T
-        return cls(offset, design.link, design.stroke, turn[[0, 2], 2], mode_table(modes), detail)
+        chosen = formula(None if modes is None else tuple(modes))
+        return cls(offset, design.link, design.stroke, turn[[0, 2], 2], chosen, detail)
 
     @cached_property
     def size(self) -> float:
         """A typical length of the machine, mm."""
         return float((self.link + self.stroke[:, 1]).max())
 
-    @cached_property
+    @property
     def used(self) -> Ints:
-        """The sets that some mode of the region is made of."""
-        codes = np.arange(len(self.table))
-        bits = [(self.table[codes | 1 << k] & ~self.table[codes & ~(1 << k)]) for k in range(SETS)]
-        return np.flatnonzero([bit.any() for bit in bits])
+        return self.formula.used
 
     @cached_property
     def span(self) -> tuple[float, float]:
@@ -178,18 +186,18 @@ class Region:
 
     def inside(self, points: Array, half: Array | None = None) -> Mask:
         """Whether points (..., 3) lie inside the region; of cells, whether anything may."""
-        return np.asarray(self.table[self.covering(*_split(points), half=half)])
+        return np.asarray(self.formula.table[self.covering(*_split(points), half=half)])
 
     def uncovered(self, points: Array, own: Ints) -> Mask:
         """Whether points on surfaces of the sets in the bit codes ``own`` bound the region."""
         code = self.covering(*_split(points), margin=_STRICT * self.size)
-        return np.asarray(~self.table[code & ~own])
+        return np.asarray(~self.formula.table[code & ~own])
 
     def nodes(self, axes: Sequence[Array], half: Array | None = None) -> Mask:
         """`inside` of a grid with the given x, y and z, (nx, ny, nz)."""
         x, y, z = axes
         code = self.covering(x[:, None, None], y[None, :, None], z[None, None, :], half=half)
-        return np.asarray(self.table[code])
+        return np.asarray(self.formula.table[code])
 
     # --- tubes
 
@@ -241,7 +249,6 @@ class Curves:
         radius: (P, 2) mm.
         side: (P,) ±1, which of the two points of the circles.
         reach: (P, 2) the part of `turn` that the piece takes up.
-        points: (P, N, 3) samples, s evenly spaced.
     """
 
     region: Region
@@ -253,11 +260,15 @@ class Curves:
     @classmethod
     def of(cls, region: Region) -> Curves:
         rows = []
-        for a, b in replacing_pairs(region.table):
+        for a, b in region.formula.pairs:
             for ra, rb in product(region.stroke[_LIMB[a]], region.stroke[_LIMB[b]]):
                 if ra > 0.0 and rb > 0.0:
                     rows += [(a, b, ra, rb, side) for side in (1.0, -1.0)]
         table = np.array(rows).reshape(-1, 5)
+        if not rows:
+            return cls(
+                region, table[:, :2].astype(np.intp), table[:, 2:4], table[:, 4], table[:, :2]
+            )
         everywhere = np.tile([0.0, np.pi], (len(table), 1))
         pair = table[:, :2].astype(np.intp)
         all_ = cls(region, pair, table[:, 2:4], table[:, 4], everywhere)
@@ -290,12 +301,14 @@ class Curves:
         return kept
 
     def _kept(self, which: Ints, turn: Array) -> Mask:
-        points, exists = self._meet(which[:, None], turn)
-        own = (1 << self.pair[which, 0]) | (1 << self.pair[which, 1])
-        answer = exists.copy()
-        owned = np.broadcast_to(own[:, None], exists.shape)
-        answer[exists] = self.region.uncovered(points[exists], owned[exists])
-        return answer
+        points, kept = self._meet(which[:, None], turn)
+        # Where neither set of a limb counts nothing covers; other pairs are looked up.
+        pair = self.pair[which]
+        check = kept & (_LIMB[pair[:, 0]] != _LIMB[pair[:, 1]])[:, None]
+        if check.any():
+            own = np.broadcast_to(((1 << pair[:, 0]) | (1 << pair[:, 1]))[:, None], check.shape)
+            kept[check] = self.region.uncovered(points[check], own[check])
+        return kept
 
     def _meet(self, which: Ints, turn: Array) -> tuple[Array, Mask]:
         """Points (..., 3) of whole curves at y = middle − half cos(turn), and where they exist."""
@@ -317,7 +330,7 @@ class Curves:
         exists = np.isfinite(safe) & (square >= -1e-12 * ra * ra)
         across = self.side[which] * np.sqrt(np.maximum(square, 0.0))
         ux, uz = dx / safe, dz / safe
-        points = np.empty((*y.shape, 3))
+        points = np.empty((*np.broadcast_shapes(y.shape, across.shape), 3))
         points[..., 0] = region.offset[_LIMB[a], 0] + ha * region.lean[0] + along * ux - across * uz
         points[..., 1] = y
         points[..., 2] = region.offset[_LIMB[a], 2] + ha * region.lean[1] + along * uz + across * ux
@@ -336,9 +349,16 @@ class Curves:
 
     @cached_property
     def points(self) -> Array:
+        """Samples (P, N, 3), s evenly spaced."""
         s = np.linspace(0.0, np.pi, self.region.detail)
         which = np.arange(len(self.pair))
         return self.at(which[:, None], np.broadcast_to(s, (len(which), len(s))))
+
+    @cached_property
+    def gaps(self) -> Array:
+        """The longest distance (P,) between samples of a piece next to each other."""
+        steps = np.diff(self.points, axis=1)
+        return np.asarray(np.sqrt(np.einsum("pnk,pnk->pn", steps, steps).max(axis=1)))
 
 
 # --- the nearest points of the complement ------------------------------------------------------
@@ -402,9 +422,7 @@ def contacts(region: Region, probe: Probe, band: float, rounds: int = 8) -> Cont
     bound = np.flatnonzero(np.isfinite(value))
     bound = bound[region.uncovered(point[bound], 1 << sets[probe.tube[which[bound]]])]
     limit = min(limit, float(value[bound].min(initial=np.inf)) + band)
-    # A curve's points run at most about twice as fast at their middle as on the average.
-    gaps = np.linalg.norm(np.diff(curves.points, axis=1), axis=-1).max(axis=1, initial=0.0)
-    piece, sample = _minima(on_curves - gaps[:, None], limit)
+    piece, sample = _minima(on_curves - curves.gaps[:, None], limit)
     grid = np.broadcast_to(np.linspace(0.0, np.pi, region.detail), (len(piece), region.detail))
     value_c, at_c, point_c = _polished(curves.at, probe, piece, grid, sample, rounds)
 
@@ -439,6 +457,8 @@ def _polished(
     rounds: int,
 ) -> tuple[Array, Array, Array]:
     """Local minima between the neighbours of samples: values, parameters and points."""
+    if not which.size:
+        return np.empty(0), np.empty(0), np.empty((0, 3))
     rows = np.arange(len(which))
     low = grid[rows, np.maximum(sample - 1, 0)]
     high = grid[rows, np.minimum(sample + 1, grid.shape[1] - 1)]

@@ -24,6 +24,7 @@ from kinematics.spatial import Array, finite
 _STARTS = 6  # from which the best anywhere is sought
 _FINALISTS = 3  # of these, when they have grown a little
 _NODES = 40  # of the grid along each axis
+_ENOUGH = 0.03  # of its nodes inside, and the grid is fine enough
 _CELLS = 40_000  # that are halved again
 _SMALLEST = 1e-8  # part of the machine's size: cells are not halved further
 _EIGHTHS = np.array(list(product((-1.0, 1.0), repeat=3)))
@@ -126,6 +127,9 @@ def _grid(region: Region, count: int) -> tuple[Array, Array, Mask] | None:
     while True:
         step = (high - low) / count
         axes = [a + s * (np.arange(count) + 0.5) for a, s in zip(low, step, strict=True)]
+        inside = region.nodes(axes)
+        if inside.mean() > _ENOUGH:
+            break
         may_be = region.nodes(axes, 0.5 * step)
         where = [np.flatnonzero(may_be.any(axis=other)) for other in ((1, 2), (0, 2), (0, 1))]
         if not where[0].size:
@@ -134,7 +138,8 @@ def _grid(region: Region, count: int) -> tuple[Array, Array, Mask] | None:
         last = np.array([w[-1] + 1 for w in where])
         low, high = low + step * first, low + step * last
         if np.prod((last - first) / count) > 0.3 or step.max() < _SMALLEST * region.size:
-            return np.array([a[0] for a in axes]), step, region.nodes(axes)
+            break
+    return np.array([a[0] for a in axes]), step, inside
 
 
 def _starts(region: Region, count: int, wanted: int) -> list[Array]:
