@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from manifold3d import Error, Manifold, Mesh64, OpType, triangulate
+from manifold3d import Error, Manifold, Mesh64, OpType
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
@@ -532,16 +532,6 @@ def _triple(values: Array) -> tuple[float, float, float]:
 
 
 # --- files -------------------------------------------------------------------------------------
-
-
-def flat_triangles(polygons: Sequence[Array]) -> NDArray[np.intp]:
-    """Triangles (F, 3) that fill closed polygons (N, 2), holes clockwise.
-
-    They count the points of all polygons, one after the other.
-    """
-    if not polygons:
-        return np.empty((0, 3), dtype=np.intp)
-    return np.asarray(triangulate(list(polygons)), dtype=np.intp)
 
 
 def encode(mesh: SolidMesh, kind: str) -> bytes:
