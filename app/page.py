@@ -22,11 +22,13 @@ import viser
 
 from app import compute, session
 from app.exporting import ExportedFile, build_file, solid_name
+from app.mapping import Mapping
 from app.morph import Morph
 from app.panels.design import DesignPanel
 from app.panels.desk import Hands, Panel, Save, Sheet, safely
 from app.panels.header import Header
 from app.panels.hotkeys import add_hotkeys
+from app.panels.map import MapPanel
 from app.panels.move import MovePanel
 from app.panels.review import ReviewPanel
 from app.panels.section import SectionPanel
@@ -54,6 +56,7 @@ TABS: tuple[tuple[str, Callable[..., Panel]], ...] = (
     ("Solutions", SolutionsPanel),
     ("Workspace", WorkspacePanel),
     ("Section", SectionPanel),
+    ("Map", MapPanel),
     ("Design", DesignPanel),
     ("Review", ReviewPanel),
 )
@@ -81,7 +84,7 @@ class Page:
         self._history = History(review)
         self._inbox: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self.scene = Scene(server)
-        self._parts: tuple[Part, ...] = (Solving(self), Slicing(self))
+        self._parts: tuple[Part, ...] = (Solving(self), Slicing(self), Mapping(self))
         self._morph: Morph | None = None
         self._view: compute.View | None = None
         self._header: Header | None = None

@@ -85,3 +85,19 @@ def mixed(code: str, tint: float) -> str:
     target = 255 if tint > 0 else 0
     parts = (round(c + (target - c) * abs(tint)) for c in rgb(code))
     return "#" + "".join(f"{p:02X}" for p in parts)
+
+
+# From little to much: ten steps of cividis, the same to every kind of colour sight and in grey.
+_RAMP = (
+    *("#00224E", "#123570", "#3B496C", "#575D6D", "#707173"),
+    *("#8A8678", "#A59C74", "#C3B369", "#E1CC55", "#FEE838"),
+)
+
+
+def ramp_color(share: float) -> str:
+    """The colour of a quantity from 0 (blue) to 1 (yellow), as in the files of maps."""
+    place = min(max(share, 0.0), 1.0) * (len(_RAMP) - 1)
+    n = min(int(place), len(_RAMP) - 2)
+    low, high = rgb(_RAMP[n]), rgb(_RAMP[n + 1])
+    parts = (round(a + (b - a) * (place - n)) for a, b in zip(low, high, strict=True))
+    return "#" + "".join(f"{p:02X}" for p in parts)

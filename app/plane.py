@@ -1,7 +1,8 @@
 """The section in the scene, and the ball and the box inside the workspace.
 
-All meshes were made before the solids', with their origins at zero, so that the browser draws them
-first and no translucent solid hides them.
+All of it is opaque: the browser draws the translucent solids over it, whereas among translucent
+things it draws the nearer ones last and would leave out what is inside them. So the section is
+hatched, as in a drawing, and the box is its edges.
 """
 
 from __future__ import annotations
@@ -10,20 +11,16 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import viser.transforms as tf
 
 from app import palette
-from app.scene import Scene
+from app.scene import Scene, wxyz
 from app.slicer import Drawn, Extent
 from kinematics.sections import Box, Sphere
 from kinematics.spatial import Array
 
 LIMBS = 8  # nodes of edges; more than any mechanism has
-AHEAD = 0.4  # mm by which the edges stand before the plane
 ROOM = 0.06  # of the region's size around it in the outline of the plane
-INSIDE = palette.mixed(palette.WORKSPACE, -0.4)
-_NOTHING = np.zeros((3, 3), dtype=np.float32)
-_ONE_FACE = np.array([[0, 1, 2]], dtype=np.uint32)
+INSIDE = palette.mixed(palette.WORKSPACE, -0.2)
 _NO_LINE = np.zeros((1, 2, 3), dtype=np.float32)
 
 
@@ -34,7 +31,7 @@ class Plane:
         self._scene = scene
         self._moved = moved
         self._frame: Any = None
-        self._fill: Any = None
+        self._hatch: Any = None
         self._outline: Any = None
         self._edges: list[Any] = []
         self._handle: Any = None
@@ -42,18 +39,15 @@ class Plane:
         self._placed: object = None
 
     def prepare(self, size: float) -> None:
-        """Make the nodes, with nothing to see; call it before the solids' are made."""
+        """Make the nodes, with nothing to see."""
         scene = self._scene.server.scene
         self._frame = scene.add_frame("/section", show_axes=False, visible=False)
-        self._fill = scene.add_mesh_simple(
-            "/section/fill",
-            _NOTHING,
-            _ONE_FACE,
-            color=palette.rgb(palette.WORKSPACE),
-            opacity=0.6,
-            side="double",
-            cast_shadow=False,
-            receive_shadow=False,
+        self._hatch = scene.add_line_segments(
+            "/section/hatch",
+            _NO_LINE,
+            palette.rgb(palette.mixed(palette.WORKSPACE, -0.15)),
+            thickness=1.2,
+            thickness_units="screen",
         )
         self._outline = scene.add_line_segments(
             "/section/outline",
@@ -103,7 +97,7 @@ class Plane:
             self._frame.visible = on
         if not on:
             return
-        self._frame.wxyz = tf.SO3.from_matrix(frame[:3, :3]).wxyz
+        self._frame.wxyz = wxyz(frame[:3, :3])
         self._frame.position = frame[:3, 3]
         across = None if extent is None else extent.across
         if across is None:
@@ -129,17 +123,13 @@ class Plane:
         before, self._drawn = self._drawn, drawn
         if before is not None and before.section is drawn.section:
             return
-        if len(drawn.triangles):
-            self._fill.vertices = drawn.points.astype(np.float32)
-            self._fill.faces = drawn.triangles.astype(np.uint32)
-        else:
-            self._fill.vertices, self._fill.faces = _NOTHING, _ONE_FACE
+        self._hatch.points = drawn.hatch.astype(np.float32) if len(drawn.hatch) else _NO_LINE
         for limb, node in enumerate(self._edges, 1):
             own = drawn.lines[drawn.line_limb == limb]
             if node.visible != bool(len(own)):
                 node.visible = bool(len(own))
             if len(own):
-                node.points = (own + np.array([AHEAD, 0.0, 0.0])).astype(np.float32)
+                node.points = own.astype(np.float32)
 
 
 class Inside:
@@ -149,32 +139,26 @@ class Inside:
         self._scene = scene
         self._ball: Any = None
         self._box: Any = None
-        self._frame: Any = None
         self._labels: tuple[Any, Any] = (None, None)
 
     def prepare(self) -> None:
-        """Make the nodes, with nothing to see; call it before the solids' are made."""
+        """Make the nodes, with nothing to see."""
         scene = self._scene.server.scene
-        self._ball, self._box = (
-            scene.add_mesh_simple(
-                f"/inside/{name}",
-                _NOTHING,
-                _ONE_FACE,
-                color=palette.rgb(INSIDE),
-                opacity=0.55,
-                side="front",
-                flat_shading=name == "box",
-                cast_shadow=False,
-                receive_shadow=False,
-                visible=False,
-            )
-            for name in ("ball", "box")
+        vertices, faces = _BALL
+        self._ball = scene.add_mesh_simple(
+            "/inside/ball",
+            vertices.astype(np.float32),
+            faces,
+            color=palette.rgb(INSIDE),
+            cast_shadow=False,
+            receive_shadow=False,
+            visible=False,
         )
-        self._frame = scene.add_line_segments(
-            "/inside/frame",
+        self._box = scene.add_line_segments(
+            "/inside/box",
             _NO_LINE,
             palette.rgb(palette.mixed(INSIDE, -0.4)),
-            thickness=1.5,
+            thickness=3.0,
             thickness_units="screen",
             visible=False,
         )
@@ -189,18 +173,15 @@ class Inside:
         of_ball, of_box = self._labels
         for node in (self._ball, of_ball):
             node.visible = ball is not None
-        for node in (self._box, self._frame, of_box):
+        for node in (self._box, of_box):
             node.visible = box is not None
         if ball is not None:
-            vertices, faces = _BALL
-            self._ball.vertices = (ball.center + ball.radius * vertices).astype(np.float32)
-            self._ball.faces = faces
+            self._ball.position, self._ball.scale = tuple(ball.center), ball.radius
             of_ball.text = f"radius {ball.radius:.1f} mm"
             of_ball.position = tuple(ball.center + np.array([0.0, 0.0, ball.radius]))
         if box is not None:
             corners = np.where(_CORNERS, box.high, box.low)
-            self._box.vertices, self._box.faces = corners.astype(np.float32), _BOX_FACES
-            self._frame.points = corners[_BOX_EDGES].astype(np.float32)
+            self._box.points = corners[_BOX_EDGES].astype(np.float32)
             size = " × ".join(f"{side:.1f}" for side in box.high - box.low)
             of_box.text = f"{size} mm"
             middle = 0.5 * (box.low + box.high)
@@ -226,11 +207,3 @@ def _sphere(rings: int = 24, sides: int = 48) -> tuple[Array, np.ndarray]:
 _BALL = _sphere()
 _CORNERS = np.array([[n & 1, n >> 1 & 1, n >> 2 & 1] for n in range(8)], dtype=bool)
 _BOX_EDGES = np.array([[n, n | 1 << k] for n in range(8) for k in range(3) if not n >> k & 1])
-_BOX_FACES = np.array(
-    [
-        [0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6],
-        [0, 1, 4], [1, 5, 4], [2, 6, 3], [3, 6, 7],
-        [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5],
-    ],
-    dtype=np.uint32,
-)  # fmt: skip

@@ -276,7 +276,7 @@ class Scene:
         self._set(
             name,
             node,
-            wxyz=_wxyz(rotation),
+            wxyz=wxyz(rotation),
             opacity=wish.opacity,
             visible=bool(solid.triangles),
         )
@@ -316,7 +316,7 @@ class Scene:
             self._shape[slot] = (value,)
 
     def _pose(self, name: str, node: Any, transform: Array) -> None:
-        self._set(name, node, position=_triple(transform[:3, 3]), wxyz=_wxyz(transform[:3, :3]))
+        self._set(name, node, position=_triple(transform[:3, 3]), wxyz=wxyz(transform[:3, :3]))
 
     def _forget(self, name: str) -> None:
         for slot in [s for s in self._shape if s.startswith(f"{name}#")]:
@@ -346,7 +346,7 @@ def _triple(point: Array) -> tuple[float, float, float]:
     return float(point[0]), float(point[1]), float(point[2])
 
 
-def _wxyz(rotation: Array) -> tuple[float, ...]:
+def wxyz(rotation: Array) -> tuple[float, ...]:
     return tuple(float(v) for v in tf.SO3.from_matrix(rotation).wxyz)
 
 

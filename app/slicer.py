@@ -21,6 +21,7 @@ from kinematics.spatial import Array
 
 LOOKS = 24  # sections from which the extent of a workspace in its planes is taken
 STEP = 6.0  # mm, the longest chord of an arc in the scene
+HATCHES = 60  # lines across the extent
 ON_PLANE = 0.05  # mm; the platform is in a plane that it is not farther from
 PLOT = (384.0, 372.0)  # px
 
@@ -67,20 +68,18 @@ class Drawn:
     """A section as the page shows it.
 
     Attributes:
-        points: (N, 3) mm in the frame of sections, of the filled region.
-        triangles: (F, 3) of them.
-        lines: (S, 2, 3) mm along the edges.
+        lines: (S, 2, 3) mm along the edges, in the frame of sections.
         line_limb: (S,) from 1.
+        hatch: (H, 2, 3) mm, lines that fill the region.
         svg: the plot.
     """
 
     wish: Wish
     section: Section
     extent: Extent
-    points: Array
-    triangles: np.ndarray
     lines: Array
     line_limb: np.ndarray
+    hatch: Array
     svg: str
 
 
@@ -103,15 +102,15 @@ def wish(review: Review) -> Wish:
 
 
 def draw(wanted: Wish) -> Drawn:
-    """The section, the region filled, its edges, its plot."""
+    """The section, its edges, the region hatched, its plot."""
     of = wanted.region
     kind = mechanism(of.design.mechanism)
     section = kind.section(of.design, of.pose, of.modes, wanted.at)
     spec = kind.section_spec(of.design)
     assert spec is not None
     reach = extent(of)
-    points, triangles = filled(section)
     lines, limbs = edges(section)
+    hatch = hatched(lines, reach.across) if reach.across and len(lines) else lines[:0]
     svg = section_svg(
         section,
         spec,
@@ -122,7 +121,8 @@ def draw(wanted: Wish) -> Drawn:
         mark=wanted.mark,
         bounds=reach.across,
     )
-    return Drawn(wanted, section, reach, points, triangles, lines, limbs, svg)
+    at = section.at
+    return Drawn(wanted, section, reach, _raised(lines, at), limbs, _raised(hatch, at), svg)
 
 
 @lru_cache(maxsize=16)
@@ -156,23 +156,34 @@ def box(of: Region, center: Sequence[float] | None) -> Box | None:
     return mechanism(of.design.mechanism).box(of.design, of.pose, of.modes, center)
 
 
-def filled(section: Section) -> tuple[Array, np.ndarray]:
-    """Points (N, 3) in the frame of sections and triangles (F, 3) that fill a section."""
-    from kinematics.solids import flat_triangles  # manifold3d is loaded only in the process
-
-    loops = [section.polyline(n, STEP) for n in range(section.loops)]
-    triangles = flat_triangles(loops)
-    flat = np.concatenate(loops) if loops else np.empty((0, 2))
-    return _raised(flat, section.at), triangles
-
-
 def edges(section: Section) -> tuple[Array, np.ndarray]:
-    """Line segments (S, 2, 3) along the edges, and whose each is, limbs from 1."""
+    """Line segments (S, 2, 2) along the edges, and whose each is, limbs from 1."""
     runs = [section.edge_points(k, STEP) for k in range(len(section.limb))]
     pairs = [np.stack([run[:-1], run[1:]], axis=1) for run in runs]
     flat = np.concatenate(pairs) if pairs else np.empty((0, 2, 2))
     limbs = np.repeat(section.limb, [len(pair) for pair in pairs])
-    return _raised(flat, section.at), limbs
+    return flat, limbs
+
+
+def hatched(lines: Array, extent: Bounds) -> Array:
+    """Parallel lines (H, 2, 2) at 45° that fill what closed outlines (S, 2, 2) bound.
+
+    They stand still while the outlines change, at a distance that the extent gives.
+    """
+    step = max(high - low for low, high in extent) / HATCHES
+    turned = lines @ (np.array([[1.0, 1.0], [-1.0, 1.0]]) / np.sqrt(2.0))  # across, along
+    (a, start), (b, end) = turned[:, 0].T, turned[:, 1].T
+    first, last = np.floor(turned[..., 0].min() / step), np.floor(turned[..., 0].max() / step)
+    places = step * np.arange(first + 1, last + 1)[:, None]
+    crossed = (a <= places) != (b <= places)
+    share = (places - a) / np.where(crossed, b - a, 1.0)
+    along = np.sort(np.where(crossed, start + share * (end - start), np.inf), axis=1)
+    along = along[:, : 2 * (along.shape[1] // 2)].reshape(len(places), -1, 2)
+    rows, pairs = np.nonzero(np.isfinite(along).all(axis=2))
+    across = np.broadcast_to(places[rows], (len(rows), 2))
+    found = np.stack([across, along[rows, pairs]], axis=-1)
+    back: Array = found @ (np.array([[1.0, -1.0], [1.0, 1.0]]) / np.sqrt(2.0))
+    return back
 
 
 def _raised(flat: Array, at: float) -> Array:

@@ -8,16 +8,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from app import slicer
-from app.exporting import ExportedFile
+from app.exporting import ExportedFile, solid_name
 from app.lane import Done, Job, Lane, Lost
 from app.panels.desk import Sections
 from app.parts import Stage
 from app.plane import Inside, Plane
 from app.requests import Forget, GoToBall, Inscribe, SaveSection
+from app.section_files import section_bytes
 from app.slicer import Drawn, Region
 from app.state import Change, MoveCut, Place
 from app.worker import LaneName
-from kinematics.errors import InputError
+from kinematics.mechanism import mechanism
 from kinematics.sections import Box, Sphere, Volume
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
 REST = 0.15  # s for which a workspace must stay before it is measured
 CACHE = 64  # volumes kept
+MEDIA_TYPES = {"svg": "image/svg+xml", "dxf": "image/vnd.dxf", "csv": "text/csv"}
 NAMES = {"ball": "Largest ball", "box": "Largest box"}
 
 
@@ -270,4 +272,16 @@ class Slicing:
 
 def section_file(drawn: Drawn, kind: str) -> ExportedFile:
     """A section as a file."""
-    raise InputError(kind)
+    of = drawn.wish.region
+    kinematics = mechanism(of.design.mechanism)
+    spec = kinematics.section_spec(of.design)
+    assert spec is not None
+    angles = tuple(
+        (c, v)
+        for c, v in zip(kinematics.pose_coordinates(of.design), of.pose, strict=True)
+        if c.unit == "rad"
+    )
+    name = f"{solid_name(of.design, 'section', angles, of.modes)}_at{drawn.section.at:.6g}"
+    title = of.design.title or of.design.name
+    data = section_bytes(drawn.section, spec, kind, title=title)
+    return ExportedFile(f"{name}.{kind}", data, MEDIA_TYPES[kind])

@@ -20,7 +20,7 @@ SORTS: tuple[Sort, ...] = ("distance", "condition", "height", "mode")
 SAME_MODE = "same"
 QUIET_GAP = 1.0  # s; a gesture that pauses longer than this becomes a step of its own in undo
 MAX_HISTORY = 300
-MAX_CELLS = 181  # of a map along one axis
+MAX_CELLS = 91  # of a map along one axis
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,6 +23,7 @@ from app.state import Change
 from app.worker import Built
 from kinematics.errors import BohemiaError
 from kinematics.sections import Box, Sphere, Volume
+from kinematics.sweeps import Map
 
 log = logging.getLogger(__name__)
 
@@ -143,6 +144,25 @@ class Sections:
         return self.volume_of == self.region
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class Charted:
+    """The map as panels draw it.
+
+    Attributes:
+        map: the newest one of which something is known.
+        stale: it is of another design or of other working modes.
+        running: one is being computed; ``share`` of it is done after ``seconds``.
+        trouble: why the last one was given up.
+    """
+
+    map: Map | None
+    stale: bool
+    running: bool
+    share: float
+    seconds: float
+    trouble: str
+
+
 class Panel(Protocol):
     """One tab: made once for a mechanism, then redrawn."""
 
@@ -157,6 +177,9 @@ class Panel(Protocol):
 
     def draw_sections(self, sheet: Sheet, sections: Sections) -> None:
         """A section, a volume, a ball or a box came; most tabs show nothing of them."""
+
+    def draw_map(self, sheet: Sheet, charted: Charted) -> None:
+        """More of the map came, or it began or ended; most tabs show nothing of it."""
 
 
 def answer(desk: Desk, handle: Any, act: Callable[[Any, viser.ClientHandle | None], None]) -> None:

@@ -19,8 +19,7 @@ class Header:
         gui = desk.gui
         self._status = gui.add_html(_status(sheet))
         self._legend = gui.add_html(_legend(sheet.view))
-        self._progress = gui.add_progress_bar(0.0, visible=False, animated=True)
-        self._doing = gui.add_html("", visible=False)
+        self._doing = gui.add_html(_doing("", 0.0))
         self._cancel = gui.add_button("Cancel", visible=False, color="gray")
         clicked(desk, self._cancel, lambda _: desk.cancel())
 
@@ -32,12 +31,34 @@ class Header:
         """Show what takes longer than a moment, with a way to stop it."""
         waited = 0.0 if work is None else time.monotonic() - work.since
         show = work is not None and work.title is not None and waited > PATIENCE
-        for part in (self._progress, self._doing, self._cancel):
-            put_prop(part, "visible", show)
-        if show and work is not None:
-            # How long a boolean takes is not known beforehand: approach the end, never reach it.
-            put_prop(self._progress, "value", round(100.0 * waited / (waited + 1.5)))
-            put_prop(self._doing, "content", box(f"Computing {esc(work.title)} · {waited:.0f} s"))
+        put_prop(self._cancel, "visible", show)
+        put_prop(self._doing, "content", _doing(work.title or "" if show and work else "", waited))
+
+
+_SLOT = """<style>div:has(>.work)+div:has(>button){position:relative;height:0;top:-30px;
+width:6.4em;left:calc(100% - 7em);margin:0!important;padding:0!important}
+div:has(>.work)+div>button{height:22px!important}</style>"""
+
+
+def _doing(title: str, waited: float) -> str:
+    """What is being computed, in a slot of its own height: the tabs below never jump.
+
+    The button beside it, to cancel, is put into the slot too.
+    """
+    text = ""
+    if title:
+        # How long a boolean takes is not known beforehand: approach the end, never reach it.
+        share = round(100.0 * waited / (waited + 1.5))
+        text = (
+            f'<div style="white-space:nowrap;overflow:hidden;text-overflow:ellipsis">Computing '
+            f'{esc(title)} · {waited:.0f} s</div><div style="height:4px;border-radius:2px;'
+            'background:rgba(128,138,150,.25)"><div style="height:4px;border-radius:2px;'
+            f'width:{share}%;background:#0072B2"></div></div>'
+        )
+    return (
+        f'{_SLOT}<div class="work" style="height:32px;padding:0 7.5em 0 .75em;font-size:.82em">'
+        f"{text}</div>"
+    )
 
 
 def _status(sheet: Sheet) -> str:

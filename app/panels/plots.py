@@ -12,11 +12,14 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
 import viser
 
 from app.panels.desk import Desk, answer, esc, put_prop
 
 Range = tuple[float, float]
+STEPS = (1.0, 2.0, 5.0)  # round numbers, times powers of ten
+TURN = (1.5, 3.0, 4.5, 9.0)  # round degrees, times powers of ten
 
 # Runs in the browser for every pointer event on a plot; `s` is the drawing, `e` the event.
 _SCRIPT = """
@@ -26,8 +29,9 @@ p=new DOMPoint(e.clientX,e.clientY).matrixTransform(s.getScreenCTM().inverse()),
 u=(p.x-b[0])/b[2],v=1-(p.y-b[1])/b[3],inside=u>=0&&u<=1&&v>=0&&v<=1,
 t=s.querySelector('.tip');
 if(t){const n=d.grid.split(' ').map(Number),a=s.tips||(s.tips=d.tips.split('|')),
-at=(w,k)=>Math.min(Math.floor(w*k),k-1);
-t.textContent=inside&&e.type!=='pointerleave'?a[at(u,n[0])*n[1]+at(v,n[1])]:d.idle;}
+x=Math.min(Math.floor(u*n[0]),n[0]-1),y=Math.min(Math.floor(v*n[1]),n[1]-1);
+t.textContent=inside&&e.type!=='pointerleave'?d.columns.split('|')[x]+d.rows.split('|')[y]
++a[x*n[1]+y]:d.idle;}
 if(e.type==='pointerdown'){if(!inside||e.button)return;s.held=1;s.setPointerCapture(e.pointerId);}
 if(!s.held)return;
 if(e.type==='pointermove'&&e.timeStamp-s.sent<60)return;
@@ -81,17 +85,18 @@ class Figure:
 
     Attributes:
         content: SVG elements; text in them went through `esc`.
-        tips: what to tell under the pointer, of cells of equal size that fill the box, the second
-            index upwards and running fastest.
-        cells: how many there are along x and y.
+        columns, rows: what to tell under the pointer of its column and of its row; they are of
+            equal size and fill the box, rows upwards.
+        tips: what to tell of each cell, rows running fastest.
         idle: what to tell otherwise.
         name: for who does not see it.
     """
 
     axes: Axes
     content: str
+    columns: Sequence[str]
+    rows: Sequence[str]
     tips: Sequence[str]
-    cells: tuple[int, int]
     idle: str
     name: str
 
@@ -108,13 +113,13 @@ class Plot:
         self._over = gui.add_html("")
         # Neighbours in the page: the style hides this box, and the script finds it there.
         answer(desk, gui.add_text("Pointed at", ""), self._pointed)
-        self._figure: Figure | None = None
+        self.figure: Figure | None = None
         self._marked = ""
 
     def draw(self, figure: Figure | None) -> None:
         """Show a figure, None for nothing."""
-        if figure != self._figure:
-            self._figure = figure
+        if figure != self.figure:
+            self.figure = figure
             put_prop(self._base, "content", _base(figure))
             self._cover()
 
@@ -124,10 +129,10 @@ class Plot:
         self._cover()
 
     def _cover(self) -> None:
-        if self._figure is None or not self._marked:
+        if self.figure is None or not self._marked:
             put_prop(self._over, "content", "")
             return
-        axes = self._figure.axes
+        axes = self.figure.axes
         put_prop(
             self._over,
             "content",
@@ -155,19 +160,25 @@ def _base(figure: Figure | None) -> str:
     return (
         f'{_STYLE}<div class="plot"><svg viewBox="0 0 {a.width:g} {a.height:g}" role="img" '
         f'aria-label="{esc(figure.name)}" font-size="11" data-box="{box}" '
-        f'data-grid="{figure.cells[0]} {figure.cells[1]}" data-tips="{esc("|".join(figure.tips))}" '
-        f'data-idle="{esc(figure.idle)}" {handlers}>'
+        f'data-grid="{len(figure.columns)} {len(figure.rows)}" '
+        f'data-columns="{_listed(figure.columns)}" data-rows="{_listed(figure.rows)}" '
+        f'data-tips="{_listed(figure.tips)}" data-idle="{esc(figure.idle)}" {handlers}>'
         f'<rect width="{a.width:g}" height="{a.height:g}" fill="transparent"/>{figure.content}'
         f'<text class="tip" x="{a.left:g}" y="{a.top - 7:g}" fill="currentColor">'
         f"{esc(figure.idle)}</text></svg></div>"
     )
 
 
-def ticks(low: float, high: float, most: int) -> list[float]:
-    """At most so many round numbers from low to high."""
+def _listed(texts: Sequence[str]) -> str:
+    return esc("|".join(text.replace("|", "/") for text in texts))
+
+
+def ticks(low: float, high: float, most: int, steps: Sequence[float] = STEPS) -> list[float]:
+    """At most so many round numbers from low to high; ``steps`` says what is round."""
     raw = (high - low) / max(most, 1)
-    power = 10.0 ** math.floor(math.log10(raw))
-    step = next(m * power for m in (1.0, 2.0, 5.0, 10.0) if m * power >= raw * (1 - 1e-9))
+    decades = 10.0 ** np.arange(math.floor(math.log10(raw)) - 2, math.log10(raw) + 2)
+    round_ = np.sort(np.outer(decades, steps).ravel())
+    step = float(round_[np.searchsorted(round_, raw * (1 - 1e-9))])
     return [n * step for n in range(math.ceil(low / step), math.floor(high / step + 1e-9) + 1)]
 
 

@@ -241,16 +241,13 @@ def profile(volume: Volume, spec: SectionSpec) -> Figure | None:
     )
     places = axes.x[0] + (np.arange(COLUMNS) + 0.5) / COLUMNS * (axes.x[1] - axes.x[0])
     areas = np.interp(places, x, area)
-    tips = [
-        f"{spec.normal} = {number(round(float(p), 1))} mm: {area_text(float(a))}"
-        for p, a in zip(places, areas, strict=True)
-    ]
     return Figure(
         axes,
         content
         + scales(axes, f"{spec.normal} (mm)", "area (cm²)", ticks(*axes.x, 7), ticks(*axes.y, 3)),
-        tips,
-        (COLUMNS, 1),
+        [f"{spec.normal} = {number(round(p, 1))} mm: " for p in places.tolist()],
+        ("",),
+        [area_text(a) for a in areas.tolist()],
         f"Area of the section against {spec.normal}: point to cut there",
         "Area of the section",
     )
