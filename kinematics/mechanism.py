@@ -32,6 +32,9 @@ if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
 
 Resolution = Literal["preview", "normal", "fine"]
 RESOLUTIONS: tuple[Resolution, ...] = ("preview", "normal", "fine")
+SurfaceKind = Literal["facets", "true"]
+SURFACES: tuple[SurfaceKind, ...] = ("facets", "true")
+"""Of a solid's mesh: right on the average, or with every vertex on the exact surfaces."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +84,7 @@ class SolidSpec:
     limb: int | None = None
     figure: str = ""
     uses_modes: bool = False
+    surfaces: tuple[SurfaceKind, ...] = ("facets",)
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,6 +202,7 @@ class Mechanism(Protocol):
         pose: Sequence[float],
         modes: tuple[str, ...] | None,
         resolution: Resolution,
+        surface: SurfaceKind = "facets",
     ) -> SolidRequest: ...
     def solid_placement(self, design: Any, key: str, pose: Sequence[float]) -> Array: ...
     def build_solid(self, request: SolidRequest) -> BuiltSolid: ...

@@ -16,6 +16,7 @@ from manifold3d import Error, Manifold, Mesh64, OpType
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
 from kinematics.errors import ComputationError, InputError
 from kinematics.spatial import Array
@@ -71,6 +72,22 @@ class TracedMesh:
     mesh: SolidMesh
     patches: tuple[Patch, ...]
     patch_of: NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedMesh:
+    """A traced mesh moved onto the curved surfaces that it stands for.
+
+    Attributes:
+        traced: the mesh; still closed and oriented.
+        residual: how far those of its vertices that were put on their surfaces are from them at
+            most, mm.
+        unplaced: how many could not be put on all of their surfaces.
+    """
+
+    traced: TracedMesh
+    residual: float
+    unplaced: int
 
 
 class Solid:
@@ -270,8 +287,9 @@ class BuiltSolid:
     """A finished solid: plain arrays and numbers, ready to cross to another process.
 
     Attributes:
-        mesh: the closed surface in the solid's own frame, float64 (every coordinate is also a
-            float32, so that no file format moves a vertex) and int32.
+        mesh: the closed surface in the solid's own frame, float64 and int32. Of facets every
+            coordinate is also a float32, so that no file format moves a vertex; the vertices of a
+            true surface stand where they should, and stay apart when a file rounds them.
         shaded: the same surface for display, float32 and uint32; a vertex is repeated where
             surfaces meet, so that normals averaged per vertex keep the creases sharp.
         volume: of ``mesh``, mm³.
@@ -282,6 +300,9 @@ class BuiltSolid:
             in ``mesh``.
         watertight: the surface is closed, also when its vertices are known by position only.
         triangles: number of faces.
+        residual: how far the vertices are from the true surfaces at most, mm, but for
+            ``unplaced`` ones; None of facets, which are right on the average instead.
+        unplaced: how many vertices could not be put on all of the surfaces that meet there.
     """
 
     mesh: SolidMesh
@@ -292,10 +313,16 @@ class BuiltSolid:
     pieces: tuple[Piece, ...]
     watertight: bool
     triangles: int
+    residual: float | None = None
+    unplaced: int = 0
 
 
 def finish(
-    solid: Solid, error: Callable[[TracedMesh, float], float], *, thinnest: float = 0.0
+    solid: Solid,
+    error: Callable[[TracedMesh, float], float],
+    *,
+    thinnest: float = 0.0,
+    place: Callable[[TracedMesh, float], PlacedMesh] | None = None,
 ) -> BuiltSolid:
     """Slivers dropped, vertices set on a float32 grid, pieces found, creases split.
 
@@ -303,9 +330,20 @@ def finish(
         solid: what to finish.
         error: estimates |mesh volume − true volume| from a traced mesh and its volume, mm³.
         thinnest: a shell thinner than this on the average (2 volume / area, mm) is dropped too.
+        place: moves the mesh onto true surfaces, given the distance (mm) that its vertices must
+            keep; where they do not the facets stay.
     """
     traced, shells, dropped = _without_slivers(solid.traced(), thinnest)
     traced, shells, moved = _rounded(solid, traced, shells, thinnest)
+    placed: PlacedMesh | None = None
+    if place is not None and len(traced.mesh.faces):
+        apart = 0.75 * _grid(traced.mesh.vertices)  # facets keep a whole step
+        placed = place(traced, apart)
+        if len(close_pairs(placed.traced.mesh.vertices, apart)):
+            placed = None
+        else:
+            traced = placed.traced
+            shells = _shells(len(traced.mesh.vertices), traced.mesh.faces)
     v, f = traced.mesh.vertices, traced.mesh.faces
     six, twice, moments = _parts(v, f)
     volume, area = float(six.sum()) / 6.0, float(twice.sum()) / 2.0
@@ -319,6 +357,8 @@ def finish(
         pieces=_pieces(v, f, shells, six, moments),
         watertight=_closed_by_position(v, f),
         triangles=len(f),
+        residual=None if placed is None else placed.residual,
+        unplaced=0 if placed is None else placed.unplaced,
     )
 
 
@@ -418,6 +458,12 @@ def _shared(v: Array) -> NDArray[np.intp]:
     found[order[1:][same]] = True
     found[order[:-1][same]] = True
     return np.flatnonzero(found)
+
+
+def close_pairs(v: Array, distance: float) -> NDArray[np.intp]:
+    """(P, 2) the vertices that are nearer to each other than ``distance`` mm."""
+    pairs = cKDTree(v).query_pairs(distance, output_type="ndarray")
+    return np.asarray(pairs, dtype=np.intp)
 
 
 def _parted(traced: TracedMesh, reach: float, step: float) -> TracedMesh:

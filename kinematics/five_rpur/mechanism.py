@@ -25,12 +25,14 @@ from kinematics.five_rpur.continuation import following
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.forward import assembly, carrying
 from kinematics.mechanism import (
+    SURFACES,
     Coordinate,
     DesignField,
     Drawing,
     Resolution,
     SolidRequest,
     SolidSpec,
+    SurfaceKind,
 )
 from kinematics.sections import Box, MapCells, MapSpec, Section, SectionSpec, Sphere, Volume
 from kinematics.solutions import (
@@ -154,6 +156,7 @@ class FiveRPUR:
             "Workspace",
             figure="Figs. 14, 15, 18",
             uses_modes=True,
+            surfaces=SURFACES,
         )
         return (workspace, *_limb_specs())
 
@@ -164,9 +167,11 @@ class FiveRPUR:
         pose: Sequence[float],
         modes: tuple[str, ...] | None,
         resolution: Resolution,
+        surface: SurfaceKind = "facets",
     ) -> SolidRequest:
         if key == "workspace":
-            arguments: tuple[Any, ...] = (key, design.limbs, float(pose[3]), float(pose[4]), modes)
+            orientation = float(pose[3]), float(pose[4])
+            arguments: tuple[Any, ...] = (key, design.limbs, *orientation, modes, surface)
         else:
             i, part = _limb_part(key)
             limb = design.limbs[i]
@@ -192,9 +197,9 @@ class FiveRPUR:
 
         what, *arguments = request.arguments
         if what == "workspace":
-            limbs, phi, theta, modes = arguments
+            limbs, phi, theta, modes, surface = arguments
             design = FiveRPURDesign(limbs)
-            return workspace.workspace(design, phi, theta, modes, request.resolution)
+            return workspace.workspace(design, phi, theta, modes, request.resolution, surface)
         link, low, high, part = arguments
         zero = (0.0, 0.0, 0.0)
         limb = Limb(zero, zero, link, (low, high))

@@ -17,13 +17,18 @@ import numpy as np
 from kinematics.errors import InputError
 from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.five_rpur.offsets import aligned_offsets
+from kinematics.five_rpur.true_surface import true_surface
 from kinematics.five_rpur.vertex_space import Part, Surface, deviation, limb_solid, shear
-from kinematics.mechanism import Resolution
-from kinematics.solids import BuiltSolid, Solid, TracedMesh, finish
+from kinematics.mechanism import SURFACES, Resolution, SurfaceKind
+from kinematics.solids import BuiltSolid, PlacedMesh, Solid, TracedMesh, finish
 
 # A piece thinner on the average than this part of the mesh's deviation (or of a short stroke)
 # is as likely due to the facets as to the machine, and is not counted.
 _RESOLVED = 0.25
+
+# How far chords of the true surface may sag, in deviations of the mesh: what keeps its volume,
+# too small by the chords, as good as the resolution promises.
+_SAG: dict[Resolution, float] = {"normal": 0.1, "fine": 0.06}
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +48,7 @@ def workspace(
     theta: float,
     modes: Iterable[str] | None = None,
     resolution: Resolution = "normal",
+    surface: SurfaceKind = "facets",
 ) -> BuiltSolid:
     """The constant-orientation workspace in x'y'z' (turn it by R_y(θ) for the base frame).
 
@@ -52,11 +58,15 @@ def workspace(
         theta: θ, rad.
         modes: working modes as "+-+++", of which any will do; None for all 32, ∩ B_i.
         resolution: "preview", "normal" or "fine".
+        surface: "facets", right on the average; or "true", every vertex on the exact surfaces
+            that meet there and chords halved where they sag. A preview is of facets always.
 
     Raises:
-        InputError: an angle that is not finite, or a mode that is not five signs.
+        InputError: an angle that is not finite, a mode that is not five signs, or no such surface.
         ComputationError: manifold3d gave up.
     """
+    if surface not in SURFACES:
+        raise InputError(f"there is no surface {surface!r}; use {' or '.join(SURFACES)}")
     placed = aligned_offsets(design, phi, theta)
     solids = []
     for choice in _products(modes):
@@ -69,10 +79,15 @@ def workspace(
     deviations = [deviation(limb.link, limb.stroke[1], resolution) for limb in design.limbs]
     coarsest = max(deviations)
     strokes = (design.stroke[:, 1] - design.stroke[:, 0]).tolist()
+
+    def place(mesh: TracedMesh, apart: float) -> PlacedMesh:
+        return true_surface(mesh, coarsest, apart, _SAG[resolution] * coarsest)
+
     return finish(
         whole,
         lambda mesh, volume: volume_error(mesh, volume, coarsest),
         thinnest=_RESOLVED * min(*deviations, *strokes),
+        place=place if surface == "true" and resolution in _SAG else None,
     )
 
 
