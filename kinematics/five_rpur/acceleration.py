@@ -2,7 +2,7 @@ from types import ModuleType
 import sys
 from kinematics.five_rpur import kernel as _k
 _done = False
-NAMES = "heights bounds_of offset rise matters crossings root at_border sweep primitives under mixed run_moments measure".split()
+NAMES = "heights bounds_of offset rise matters crossings root at_border mixed meet sweep primitives under run_moments measure".split()
 def kernel(count):
     global _done
     if not _done:

@@ -50,10 +50,11 @@ def concave_program(
         dual = -slope - curvature @ x - weight @ rows
         primal = rows @ x + room - slack
         mean = float(slack @ weight) / len(room)
-        if mean < 1e-11 and np.abs(dual).max() < 1e-8 and np.abs(primal).max() < 1e-11:
+        if mean < 1e-12 or (mean < 1e-10 and np.abs(dual).max() < 1e-9 > np.abs(primal).max()):
             break
         ratio = weight / slack
         matrix = (rows.T * ratio) @ rows - curvature
+        matrix[np.diag_indices(n)] += 1e-14 * matrix.trace()
 
         # First towards the bounds, to see how far they let go; then to a share of the mean.
         target = 0.0
@@ -121,9 +122,12 @@ def grow_ball(region: Region, center: Array, steps: int = STEPS) -> tuple[Array,
     for _ in range(steps):
         if near is None or radius <= 0.0 or reach < ERROR * region.size:
             break
-        move, hoped = _ball_step(region, center, near, radius, reach)
-        if hoped <= radius + 0.1 * ERROR * region.size:
+        move, hoped, linear = _ball_step(region, center, near, radius, reach)
+        if linear <= 0.1 * ERROR * region.size:
             break
+        if hoped <= radius:
+            reach *= 0.25
+            continue
         there, beyond = clearance(region, center + move, 8.0 * reach)
         share = (there - radius) / (hoped - radius)
         if there > radius:
@@ -152,8 +156,10 @@ def _next(reach: float, share: float, region: Region) -> float:
 
 def _ball_step(
     region: Region, center: Array, near: Contacts, radius: float, reach: float
-) -> tuple[Array, float]:
-    """The best move by the contacts' distances to second order, and the radius it promises."""
+) -> tuple[Array, float, float]:
+    """The best move by the contacts' distances to second order, the radius that it promises, and
+    what it would gain to first order.
+    """
     use = np.flatnonzero((near.value <= radius + 4.0 * reach) & (near.value > 0.0))
     value, away = near.value[use], center - near.point[use]
     low, high = region.span
@@ -171,8 +177,9 @@ def _ball_step(
         curvature[:3, :3] = reach * np.einsum("n,nij->ij", weight, bend)
         curvature = _held(rows, weight, curvature)
     move = reach * x[:3]
-    hoped = room + normal @ move + 0.5 * np.einsum("nij,i,j->n", bend, move, move)
-    return move, radius + float(hoped.min())
+    linear = room + normal @ move
+    hoped = linear + 0.5 * np.einsum("nij,i,j->n", bend, move, move)
+    return move, radius + float(hoped.min()), float(linear.min())
 
 
 def _tangents(region: Region, near: Contacts, use: Ints) -> tuple[Array, Array]:

@@ -166,7 +166,7 @@ def root(parent, n):
     return n
 
 
-def sweep(limbs, low, high, signs, table, ends, size, where, who, order, borders, runs, spans, parent):
+def sweep(limbs, low, high, signs, table, ends, size, where, who, order, borders, runs, spans, parent, follow):
     """The runs of a section.
 
     Args:
@@ -175,9 +175,10 @@ def sweep(limbs, low, high, signs, table, ends, size, where, who, order, borders
         runs: (R, 4) room for lower curve, upper curve, first and last border of every run.
         spans: (R, 2) room for y at both.
         parent: (R,) room; runs of one piece of the region have one root.
+        follow: (2R,) room; the edge that follows each edge, see `meet`.
 
     Returns:
-        the number of runs and of borders.
+        the number of runs and of borders, and a number that tells how the section is built.
     """
     n = limbs.shape[1]
     tiny = 1e-14 * size
@@ -214,6 +215,7 @@ def sweep(limbs, low, high, signs, table, ends, size, where, who, order, borders
     upper = np.empty(4 * n, np.int64)
     before = 0
     count = 0
+    mark = 0
     for slab in range(slabs):
         y = 0.5 * (borders[slab] + borders[slab + 1])
         for i in range(n):
@@ -268,27 +270,89 @@ def sweep(limbs, low, high, signs, table, ends, size, where, who, order, borders
             runs[run, 3] = slab + 1
             spans[run, 1] = borders[slab + 1]
             present[p] = run
-        # Runs that meet along the border belong together.
-        y = borders[slab]
-        for i in range(n):
-            rises[i] = rise(limbs, i, y)
-        for p in range(intervals):
-            run = present[p]
-            if runs[run, 2] < slab:
-                continue
-            bottom = at_border(bases, rises, runs[run, 0])
-            top = at_border(bases, rises, runs[run, 1])
-            for q in range(before):
-                other = previous[q]
-                z0 = max(bottom, at_border(bases, rises, runs[other, 0]))
-                z1 = min(top, at_border(bases, rises, runs[other, 1]))
-                if z1 - z0 > FINE * size:
-                    one, two = root(parent, run), root(parent, other)
-                    parent[max(one, two)] = min(one, two)
-        for p in range(intervals):
-            previous[p] = present[p]
+        mark += meet(
+            limbs, bases, runs, previous, before, present, intervals,
+            slab, borders[slab], 1 if slab == 0 else 0, size, rises, parent, follow,
+        )
+        previous, present = present, previous
         before = intervals
-    return count, slabs + 1
+    mark += meet(
+        limbs, bases, runs, previous, before, present, 0,
+        slabs, borders[slabs], 2, size, rises, parent, follow,
+    )
+    return count, slabs + 1, mark
+
+
+def meet(
+    limbs, bases, runs, left, lefts, right, rights, border, y, kind, size, rises, parent, follow
+):
+    """Join what meets on the border y of two slabs.
+
+    Upwards along the border, wherever exactly one of its sides is inside, the boundary of the
+    region runs along it: from the edge that arrives there to the one that leaves. Edge 2r, the
+    lower curve of run r, is passed towards +y, edge 2r + 1, its upper one, towards −y, so that
+    the region lies to the left. In most cases that stretch has no length: a vertex.
+
+    Args:
+        left, right: runs before and behind the border, from below; ``lefts``, ``rights`` of them.
+        border, y: which border, and where it is.
+        kind: 0, or 1 and 2 on the first and the last border.
+        follow: (2R,) out: the edge that follows each edge.
+
+    Returns:
+        a number that tells the vertices met here.
+    """
+    for i in range(limbs.shape[1]):
+        rises[i] = rise(limbs, i, y)
+    mark = 0
+    p = q = 0  # positions among the ends of ``left`` and ``right``, two a run
+    waiting = -1
+    waiting_arrives = False
+    while p < 2 * lefts or q < 2 * rights:
+        one = left[p >> 1] if p < 2 * lefts else -1
+        two = right[q >> 1] if q < 2 * rights else -1
+        if waiting < 0 and p & 1 == 0 and q & 1 == 0 and one >= 0 and one == two:
+            p += 2  # it goes on
+            q += 2
+            continue
+        # A run that goes on waits for what lies below it on the other side.
+        take_left = two < 0
+        if one >= 0 and two >= 0:
+            z1 = at_border(bases, rises, runs[one, p & 1])
+            z2 = at_border(bases, rises, runs[two, q & 1])
+            take_left = z1 < z2 or (z1 == z2 and runs[one, p & 1] <= runs[two, q & 1])
+            if p & 1 == 0 and runs[one, 3] > border:
+                take_left = False
+            elif q & 1 == 0 and runs[two, 2] < border:
+                take_left = True
+        if take_left:
+            run, end = one, p & 1
+            arrives = end == 0
+            p += 1
+        else:
+            run, end = two, q & 1
+            arrives = end == 1
+            q += 1
+        z = at_border(bases, rises, runs[run, end])
+        edge = 2 * run + end
+        if waiting < 0:
+            waiting, waiting_arrives = edge, arrives
+        else:
+            head, tail = (waiting, edge) if waiting_arrives else (edge, waiting)
+            follow[head] = tail
+            before, after = runs[head >> 1, head & 1], runs[tail >> 1, tail & 1]
+            if before != after or (head ^ tail) & 1:
+                mark += mixed(before, after, kind)
+            waiting = -1
+        if p & 1 and q & 1:  # both sides are inside from here up to the next end
+            one, two = left[p >> 1], right[q >> 1]
+            top = min(
+                at_border(bases, rises, runs[one, 1]), at_border(bases, rises, runs[two, 1])
+            )
+            if top - z > FINE * size:
+                first, second = root(parent, one), root(parent, two)
+                parent[max(first, second)] = min(first, second)
+    return mark
 
 
 def at_border(bases, rises, c):
@@ -346,9 +410,9 @@ def under(limbs, c, base, y0, y1, origin, one, two, out):
     out[5] += 0.5 * (b * b * v1 + 2.0 * b * sigma * (th + a * h1) + th2 + a * h2)
 
 
-def mixed(lower, upper, ended):
-    """A number for a run, such that sums of them hardly ever coincide."""
-    key = ((int(lower) * 131 + int(upper)) * 4 + ended + 1) * 0x2545F491 & 0x3FFFFFFF
+def mixed(one, two, kind):
+    """A number for a vertex, such that sums of them hardly ever coincide."""
+    key = ((int(one) * 131 + int(two)) * 4 + kind + 1) * 0x2545F491 & 0x3FFFFFFF
     key ^= key >> 15
     key = key * 0x45EBCA6B & 0x3FFFFFFF
     key ^= key >> 13
@@ -395,6 +459,7 @@ def measure(lows, highs, limbs, signs, table, size, origin, moments, marks, part
     runs = np.empty((MOST_RUNS, 4), np.int64)
     spans = np.empty((MOST_RUNS, 2))
     parent = np.empty(MOST_RUNS, np.int64)
+    follow = np.empty(2 * MOST_RUNS, np.int64)
     one, two, below, out = np.empty(5), np.empty(5), np.empty(6), np.empty(6)
     ends = np.empty(2)
     bounds_of(limbs, ends)
@@ -409,9 +474,9 @@ def measure(lows, highs, limbs, signs, table, size, origin, moments, marks, part
                 reached = False
         if not reached:
             continue
-        count, last = sweep(
+        count, _, marks[at] = sweep(
             limbs, lows[at], highs[at], signs, table, ends, size,
-            where, who, order, borders, runs, spans, parent,
+            where, who, order, borders, runs, spans, parent, follow,
         )
         for run in range(count):
             run_moments(
@@ -419,8 +484,5 @@ def measure(lows, highs, limbs, signs, table, size, origin, moments, marks, part
             )
             for m in range(6):
                 moments[at, m] += out[m]
-            # A run that ends on the line |y| = l is another one than one that ends before it.
-            ended = (1 if runs[run, 2] == 0 else 0) + (2 if runs[run, 3] == last - 1 else 0)
-            marks[at] += mixed(runs[run, 0], runs[run, 1], ended)
             if parent[run] == run:
                 parts[at] += 1

@@ -1,9 +1,9 @@
 """The workspace's volume and centroid: one quadrature over x' of exact section areas.
 
-Between the places where the section changes its structure its area is an analytic function of x'
-but for square roots at the ends, which x' = m − r cos πu takes away; there a Gauss-Kronrod rule
-converges geometrically. Such places come from closed forms (`events`) and, where three surfaces
-meet in a point, from sections that are built differently. Lengths mm, angles rad.
+Between the places where the section changes its structure its area is a series in the roots of
+the distances from both, which `quadrature` integrates well. Such places come from closed forms
+(`events`) and, where three surfaces meet in a point, from sections that are built differently.
+Lengths mm, angles rad.
 """
 
 from __future__ import annotations
@@ -18,80 +18,18 @@ from kinematics.errors import InputError
 from kinematics.five_rpur.cutting import Cutter, Cuts
 from kinematics.five_rpur.design import FiveRPURDesign
 from kinematics.five_rpur.events import events
+from kinematics.five_rpur.quadrature import LONG, SHORT, Rule
 from kinematics.sections import Volume
 from kinematics.spatial import Array, rotation_y
 
 MOST_SECTIONS = 60_000
 """No volume is worth more sections; what is reached by then is returned with its error."""
 _FOUND = 2e-3  # of the gap between two nodes: where between them the structure changes
-_COARSE = 1e-5  # a relative error that is reached without placing panels at every event
-_NARROW = 1e-7  # of the size: a place is known well enough
-_UNSEEN = 1e-13  # of the whole range's volume: what rounding may take
+_NARROW = 1e-7  # of the size: two places are one
+_UNSEEN = 1e-13  # of range x size²: what rounding may take
+_KINK = 5e-5  # of a panel's volume: what a kink in it may cost where no rule sees it
 
-
-@dataclass(frozen=True, eq=False)
-class _Rule:
-    """A Gauss-Kronrod rule on u in [0, 1] for an integral over x' = a + (b − a) s(u).
-
-    ``place`` (N,) s(u) = (1 − cos πu)/2; ``weights`` (N,); ``coarser`` (N, 2) are two rules on every
-    second node: where the integrand has a kink, one of the two may by chance agree with the fine
-    rule, hardly both. All weights contain ds/du.
-    """
-
-    place: Array
-    weights: Array
-    coarser: Array
-
-
-def _rule(nodes: tuple[float, ...], kronrod: tuple[float, ...], gauss: tuple[float, ...]) -> _Rule:
-    """Of the nodes > 0 from the largest on, and 0; Gauss's are every second one from the second."""
-    half = np.array(nodes)
-    u = 0.5 + 0.5 * np.concatenate([-half, half[-2::-1]])
-    mirrored = [*range(len(half)), *range(len(half) - 2, -1, -1)]
-    fine = np.array(kronrod)[mirrored]
-    coarse = np.zeros(len(half))
-    coarse[1::2] = gauss
-    # The nodes that Gauss leaves out, with the weights that integrate all polynomials they can.
-    left = np.flatnonzero(coarse[mirrored] == 0.0)
-    basis = np.polynomial.legendre.legvander(2.0 * u[left] - 1.0, left.size - 1)
-    other = np.zeros(u.size)
-    other[left] = np.linalg.solve(basis.T, 2.0 * (np.arange(left.size) == 0))
-    slope = 0.25 * np.pi * np.sin(np.pi * u)
-    return _Rule(
-        0.5 - 0.5 * np.cos(np.pi * u),
-        fine * slope,
-        np.stack([coarse[mirrored], other], axis=-1) * slope[:, None],
-    )
-
-
-_RULE = _rule(
-    (
-        0.991455371120812640,
-        0.949107912342758525,
-        0.864864423359769073,
-        0.741531185599394440,
-        0.586087235467691130,
-        0.405845151377397167,
-        0.207784955007898468,
-        0.0,
-    ),
-    (
-        0.022935322010529225,
-        0.063092092629978553,
-        0.104790010322250184,
-        0.140653259715525919,
-        0.169004726639267903,
-        0.190350578064785410,
-        0.204432940075298892,
-        0.209482141084727828,
-    ),
-    (
-        0.129484966168869693,
-        0.279705391489276668,
-        0.381830050505118945,
-        0.417959183673469388,
-    ),
-)
+_Panel_ends = tuple[Array, Array]
 
 
 def volume(
@@ -119,12 +57,11 @@ def volume(
     """
     cutter = Cutter(design, phi, theta, modes)
     found = integrate(cutter, relative, between)
-    first = found.moments
     with np.errstate(invalid="ignore", divide="ignore"):
-        centroid = np.array([found.first, first[1], first[2]]) / first[0]
+        centroid = np.array([found.first, *found.moments[1:3]]) / found.moments[0]
     centroid[1:] += cutter.origin
     return Volume(
-        value=float(first[0]),
+        value=float(found.moments[0]),
         error=found.error,
         centroid=rotation_y(float(theta)) @ centroid,
         pieces=(),
@@ -137,7 +74,9 @@ def volume(
 
 @dataclass(frozen=True, eq=False)
 class Integral:
-    """``moments`` (6,) of the volume (∫ dx' of those of sections), ``first`` = ∫ x' A dx'."""
+    """``moments`` (6,) of the volume (∫ dx' of those of sections), ``first`` = ∫ x' A dx';
+    the volume's ``error``; the sections taken, ``at`` and ``area`` (N,); the panels' ``events``.
+    """
 
     moments: Array
     first: float
@@ -158,8 +97,25 @@ def integrate(
     """
     if not 1e-12 <= relative <= 1.0:
         raise InputError(f"the wanted relative error must lie between 1e-12 and 1, got {relative}")
-    work = _Work(cutter, relative, between)
-    return work.run()
+    return _Work(cutter, relative, between).run()
+
+
+@dataclass(frozen=True, eq=False)
+class _Panels:
+    """Panels with their sections; ``begin`` and ``end`` tell the known events inside."""
+
+    left: Array
+    right: Array
+    x: Array
+    moments: Array
+    marks: NDArray[np.int64]
+    rule: Rule
+    fine: Array
+    error: Array
+    alike: NDArray[np.bool_]
+    empty: NDArray[np.bool_]
+    begin: NDArray[np.intp]
+    end: NDArray[np.intp]
 
 
 class _Work:
@@ -171,29 +127,25 @@ class _Work:
         self.cutter = cutter
         self.relative = relative
         self.sections = 0
-        self.range = cutter.range
+        low, high = cutter.range
         if between is not None:
-            low, high = max(between[0], self.range[0]), min(between[1], self.range[1])
-            self.range = (low, max(low, high))
+            low = max(low, min(between))
+            high = max(low, min(high, max(between)))
+        self.range = (low, high)
         self.known = np.empty(0)
         self.total = np.zeros(6)
         self.first = 0.0
         self.error = 0.0
-        self.kept_at: list[Array] = []
-        self.kept_area: list[Array] = []
+        self.taken: list[tuple[Array, Array]] = []
         self.edges: list[Array] = []
-
-    def cut(self, x: Array) -> Cuts:
-        self.sections += x.size
-        return self.cutter.cut(x)
 
     def run(self) -> Integral:
         low, high = self.range
         if high > low:
-            left, right = self._stretches()
-            self._converge(left, right)
-        order = np.argsort(at := _joined(self.kept_at))
-        area = _joined(self.kept_area)
+            self._converge(*self._stretches())
+        at = _joined([x for x, _ in self.taken])
+        area = _joined([a for _, a in self.taken])
+        order = np.argsort(at)
         return Integral(
             self.total,
             self.first,
@@ -204,92 +156,130 @@ class _Work:
             self.sections,
         )
 
-    # --- panels
+    def _cut(self, x: Array) -> Cuts:
+        self.sections += x.size
+        return self.cutter.cut(x.ravel())
 
-    def _stretches(self) -> tuple[Array, Array]:
+    def _stretches(self) -> _Panel_ends:
         """Panels between events; events on both sides of which sections are alike are none."""
         low, high = self.range
-        size = self.cutter.size
-        known = events(self.cutter.limbs, self.cutter.signs, size)
-        known = known[(known > low + 1e-9 * size) & (known < high - 1e-9 * size)]
+        narrow = _NARROW * self.cutter.size
+        known = events(self.cutter.limbs, self.cutter.signs, self.cutter.size)
+        known = known[(known > low + narrow) & (known < high - narrow)]
         ends = np.concatenate([[low], known, [high]])
-        cuts = self.cut(0.5 * (ends[1:] + ends[:-1]))
-        changes = cuts.marks[1:] != cuts.marks[:-1]
+        marks = self._cut(0.5 * (ends[1:] + ends[:-1])).marks
+        changes = marks[1:] != marks[:-1]
         self.known = known[changes]
-        if self.relative >= _COARSE:  # only where pieces begin and end; more where it is needed
-            changes = cuts.parts[1:] != cuts.parts[:-1]
         ends = ends[np.concatenate([[True], changes, [True]])]
         return ends[:-1], ends[1:]
 
     def _converge(self, left: Array, right: Array) -> None:
-        """Integrate panels, and split those that are not good enough, worst first."""
-        size = self.cutter.size
-        rule = _RULE
-        scale = (self.range[1] - self.range[0]) * size * size
-        floor = _UNSEEN * scale
+        """Integrate panels, and split those that are not good enough."""
+        scale = (self.range[1] - self.range[0]) * self.cutter.size**2
         while left.size:
-            width = right - left
-            x = left[:, None] + width[:, None] * rule.place
-            cuts = self.cut(x.ravel())
-            count = rule.place.size
-            moments = cuts.moments.reshape(-1, count, 6)
-            marks = cuts.marks.reshape(-1, count)
-            fine = width[:, None] * np.einsum("pnm,n->pm", moments, rule.weights)
-            coarser = width[:, None] * (moments[:, :, 0] @ rule.coarser)
-            error = np.abs(fine[:, :1] - coarser).max(axis=1)
-            alike = (marks == marks[:, :1]).all(axis=1)
-            empty = (marks == 0).all(axis=1)
-            volume = self.total[0] + fine[:, 0].sum()
-            allowed = max(self.relative * volume, floor)
-            out_of_room = self.sections > MOST_SECTIONS
-            # Where all sections of a panel are built alike the finer rule is far better than its
-            # difference to the coarser one; elsewhere that difference is all that is known.
-            part = error / np.maximum(np.abs(fine[:, 0]), 1e-300)
-            error *= np.where(alike, np.minimum(1.0, 10.0 * part**0.6), 8.0)
-            # The best panels are taken as long as half of what is allowed lasts.
-            order = np.argsort(error)
-            good = np.empty(left.size, dtype=bool)
-            good[order] = np.cumsum(error[order]) <= 0.5 * (allowed - self.error)
-            good |= (width <= _NARROW * size) | out_of_room
-            good &= ~empty | out_of_room
-            self._take(x[good], width[good], rule, moments[good], fine[good])
-            self.error += float(error[good].sum())
-            for a, b in zip(left[good], right[good], strict=True):
-                self.edges.append(np.array([a, b]))
-            # Where nothing was seen something small may still hide.
-            hidden_left, hidden_right = left[empty & ~good], right[empty & ~good]
-            more: list[tuple[Array, Array]] = []
-            if hidden_left.size:
-                more.append(self._look_closer(hidden_left, hidden_right, allowed))
-            split = ~good & ~empty
-            begin = np.searchsorted(self.known, left + _NARROW * size)
-            end = np.searchsorted(self.known, right - _NARROW * size)
-            inner = split & (end > begin)
-            if inner.any():
-                more.append(self._at_events(left[inner], right[inner], begin[inner], end[inner]))
-            uneven = split & ~alike & ~inner
-            if uneven.any():
-                more.append(self._parted(x[uneven], left[uneven], right[uneven], marks[uneven]))
-            even = split & alike & ~inner
-            if even.any():
-                middle = 0.5 * (left[even] + right[even])
-                more.append(_halves(left[even], middle, right[even]))
-            left = _joined([a for a, _ in more])
-            right = _joined([b for _, b in more])
+            panels = self._panels(left, right)
+            volume = self.total[0] + float(panels.fine[:, 0].sum())
+            allowed = max(self.relative * volume, _UNSEEN * scale)
+            good = self._good(panels, allowed) & ~panels.empty
+            self._take(panels, good)
+            even = ~good & panels.alike & ~panels.empty
+            longer = self._longer(panels, even)
+            enough = self._good(longer, allowed)
+            self._take(longer, enough)
+            rest = ~good & ~even & ~panels.empty
+            inner = rest & (panels.end > panels.begin)
+            ends = [
+                self._halves(longer, ~enough),
+                self._at_events(panels, inner),
+                self._parted(panels, rest & ~inner),
+                self._look_closer(panels, panels.empty, allowed),
+            ]
+            left, right = _joined([a for a, _ in ends]), _joined([b for _, b in ends])
         self.error += 1e-13 * abs(self.total[0]) + 1e-16 * scale
 
-    def _take(self, x: Array, width: Array, rule: _Rule, moments: Array, fine: Array) -> None:
-        if not x.size:
-            return
-        self.total += fine.sum(axis=0)
-        self.first += float(np.einsum("p,pn,pn,n->", width, x, moments[:, :, 0], rule.weights))
-        self.kept_at.append(x.ravel())
-        self.kept_area.append(moments[:, :, 0].ravel())
+    # --- panels
 
-    def _parted(
-        self, x: Array, left: Array, right: Array, marks: NDArray[np.int64]
-    ) -> tuple[Array, Array]:
+    def _panels(self, left: Array, right: Array) -> _Panels:
+        x = left[:, None] + (right - left)[:, None] * SHORT.place
+        cuts = self._cut(x)
+        return self._weighed(
+            left, right, x, cuts.moments.reshape(*x.shape, 6), cuts.marks.reshape(x.shape), SHORT
+        )
+
+    def _longer(self, panels: _Panels, which: NDArray[np.bool_]) -> _Panels:
+        """Some of the panels by the longer rule; their sections serve again."""
+        left, right = panels.left[which], panels.right[which]
+        x = left[:, None] + (right - left)[:, None] * LONG.place
+        cuts = self._cut(x[:, ::2])
+        moments, marks = np.empty((*x.shape, 6)), np.empty(x.shape, np.int64)
+        moments[:, ::2] = cuts.moments.reshape(*x[:, ::2].shape, 6)
+        marks[:, ::2] = cuts.marks.reshape(x[:, ::2].shape)
+        moments[:, 1::2], marks[:, 1::2] = panels.moments[which], panels.marks[which]
+        return self._weighed(left, right, x, moments, marks, LONG)
+
+    def _weighed(
+        self,
+        left: Array,
+        right: Array,
+        x: Array,
+        moments: Array,
+        marks: NDArray[np.int64],
+        rule: Rule,
+    ) -> _Panels:
+        width = right - left
+        fine = width[:, None] * np.einsum("pnm,n->pm", moments, rule.weights)
+        coarser = width[:, None] * (moments[:, :, 0] @ rule.coarser)
+        apart = np.abs(fine[:, :1] - coarser).max(axis=1)
+        begin = np.searchsorted(self.known, left + _NARROW * self.cutter.size)
+        end = np.searchsorted(self.known, right - _NARROW * self.cutter.size)
+        alike = (marks == marks[:, :1]).all(axis=1) & (begin >= end)
+        # Where all sections are built alike the rule is far better than its difference to the
+        # coarser ones (the factors bound what was seen on ten thousand panels of random
+        # machines); elsewhere there is a kink of which all three may see too little.
+        volume = np.maximum(np.abs(fine[:, 0]), 1e-300)
+        better = 0.1 if rule is SHORT else np.minimum(0.1, 30.0 * np.sqrt(apart / volume))
+        error = np.where(alike, better * apart, np.maximum(3.0 * apart, _KINK * volume))
+        empty = (marks == 0).all(axis=1)
+        return _Panels(left, right, x, moments, marks, rule, fine, error, alike, empty, begin, end)
+
+    def _good(self, panels: _Panels, allowed: float) -> NDArray[np.bool_]:
+        """The best panels, as long as half of what is still allowed lasts."""
+        order = np.argsort(panels.error)
+        good = np.empty(order.size, dtype=bool)
+        good[order] = np.cumsum(panels.error[order]) <= 0.5 * (allowed - self.error)
+        good |= panels.right - panels.left <= _NARROW * self.cutter.size
+        return good if self.sections < MOST_SECTIONS else np.ones_like(good)
+
+    def _take(self, panels: _Panels, which: NDArray[np.bool_]) -> None:
+        x, area = panels.x[which], panels.moments[which][:, :, 0]
+        left, right = panels.left[which], panels.right[which]
+        self.total += panels.fine[which].sum(axis=0)
+        self.first += float(((right - left)[:, None] * x * area @ panels.rule.weights).sum())
+        self.error += float(panels.error[which].sum())
+        self.taken.append((x.ravel(), area.ravel()))
+        self.edges += [left, right]
+
+    # --- splitting
+
+    def _halves(self, panels: _Panels, which: NDArray[np.bool_]) -> _Panel_ends:
+        left, right = panels.left[which], panels.right[which]
+        return _halved(left, 0.5 * (left + right), right)
+
+    def _at_events(self, panels: _Panels, which: NDArray[np.bool_]) -> _Panel_ends:
+        """Panels that end at the known events inside."""
+        lefts, rights = [], []
+        for n in np.flatnonzero(which):
+            inside = self.known[panels.begin[n] : panels.end[n]]
+            stops = np.concatenate([panels.left[n : n + 1], inside, panels.right[n : n + 1]])
+            lefts.append(stops[:-1])
+            rights.append(stops[1:])
+        return _joined(lefts), _joined(rights)
+
+    def _parted(self, panels: _Panels, which: NDArray[np.bool_]) -> _Panel_ends:
         """Panels that end where the structure changes, found between nodes that differ."""
+        left, right, x, marks = (
+            v[which] for v in (panels.left, panels.right, panels.x, panels.marks)
+        )
         panel, node = np.nonzero(marks[:, 1:] != marks[:, :-1])
         a, b = x[panel, node], x[panel, node + 1]
         mark = marks[panel, node]
@@ -297,60 +287,45 @@ class _Work:
         while (wide := np.flatnonzero(b - a > goal)).size:
             # What changes beyond the first place is for the next round.
             middle = 0.5 * (a[wide] + b[wide])
-            same = self.cut(middle).marks == mark[wide]
+            same = self._cut(middle).marks == mark[wide]
             a[wide[same]] = middle[same]
             b[wide[~same]] = middle[~same]
-        lefts, rights = [], []
-        for p in range(len(left)):
-            mine = panel == p
-            stops = np.unique(np.concatenate([[left[p]], 0.5 * (a + b)[mine], [right[p]]]))
-            lefts.append(stops[:-1])
-            rights.append(stops[1:])
-        return np.concatenate(lefts), np.concatenate(rights)
+        # All ends in order of their panels; a panel's right end and the next one's left end are
+        # neighbours that make no panel.
+        owner = np.concatenate([np.arange(left.size), panel, np.arange(left.size)])
+        stops = np.concatenate([left, 0.5 * (a + b), right])
+        order = np.lexsort((stops, owner))
+        owner, stops = owner[order], stops[order]
+        inside = (owner[1:] == owner[:-1]) & (stops[1:] > stops[:-1])
+        return stops[:-1][inside], stops[1:][inside]
 
-    def _at_events(
-        self, left: Array, right: Array, begin: NDArray[np.intp], end: NDArray[np.intp]
-    ) -> tuple[Array, Array]:
-        """Panels that end at known events: at the middle one, or at all where there are few."""
-        few = end - begin <= 2
-        first = np.where(few, begin, (begin + end) // 2)
-        last = np.where(few, end - 1, first)
-        stops = np.stack([left, self.known[first], self.known[last], right])
-        a, b = stops[:-1].ravel(), stops[1:].ravel()
-        return a[b > a], b[b > a]
-
-    def _look_closer(self, left: Array, right: Array, allowed: float) -> tuple[Array, Array]:
+    def _look_closer(
+        self, panels: _Panels, which: NDArray[np.bool_], allowed: float
+    ) -> _Panel_ends:
         """Where nothing was seen: panels in which there is something; the rest is bounded.
 
         A section that holds all sections of a stretch bounds what can be there.
         """
-        found: list[tuple[float, float]] = []
+        left, right = panels.left[which], panels.right[which]
+        self.edges += [left, right]
         share = 0.25 * allowed / (self.range[1] - self.range[0])
-        for _ in range(40):
-            if not left.size:
-                break
+        lefts, rights = [], []
+        while left.size:
             self.sections += left.size
             bound = self.cutter.hull(left, right).moments[:, 0]
-            hidden = bound * (right - left)
-            open_ = bound > share
-            narrow = (right - left <= 1e-6 * self.cutter.size) | (self.sections > MOST_SECTIONS)
-            self.error += float(hidden[~open_ | narrow].sum())
-            left, right = left[open_ & ~narrow], right[open_ & ~narrow]
-            if not left.size:
-                break
+            last = right - left <= 1e-6 * self.cutter.size
+            closed = (bound <= share) | last | (self.sections > MOST_SECTIONS)
+            self.error += float((bound * (right - left))[closed].sum())
+            left, right = left[~closed], right[~closed]
             middle = 0.5 * (left + right)
-            something = self.cut(middle).marks != 0
-            for a, m, b in zip(
-                left[something], middle[something], right[something], strict=True
-            ):
-                found += [(a, m), (m, b)]
-            left, middle, right = left[~something], middle[~something], right[~something]
-            left, right = _halves(left, middle, right)
-        pairs = np.array(found).reshape(-1, 2)
-        return pairs[:, 0], pairs[:, 1]
+            seen = self._cut(middle).marks != 0
+            lefts += [left[seen], middle[seen]]
+            rights += [middle[seen], right[seen]]
+            left, right = _halved(left[~seen], middle[~seen], right[~seen])
+        return _joined(lefts), _joined(rights)
 
 
-def _halves(left: Array, middle: Array, right: Array) -> tuple[Array, Array]:
+def _halved(left: Array, middle: Array, right: Array) -> _Panel_ends:
     return np.concatenate([left, middle]), np.concatenate([middle, right])
 
 
