@@ -24,6 +24,8 @@ UNITS = {"mm³": "_mm3", "mm": "_mm", "%": "_percent", "": ""}
 COLORS = "cividis"  # even steps for every kind of colour sight, and in grey
 MOST_SHAPES = 10_000  # beyond so many cells an SVG holds them as one picture
 DOTS = 200  # per inch
+FEWEST_FOR_LINES = 8  # points along an axis from which contour lines mean something
+ANGLE_STEPS = (1, 1.5, 2, 3, 4.5, 6, 9, 10)
 EMPTY, UNKNOWN = "#FFFFFF", "#D5D9DE"
 
 
@@ -127,18 +129,19 @@ def _title(found: Map) -> str:
         which = f"working mode {', '.join(mode.replace('-', '−') for mode in modes)}"
     else:
         which = f"{len(modes)} working modes"
-    return f"{request.design.title or request.design.name}: {which}"
+    part = "" if found.complete else f", {found.done.sum()} of {found.done.size} orientations"
+    return f"{request.design.title or request.design.name}: {which}{part}"
 
 
 def _field(figure: Figure, panel: Axes, found: Map, quantity: Quantity, values: Array) -> None:
     """Filled cells, hatched where not done and white where there is nothing."""
     from matplotlib import colormaps
-    from matplotlib.colors import BoundaryNorm
+    from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.ticker import MaxNLocator
 
     first, second = axis_values(found.request)
     scale, unit = _scale(quantity, values)
-    shown = np.ma.masked_where(~(values > 0), values / scale)  # NaN, and nothing there
+    shown = np.ma.array(values / scale, mask=~(values > 0))  # not done, or nothing there
     options: dict[str, Any] = {"cmap": colormaps[COLORS]}
     whole = quantity.unit == ""
     if whole:
@@ -148,23 +151,20 @@ def _field(figure: Figure, panel: Axes, found: Map, quantity: Quantity, values: 
         options["norm"] = BoundaryNorm(edges, len(edges) - 1)
     elif shown.count():
         options |= {"vmin": min(0.0, float(shown.min())), "vmax": float(shown.max())}
-    panel.set_facecolor(EMPTY)
-    cells = panel.pcolormesh(
-        _edges(first), _edges(second), shown.T, rasterized=values.size > MOST_SHAPES, **options
-    )
-    if not found.complete:
-        panel.pcolor(
-            _edges(first),
-            _edges(second),
-            np.ma.masked_where(found.done, np.ones(found.done.shape)).T,
-            facecolor=UNKNOWN,
-            edgecolor="white",
-            hatch="////",
-            linewidth=0.0,
-        )
+    panel.patch.set(facecolor=UNKNOWN, edgecolor=EMPTY, hatch="////")
+    corners = _edges(first), _edges(second)
+    many = values.size > MOST_SHAPES
+    nothing = np.ma.masked_where(~found.done | ~shown.mask, np.zeros(values.shape))
+    panel.pcolormesh(*corners, nothing.T, cmap=ListedColormap([EMPTY]), rasterized=many)
+    cells = panel.pcolormesh(*corners, shown.T, rasterized=many, **options)
+    varied = shown.count() > 0 and shown.min() < shown.max()
+    if varied and not whole and found.complete and min(values.shape) >= FEWEST_FOR_LINES:
+        panel.contour(first, second, values.T, colors=EMPTY, linewidths=0.5, alpha=0.6)
+    bar = panel.inset_axes((1.03, 0.0, 0.045, 1.0))
     label = f"{quantity.title} ({unit})" if unit else quantity.title
-    ticks = MaxNLocator(integer=True) if whole else None
-    figure.colorbar(cells, ax=panel, label=label, ticks=ticks)
+    figure.colorbar(cells, cax=bar, label=label, ticks=MaxNLocator(integer=True) if whole else None)
+    panel.xaxis.set_major_locator(MaxNLocator(7, steps=ANGLE_STEPS))
+    panel.yaxis.set_major_locator(MaxNLocator(7, steps=ANGLE_STEPS))
     panel.set_xlabel(_axis_label(found, 0))
     panel.set_ylabel(_axis_label(found, 1))
     panel.set_aspect("equal" if _alike(first, second) else "auto")

@@ -139,6 +139,10 @@ def _range(option: str, text: str) -> Array:
     first, last = (common.number(word, option) for word in words[:2])
     if not words[2].strip().isdecimal() or int(words[2]) < 1:
         raise InputError(f"{option}: the count must be a whole number from 1 on, got {words[2]!r}")
+    if first == last:
+        raise InputError(
+            f"{option} runs from {first:g}° to the same angle; write {option} {first:g}"
+        )
     return np.radians(np.linspace(first, last, int(words[2])))
 
 

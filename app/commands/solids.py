@@ -12,7 +12,7 @@ from app.commands import common
 from kinematics.errors import ComputationError, InputError
 
 if TYPE_CHECKING:
-    from kinematics.mechanism import Design, Mechanism
+    from kinematics.mechanism import Design, Mechanism, SurfaceKind
 
 
 def register(command: common.AddCommand) -> None:
@@ -20,6 +20,13 @@ def register(command: common.AddCommand) -> None:
     common.add_design(workspace)
     common.add_orientation(workspace)
     common.add_modes(workspace)
+    workspace.add_argument(
+        "--surface",
+        choices=("facets", "true"),
+        default="facets",
+        help="facets, right on the average, or true: every vertex on the exact surfaces, more "
+        "triangles, not for a preview (default %(default)s)",
+    )
     _add_solid(workspace)
 
     vertex_space = command(
@@ -53,7 +60,7 @@ def _add_solid(parser: argparse.ArgumentParser) -> None:
 def _workspace(arguments: argparse.Namespace) -> None:
     design, mechanism = common.load(arguments.design)
     modes = common.chosen_modes(arguments.modes, mechanism.modes)
-    _solid(arguments, design, mechanism, "workspace", modes)
+    _solid(arguments, design, mechanism, "workspace", modes, arguments.surface)
 
 
 def _vertex_space(arguments: argparse.Namespace) -> None:
@@ -81,6 +88,7 @@ def _solid(
     mechanism: Mechanism,
     key: str,
     modes: tuple[str, ...] | None,
+    surface: SurfaceKind = "facets",
 ) -> None:
     """Build one solid, write it if a file is wanted, and print what it is."""
     from app import exporting
@@ -92,7 +100,7 @@ def _solid(
     kind = None if path is None else common.checked(path, exporting.format_of(path))
     typed = {"phi": arguments.phi, "theta": arguments.theta}
     pose = [radians(typed.get(axis.key, 0.0)) for axis in mechanism.pose_coordinates(design)]
-    request = mechanism.solid_request(design, key, pose, modes, arguments.resolution)
+    request = mechanism.solid_request(design, key, pose, modes, arguments.resolution, surface)
     with common.progress(f"{spec.title}, {arguments.resolution}"):
         built = mechanism.build_solid(request)
     common.warn(design, mechanism)
@@ -122,6 +130,9 @@ def _solid(
             "piece_volumes_mm3": [piece.volume for piece in built.pieces],
             "triangles": built.triangles,
             "watertight": built.watertight,
+            "surface": "facets" if built.residual is None else "true",
+            "surface_residual_mm": built.residual,
+            "surface_unplaced": built.unplaced,
             "file": None if path is None else str(path),
         }
     )
