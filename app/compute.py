@@ -194,7 +194,9 @@ def wishes(review: Review) -> tuple[SolidWish, ...]:
         SolidWish(
             specs[s.key],
             {
-                r: kind.solid_request(design, s.key, review.pose, review.solver_modes, r)
+                r: kind.solid_request(
+                    design, s.key, review.pose, review.solver_modes, r, review.surface
+                )
                 for r in RESOLUTIONS
             },
             kind.solid_placement(design, s.key, review.pose),

@@ -24,7 +24,7 @@ from app.state import (
 )
 from kinematics.designs import read_design, write_design
 from kinematics.errors import InputError
-from kinematics.mechanism import Coordinate
+from kinematics.mechanism import SURFACES, Coordinate, SurfaceKind
 
 VERSION = 1
 MAX_BYTES = 1 << 20
@@ -41,6 +41,7 @@ def to_text(review: Review) -> str:
         "pose": pose,
         "working_mode": review.mode,
         "workspace_modes": review.modes,
+        "workspace_surface": review.surface,
         "solids": {s.key: s.opacity for s in review.solids},
         "options": {f.name: getattr(review.options, f.name) for f in fields(Options)},
         "solutions": {f.name: getattr(review.atlas, f.name) for f in fields(Atlas)},
@@ -106,6 +107,7 @@ def from_text(text: str, *, origin: str) -> Review:
         _atlas(content, review, origin),
         _cut(content, review, origin),
         _chart(content, review, origin),
+        _surface(content, origin),
     )
 
 
@@ -163,6 +165,15 @@ def _atlas(content: dict[str, Any], review: Review, origin: str) -> Atlas:
         return checked(Atlas(**values), review.mechanism)
     except InputError as error:
         raise InputError(f"{origin}: solutions: {error}") from None
+
+
+def _surface(content: dict[str, Any], origin: str) -> SurfaceKind:
+    """What the workspace is made of; sessions saved before there was a choice have facets."""
+    given = content.get("workspace_surface", SURFACES[0])
+    for surface in SURFACES:
+        if given == surface:
+            return surface
+    raise InputError(f"{origin}: workspace_surface is {' or '.join(map(repr, SURFACES))}")
 
 
 def _cut(content: dict[str, Any], review: Review, origin: str) -> Cut:

@@ -86,7 +86,7 @@ class Drawn:
 def region(review: Review) -> Region:
     """What is cut in a review whose mechanism has sections."""
     kind, design, modes = review.mechanism, review.design, review.solver_modes
-    request = kind.solid_request(design, "workspace", review.pose, modes, "fine")
+    request = kind.solid_request(design, "workspace", review.pose, modes, "fine", review.surface)
     what = (request.mechanism, *request.arguments)
     return Region(what, design, review.pose, modes)
 

@@ -11,7 +11,7 @@ from typing import Literal
 
 from app.modes import matching
 from kinematics.errors import InputError
-from kinematics.mechanism import Coordinate, Design, Mechanism, mechanism
+from kinematics.mechanism import Coordinate, Design, Mechanism, SurfaceKind, mechanism
 from kinematics.solutions import Posture
 
 ModeChoice = Literal["all", "current"]
@@ -90,7 +90,8 @@ class Chart:
 class Review:
     """Everything a review consists of; equal reviews look the same.
 
-    ``modes`` says which working modes the workspace is of: all, the current one, or a set.
+    ``modes`` says which working modes the workspace is of: all, the current one, or a set;
+    ``surface`` what its solid is made of.
     """
 
     design: Design
@@ -102,6 +103,7 @@ class Review:
     atlas: Atlas = Atlas()
     cut: Cut = Cut()
     chart: Chart = Chart()
+    surface: SurfaceKind = "facets"
 
     @property
     def mechanism(self) -> Mechanism:
@@ -243,6 +245,14 @@ class Fade:
 
 
 @dataclass(frozen=True, slots=True)
+class ChooseSurface:
+    """What the workspace's solid is made of: facets, or the true surface."""
+
+    surface: SurfaceKind
+    gesture: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class ChooseModes:
     """Which working modes the workspace is of."""
 
@@ -315,6 +325,7 @@ Change = (
     | Show
     | Fade
     | ChooseModes
+    | ChooseSurface
     | SetOption
     | SetAtlas
     | ShowCut
@@ -368,6 +379,8 @@ def change(review: Review, what: Change) -> tuple[Review, str]:
             return replace(review, solids=solids), ""
         case ChooseModes(modes):
             return replace(review, modes=modes), ""
+        case ChooseSurface(surface):
+            return replace(review, surface=surface), ""
         case SetOption(name, on):
             return replace(review, options=replace(review.options, **{name: on})), ""
         case SetAtlas(name, value):
@@ -487,6 +500,7 @@ def _use_design(review: Review, design: Design) -> Review:
         atlas=_atlas_for(fresh.mechanism, review.atlas),
         cut=replace(fresh.cut, on=review.cut.on),
         chart=_chart_for(fresh, review.chart),
+        surface=review.surface,
     )
 
 

@@ -179,10 +179,22 @@ def solid_text(
         f"volume     {volume_text(built.volume)} ± {volume_text(built.volume_error)}",
         f"pieces     {len(built.pieces)}" + (f": {pieces}" if len(built.pieces) > 1 else ""),
         f"triangles  {built.triangles}" + ("" if built.watertight else ", not watertight"),
+        f"surface    {surface_text(built)}",
     ]
     if file is not None:
         lines.append(f"file       {file} (mm, base coordinates)")
     return "\n".join(lines)
+
+
+def surface_text(built: BuiltSolid) -> str:
+    """What a solid's mesh is made of."""
+    if built.residual is None:
+        return "facets, right on the average"
+    text = f"true: vertices within {max(built.residual, 1e-12):.0e} mm of the exact surfaces"
+    if built.unplaced:
+        left = "vertex is" if built.unplaced == 1 else "vertices are"
+        text += f", {built.unplaced} {left} only near them"
+    return text
 
 
 def modes_text(modes: Sequence[str] | None) -> str:

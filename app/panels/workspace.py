@@ -25,12 +25,14 @@ from app.panels.desk import (
     volume_text,
 )
 from app.requests import Forget, GoToBall, Inscribe
-from app.state import ChooseModes, Fade, Show
+from app.state import ChooseModes, ChooseSurface, Fade, Show
+from app.tables import surface_text
 from app.worker import Built
-from kinematics.mechanism import SolidSpec
+from kinematics.mechanism import SolidSpec, SurfaceKind
 from kinematics.sections import Volume
 
 ALL, CURRENT, CHOSEN = "All working modes together", "The current working mode", "A chosen set"
+MADE_OF: dict[SurfaceKind, str] = {"facets": "Facets", "true": "The true surface"}
 
 HELP = """
 The **constant-orientation workspace**: every place the platform's origin O′ can reach while φ and θ
@@ -38,6 +40,9 @@ stay as they are. It is the intersection of the five limbs' **vertex spaces**, B
 thickness by the actuators' strokes and offset by −sᵢ (Figs. 9 to 15 of Tale Masouleh et al. 2011).
 Each vertex space is its main body (Fig. 12) less the holes H₁, H₂ and H₃ (Figs. 9 to 11), or the
 union of its two halves, one for each side of the U joint.
+
+Its solid is **made of** facets that are right on the average, or of the **true surface**: every
+vertex on the exact surfaces that meet there, chords between them.
 
 While a slider moves the solid is coarse, when the hand rests it becomes fine. The first volume is
 that of the solid shown, with an estimate of its error; pieces are parts that do not touch. The
@@ -74,6 +79,15 @@ class WorkspacePanel(Panel):
             visible=_choice(sheet) == CHOSEN,
         )
         answer(desk, self._set, self._choose_set)
+        self._surface = gui.add_dropdown(
+            "Made of",
+            tuple(MADE_OF.values()),
+            initial_value=MADE_OF[review.surface],
+            hint="Facets are right on the average; of the true surface every vertex is exact, "
+            "which takes longer and many more triangles",
+            visible=any("true" in spec.surfaces for spec in alone),
+        )
+        answer(desk, self._surface, self._choose_surface)
         self._report = gui.add_html(_report(sheet))
         self._measured: Sections | None = None
         self._exact = gui.add_html("")
@@ -103,11 +117,11 @@ class WorkspacePanel(Panel):
             if shown is not None:
                 put(self._desk, slider, shown.opacity)
         choice = _choice(sheet)
-        if not (self._choice.value == CHOSEN and choice == ALL and self._set.visible):
-            put(self._desk, self._choice, choice)
-        put_prop(self._set, "visible", self._choice.value == CHOSEN)
+        put(self._desk, self._choice, choice)
+        put_prop(self._set, "visible", choice == CHOSEN)
         if choice == CHOSEN:
             put(self._desk, self._set, _set_text(sheet))
+        put(self._desk, self._surface, MADE_OF[review.surface])
         put(self._desk, self._all, all(review.shown(key) for key in self._whole))
         self.draw_solids(sheet)
 
@@ -163,6 +177,10 @@ class WorkspacePanel(Panel):
     def _choose_set(self, text: str, client: viser.ClientHandle | None) -> None:
         self._desk.send(ChooseModes(matching(text, self._known)), client)
 
+    def _choose_surface(self, text: str, client: viser.ClientHandle | None) -> None:
+        surface = next(kind for kind, title in MADE_OF.items() if title == text)
+        self._desk.send(ChooseSurface(surface), client)
+
     def _show_all(
         self, specs: tuple[SolidSpec, ...], on: bool, client: viser.ClientHandle | None
     ) -> None:
@@ -216,7 +234,7 @@ def _quality(built: Built) -> str:
     exact = f"{built.solid.volume:,.0f} mm³".replace(",", " ")
     return (
         f'<span style="opacity:0.75">{built.resolution} solid · {exact} · '
-        f"{built.solid.triangles} triangles</span>"
+        f"{built.solid.triangles} triangles<br>{surface_text(built.solid)}</span>"
     )
 
 
