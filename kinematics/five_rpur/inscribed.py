@@ -24,6 +24,8 @@ from kinematics.spatial import Array, finite
 _STARTS = 6  # from which the best anywhere is sought
 _FINALISTS = 3  # of these, when they have grown a little
 _NODES = 40  # of the grid along each axis
+_COARSE_NODES, _COARSE_DETAIL = 28, 40
+_COARSE_ERROR = 0.2  # of a cell's diagonal
 _ENOUGH = 0.03  # of its nodes inside, and the grid is fine enough
 _CELLS = 40_000  # that are halved again
 _SMALLEST = 1e-8  # part of the machine's size: cells are not halved further
@@ -58,8 +60,34 @@ def sphere(
     if center is not None:
         middle = _point(center)
         return Sphere(middle, clearance(region, middle, 0.0)[0], error)
-    balls = [grow_ball(region, c) for c, _ in _young(region, _NODES, _STARTS)[:_FINALISTS]]
+    balls = [grow_ball(region, c) for c, _ in _young(region)[:_FINALISTS]]
     return max((Sphere(c, r, error) for c, r in balls), key=lambda ball: ball.radius, default=None)
+
+
+def sphere_radius_coarse(
+    design: FiveRPURDesign, phi: float, theta: float, modes: tuple[str, ...] | None = None
+) -> tuple[float, float]:
+    """The radius of a ball near the largest inside the workspace, quickly, and its error, mm.
+
+    The ball is inside. How much larger the largest one may be is an estimate: on random machines
+    the grid's best starts, grown by two steps, fell short of it by up to a tenth of a cell's
+    diagonal; where no node of the grid is inside, no ball is larger than half of that.
+
+    Raises:
+        InputError: angles or modes that are not what they should be.
+    """
+    region = Region.at(design, phi, theta, modes, detail=_COARSE_DETAIL)
+    grid = _grid(region, _COARSE_NODES)
+    if grid is None:
+        return 0.0, 0.0
+    _, step, inside = grid
+    diagonal = float(np.linalg.norm(step))
+    starts = _starts(region, grid, 3)
+    if not starts:
+        return 0.0, 0.5 * diagonal
+    best = max(starts, key=lambda start: clearance(region, start, 0.0)[0])
+    _, radius = grow_ball(region, best, 2)
+    return radius, (_COARSE_ERROR if inside.any() else 0.5) * diagonal
 
 
 def box(
@@ -77,7 +105,7 @@ def box(
     error = 2.0 * ERROR * region.size
     found = []
     if center is None:
-        balls = _young(region, _NODES, _STARTS)[:_FINALISTS]
+        balls = _young(region)[:_FINALISTS]
         starts = [_cube(c, r) for c, r in balls]
         found = starts.copy()
         if starts:
@@ -94,9 +122,10 @@ def box(
     return max(boxes, key=lambda b: b.volume, default=None)
 
 
-def _young(region: Region, count: int, wanted: int) -> list[tuple[Array, float]]:
+def _young(region: Region) -> list[tuple[Array, float]]:
     """Balls that have begun to grow, largest first."""
-    young = [grow_ball(region, start, 3) for start in _starts(region, count, wanted)]
+    starts = _starts(region, _grid(region, _NODES), _STARTS)
+    young = [grow_ball(region, start, 3) for start in starts]
     return sorted(young, key=lambda ball: -ball[1])
 
 
@@ -116,8 +145,12 @@ def _point(center: Sequence[float]) -> Array:
 # --- starts --------------------------------------------------------------------------------------
 
 
-def _grid(region: Region, count: int) -> tuple[Array, Array, Mask] | None:
-    """A grid about all that may be inside: its first node, step (3,), and which nodes are inside.
+_Grid = tuple[Array, Array, Mask]
+"""The first node (3,), the step (3,) and which nodes are inside."""
+
+
+def _grid(region: Region, count: int) -> _Grid | None:
+    """A grid about all that may be inside.
 
     None where the region is proven to be empty.
     """
@@ -142,9 +175,8 @@ def _grid(region: Region, count: int) -> tuple[Array, Array, Mask] | None:
     return np.array([a[0] for a in axes]), step, inside
 
 
-def _starts(region: Region, count: int, wanted: int) -> list[Array]:
+def _starts(region: Region, grid: _Grid | None, wanted: int) -> list[Array]:
     """Places inside, far from the complement and from each other, best first."""
-    grid = _grid(region, count)
     if grid is None:
         return []
     first, step, inside = grid
