@@ -62,16 +62,18 @@ def _volume(arguments: argparse.Namespace) -> None:
     with common.progress("Volume"):
         found = mechanism.volume(design, pose, modes, relative=arguments.tolerance)
     seconds = time.perf_counter() - began
-    usable: dict[str, Any] = {}
-    if arguments.usable or around is not None:
+    wanted = arguments.usable or around is not None
+    sphere, box = None, None
+    if wanted:
         with common.progress("Largest sphere and box"):
             sphere = mechanism.sphere(design, pose, modes, around)
             box = mechanism.box(design, pose, modes, around)
-        usable = {"sphere": _sphere(sphere), "box": _box(box)}
     common.warn(design, mechanism)
     if not arguments.json:
         common.print_head(design, _where(arguments, modes))
-        print("\n".join([*_volume_lines(found, seconds), *_usable_lines(usable)]))
+        print("\n".join(_volume_lines(found, seconds)))
+        if wanted:
+            print("\n".join(_usable_lines(sphere, box)))
         return
     common.print_json(
         {
@@ -83,7 +85,7 @@ def _volume(arguments: argparse.Namespace) -> None:
             "piece_volumes_mm3": found.pieces,
             "sections": found.sections,
             "seconds": seconds,
-            **usable,
+            **({"sphere": _sphere(sphere), "box": _box(box)} if wanted else {}),
         }
     )
 
@@ -122,21 +124,18 @@ def _volume_lines(found: Volume, seconds: float) -> list[str]:
     return lines
 
 
-def _usable_lines(usable: dict[str, Any]) -> list[str]:
-    if not usable:
-        return []
-    sphere, box = usable["sphere"], usable["box"]
-    lines = ["sphere    none"]
+def _usable_lines(sphere: Sphere | None, box: Box | None) -> list[str]:
+    lines = ["sphere    none", "box       none"]
     if sphere is not None:
-        lines = [
-            f"sphere    radius {sphere['radius_mm']:.4f} mm about {_place(sphere['center_mm'])}"
-        ]
-    if box is None:
-        return [*lines, "box       none"]
-    sizes = zip(box["low_mm"], box["high_mm"], strict=True)
-    edges = " × ".join(f"{high - low:.4f}" for low, high in sizes)
-    corners = f"{_place(box['low_mm'])} to {_place(box['high_mm'])}"
-    return [*lines, f"box       {edges} mm, {corners}"]
+        about = f"about {_place(sphere.center.tolist())}"
+        lines[0] = f"sphere    radius {sphere.radius:.4f} mm {about}"
+        if sphere.radius == 0.0:
+            lines[0] = f"sphere    none {about}, which is not inside"
+    if box is not None and box.volume > 0.0:
+        low, high = box.low.tolist(), box.high.tolist()
+        edges = " × ".join(f"{b - a:.4f}" for a, b in zip(low, high, strict=True))
+        lines[1] = f"box       {edges} mm, {_place(low)} to {_place(high)}"
+    return lines
 
 
 # --- section -------------------------------------------------------------------------------
