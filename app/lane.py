@@ -90,9 +90,10 @@ class Lane:
     def cancel(self) -> None:
         """Give up the job at work."""
         with self._changed:
-            if self._at_work is not None and self._process is not None:
+            if self._at_work is not None:
                 self._cancelled = True
-                self._process.kill()
+                if self._process is not None:
+                    self._process.kill()
 
     def stop(self) -> None:
         """End the thread and the process."""
@@ -118,7 +119,7 @@ class Lane:
                         continue
                     left = self._since[job.key] + job.rest - time.monotonic()
                     if left <= 0.0:
-                        self._at_work = job
+                        self._at_work, self._cancelled = job, False
                         return job
                     wait = left if wait is None else min(wait, left)
                 self._changed.wait(wait)
@@ -135,6 +136,7 @@ class Lane:
             except (EOFError, OSError):
                 if self._stopped:
                     return
+                self._bury()
                 event = Lost(job, "" if self._cancelled else _died(job))
             with self._changed:
                 self._at_work = None
@@ -143,11 +145,17 @@ class Lane:
             self._report(event)
             self._report(Busy(self.name, None, time.monotonic()))
 
+    def _bury(self) -> None:
+        """A process that no longer answers may still count as alive for a moment."""
+        with self._changed:
+            process, self._process = self._process, None
+        if process is not None:
+            process.kill()
+
     def _call(self, job: Job) -> Any:
         with self._changed:
-            if self._stopped:
+            if self._stopped or self._cancelled:
                 raise EOFError
-            self._cancelled = False
             if self._process is None or not self._process.alive:
                 self._process = Process(self.name, partial(_yield, self._give_way))
             process = self._process

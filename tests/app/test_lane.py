@@ -1,0 +1,127 @@
+"""A lane: the newest jobs win, nothing is done twice, and the death of its process is survived."""
+
+from __future__ import annotations
+
+import operator
+import os
+import queue
+import signal
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from app.lane import Done, Job, Lane, Lost
+from app.worker import Busy
+
+PATIENCE = 60.0  # s; only a hang is caught by it
+
+
+class Desk:
+    """A lane and what it reported."""
+
+    def __init__(self) -> None:
+        self.events: queue.Queue[Any] = queue.Queue()
+        self.lane = Lane("sections", self.events.put)
+        self.lane.start()
+
+    def until(self, kind: type) -> Any:
+        """The next event of a kind; what passes on the way is lost."""
+        end = time.monotonic() + PATIENCE
+        while True:
+            event = self.events.get(timeout=max(0.01, end - time.monotonic()))
+            if isinstance(event, kind):
+                return event
+
+    def begun(self, title: str) -> None:
+        """Wait until the job with this title is at work."""
+        while self.until(Busy).title != title:
+            pass
+
+    def results(self, last: object) -> list[Any]:
+        """What was done until the job with this key was."""
+        found = []
+        while True:
+            done = self.until(Done)
+            found.append(done.result)
+            if done.job.key == last:
+                return found
+
+
+@pytest.fixture(scope="module")
+def shared() -> Iterator[Desk]:
+    made = Desk()
+    yield made
+    made.lane.stop()
+
+
+@pytest.fixture
+def desk(shared: Desk) -> Desk:
+    shared.lane.want(())
+    while not shared.events.empty():
+        shared.events.get()
+    return shared
+
+
+def add(n: int, rest: float = 0.0) -> Job:
+    return Job(("add", n), "a sum", operator.add, (n, 1), rest)
+
+
+def test_jobs_are_done_in_order_and_only_once(desk: Desk) -> None:
+    jobs = (add(1), add(2))
+    desk.lane.want(jobs)
+    assert desk.results(("add", 2)) == [2, 3]
+    desk.lane.want((*jobs, add(3)))
+    assert desk.results(("add", 3)) == [4]
+
+
+def test_what_was_wanted_last_is_what_comes(desk: Desk) -> None:
+    desk.lane.want((Job("slow", "a rest", time.sleep, (0.3,)),))
+    desk.begun("a rest")
+    for n in range(50):
+        desk.lane.want((add(n),))
+    assert desk.results(("add", 49)) == [None, 50]  # the job at work ends, the rest is void
+
+
+def test_a_job_that_must_rest_gives_way_to_others(desk: Desk) -> None:
+    desk.lane.want((add(1, rest=0.4), add(2)))
+    assert desk.results(("add", 1)) == [3, 2]
+
+
+def test_a_job_given_up_and_wanted_again_is_done_again(desk: Desk) -> None:
+    desk.lane.want((add(7),))
+    desk.until(Done)
+    desk.lane.want(())
+    desk.lane.want((add(7),))
+    assert desk.until(Done).result == 8
+
+
+def test_failures_are_told_and_the_next_job_works(desk: Desk) -> None:
+    desk.lane.want((Job("bad", "a division", divmod, (1, 0)), add(4)))
+    assert "ZeroDivisionError" in desk.until(Lost).text
+    assert desk.until(Done).result == 5
+
+
+def test_a_cancelled_job_says_nothing_and_the_next_one_works(desk: Desk) -> None:
+    desk.lane.want((Job("long", "a long rest", time.sleep, (60.0,)),))
+    desk.begun("a long rest")
+    desk.lane.cancel()
+    assert desk.until(Lost).text == ""
+    desk.lane.want((add(5),))
+    assert desk.until(Done).result == 6
+
+
+def test_the_death_of_the_process_is_told_and_survived(desk: Desk) -> None:
+    desk.lane.want((add(1),))
+    desk.until(Done)
+    pid = desk.lane.pid
+    assert pid is not None
+    desk.lane.want((Job("long", "a long rest", time.sleep, (60.0,)),))
+    desk.begun("a long rest")
+    time.sleep(0.1)
+    os.kill(pid, signal.SIGKILL)
+    assert "a long rest stopped" in desk.until(Lost).text
+    desk.lane.want((add(9),))
+    assert desk.until(Done).result == 10
+    assert desk.lane.pid != pid

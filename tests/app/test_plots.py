@@ -1,0 +1,167 @@
+"""Plots as text: where things stand, what a pointer is told, and that no text breaks out."""
+
+from __future__ import annotations
+
+import html
+import math
+from dataclasses import replace
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.mapping import chart_request, of
+from app.panels import map as maps
+from app.panels.plots import STEPS, TURN, Axes, Figure, _base, scales, ticks
+from app.panels.section import profile
+from app.state import Chart, Span, new_review
+from kinematics.designs import load_design
+from kinematics.sections import Quantity, SectionSpec, Volume
+from kinematics.sweeps import Map, map_request
+
+SPEC = SectionSpec("Section at x′", "x′", ("y′", "z′"), "Fig. 17")
+VOLUME = Quantity("volume", "Volume", "mm³")
+
+
+@given(
+    st.floats(-1e6, 1e6), st.floats(1e-3, 1e6), st.integers(2, 9), st.sampled_from((STEPS, TURN))
+)
+def test_ticks_are_round_within_the_ends_and_not_too_many(
+    low: float, span: float, most: int, steps: tuple[float, ...]
+) -> None:
+    found = ticks(low, low + span, most, steps)
+    assert len(found) <= most + 1
+    slack = 1e-6 * span + 1e-9
+    assert all(low - slack <= t <= low + span + slack for t in found)
+    if len(found) > 1:
+        step = found[1] - found[0]
+        mantissas = [step / s for s in steps]
+        powers = [abs(math.log10(m) - round(math.log10(m))) for m in mantissas]
+        assert min(powers) < 1e-6
+
+
+def test_ticks_of_an_angle_are_those_of_a_protractor() -> None:
+    assert ticks(-92.5, 92.5, 7, TURN) == pytest.approx([-90, -60, -30, 0, 30, 60, 90])
+
+
+def test_a_place_in_the_plot_and_back() -> None:
+    axes = Axes(400, 300, 50, 20, 30, 40, (-10.0, 30.0), (5.0, 9.0))
+    assert axes.px(-10.0, 5.0) == (50.0, 260.0)
+    assert axes.px(30.0, 9.0) == (370.0, 20.0)
+    assert axes.px(10.0, 7.0) == (210.0, 140.0)
+
+
+def test_no_text_breaks_out_of_the_drawing() -> None:
+    nasty = "\"><script>alert(1)</script>|'&"
+    axes = Axes(100, 80, 20, 20, 5, 20, (0.0, 1.0), (0.0, 1.0))
+    figure = Figure(
+        axes, scales(axes, nasty, nasty, [0.5], [0.5]), [nasty], [""], [""], nasty, nasty
+    )
+    text = _base(figure)
+    assert "<script" not in text
+    svg = ElementTree.fromstring(text[text.index("<svg") : text.index("</svg>") + 6])
+    assert svg.get("data-columns") == nasty.replace("|", "/")
+    assert svg.get("data-idle") == nasty
+    assert svg.get("aria-label") == nasty
+
+
+def _map(values: np.ndarray, quantity: str = "volume") -> Map:
+    design = load_design("rpur-table1")
+    n, m = values.shape
+    request = map_request(
+        design,
+        np.radians(np.linspace(-10, 10, n)),
+        np.radians(np.linspace(0, 30, m)),
+        quantities=(quantity,),
+    )
+    return Map(request, values[None], 0.001 * values[None], np.isfinite(values))
+
+
+def test_what_the_map_tells_of_a_cell_is_its_value() -> None:
+    values = np.array([[1e6, 2e6, np.nan], [3e6, 4e6, 0.0]])
+    figure = maps.figure(_map(values), stale=False)
+    told = [
+        figure.columns[i] + figure.rows[j] + figure.tips[3 * i + j]
+        for i in range(2)
+        for j in range(3)
+    ]
+    assert told[0] == "φ −10.0°, θ 0.0°: 1.000 ± 0.001 dm³"
+    assert told[2] == "φ −10.0°, θ 30.0°: not computed yet"
+    assert told[4].startswith("φ 10.0°, θ 15.0°: 4.000 ± 0.004")
+    # Cells of equal size fill the box about their points.
+    assert figure.axes.x == pytest.approx((-20.0, 20.0))
+    assert figure.axes.y == pytest.approx((-7.5, 37.5))
+
+
+def test_cells_cover_the_box_and_an_empty_workspace_has_no_colour() -> None:
+    rng = np.random.default_rng(3)
+    values = rng.uniform(1e6, 2e7, (7, 5))
+    values[2, 3] = 0.0
+    axes = maps.figure(_map(values), stale=False).axes
+    paths = maps._cells(axes, values / values.max())
+    covered = 0.0
+    for part in html.unescape(paths).split("M")[1:]:
+        wide, high = part.split("h")[1].split("v")
+        covered += float(wide) * float(high)
+    wide, high = axes.inner
+    assert covered == pytest.approx(wide * high * 34 / 35, rel=2e-3)
+
+
+def test_a_map_where_little_is_known_shows_the_nearest() -> None:
+    values = np.full((5, 5), np.nan)
+    values[0, 0] = values[4, 4] = 1e7
+    content = maps.figure(_map(values), stale=False).content
+    assert content.count("shape-rendering") == 1  # one shade everywhere
+    blank = maps.figure(_map(np.full((5, 5), np.nan)), stale=False)
+    assert "shape-rendering" not in blank.content
+    assert set(blank.tips) == {"not computed yet"}
+
+
+@pytest.mark.parametrize(
+    ("quantity", "value", "error", "text"),
+    [
+        (VOLUME, 24_501_399.0, 20.0, "24.50140 ± 0.00002 dm³"),
+        (Quantity("pieces", "Number of pieces", ""), 4.0, 0.0, "4"),
+        (Quantity("sphere", "Largest sphere", "mm"), 69.9234, 0.012, "69.92 ± 0.02 mm"),
+        (Quantity("stroke", "Stroke", "%"), 87.5, 0.0, "87.5 %"),
+    ],
+)
+def test_values_carry_unit_and_error(
+    quantity: Quantity, value: float, error: float, text: str
+) -> None:
+    assert maps.told(quantity, value, error) == text
+
+
+def test_the_profile_of_a_prism_is_a_box() -> None:
+    at = np.linspace(-50.0, 50.0, 41)
+    volume = Volume(
+        value=2e6,
+        error=1.0,
+        centroid=np.zeros(3),
+        pieces=(2e6,),
+        at=at,
+        area=np.full(41, 2e4),
+        events=np.array([-50.0, 0.0, 50.0]),
+        sections=41,
+    )
+    figure = profile(volume, SPEC)
+    assert figure is not None
+    assert figure.axes.x == (-50.0, 50.0)
+    assert set(figure.tips) == {"200 cm²"}
+    assert figure.columns[0].startswith("x′ = −49.")
+    assert len(figure.columns) == len(figure.tips)
+    nothing = Volume(0.0, 0.0, np.full(3, np.nan), (), np.empty(0), np.empty(0), np.empty(0), 3)
+    assert profile(nothing, SPEC) is None
+
+
+def test_the_map_of_a_review_runs_over_its_spans() -> None:
+    review = new_review(load_design("rpur-table1"))
+    chart = Chart("pieces", Span(-0.5, 0.5, 3), Span(0.0, 1.0, 5))
+    asked = chart_request(replace(review, chart=chart))
+    assert asked.first == pytest.approx((-0.5, 0.0, 0.5))
+    assert asked.second == pytest.approx((0.0, 0.25, 0.5, 0.75, 1.0))
+    assert [q.key for q in asked.quantities] == ["pieces"]
+    assert of(asked, review)
+    assert not of(asked, new_review(load_design("rpur-table2")))

@@ -1,0 +1,85 @@
+"""What is drawn of a section: hatching, edges, the extent; and which workspaces are the same."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from app import slicer
+from app.state import ChooseModes, Flip, Move, MoveCut, Review, change, new_review
+from kinematics.designs import load_design
+from kinematics.sections import Section
+from tests.app.made_sections import LENS, RING, TWO
+
+
+@pytest.fixture(scope="module")
+def review() -> Review:
+    return new_review(load_design("rpur-table1"))
+
+
+@pytest.mark.parametrize("section", [RING, LENS, TWO])
+def test_edges_are_as_long_as_the_outline_and_each_is_of_its_limb(section: Section) -> None:
+    lines, limbs = slicer.edges(section)
+    lengths = np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1)
+    assert lengths.sum() == pytest.approx(section.perimeter, rel=3e-3)
+    assert lengths.max() <= max(slicer.STEP, 20.0 + 1e-9)  # but for straight edges
+    assert set(limbs.tolist()) == set(section.limb.tolist())
+
+
+@pytest.mark.parametrize("section", [RING, LENS, TWO])
+def test_the_hatching_covers_the_region_and_nothing_else(section: Section) -> None:
+    lines, _ = slicer.edges(section)
+    low, high = lines.reshape(-1, 2).min(axis=0), lines.reshape(-1, 2).max(axis=0)
+    extent = tuple(zip(low.tolist(), high.tolist(), strict=True))
+    hatch = slicer.hatched(lines, extent)  # type: ignore[arg-type]
+    along = hatch[:, 1] - hatch[:, 0]
+    lengths = np.linalg.norm(along, axis=1)
+    assert np.allclose(along[:, 0], along[:, 1])  # at 45 degrees
+    # The lines, each standing for a strip as wide as their distance, make up the area.
+    step = float((high - low).max()) / slicer.HATCHES
+    assert (lengths * step).sum() == pytest.approx(section.area, rel=0.02)
+    if section is RING:
+        middles = hatch.mean(axis=1)
+        assert (np.hypot(middles[:, 0] - 10.0, middles[:, 1]) > 39.0).all()  # not in the hole
+
+
+def test_hatching_stands_still_while_the_outline_changes() -> None:
+    square = np.array([[0, 0], [10, 0], [10, 10], [0, 10]], dtype=float)
+
+    def offsets(corners: np.ndarray) -> set[float]:
+        lines = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
+        hatch = slicer.hatched(lines, ((0.0, 60.0), (0.0, 60.0)))
+        return {round(float(p[0] - p[1]), 6) for p in hatch[:, 0]}
+
+    small, large = offsets(square), offsets(2.5 * square)
+    assert small < large
+
+
+def test_equal_workspaces_are_one_region(review: Review) -> None:
+    here = slicer.region(review)
+    for what in (Move(0, 3.0), Move(2, 400.0), MoveCut(20.0), Flip("-----")):
+        assert slicer.region(change(review, what)[0]) == here
+    for what in (Move(3, 0.1), Move(4, -0.2), ChooseModes("current")):
+        assert slicer.region(change(review, what)[0]) != here
+    flipped = change(change(review, ChooseModes("current"))[0], Flip("-----"))[0]
+    assert slicer.region(flipped) != slicer.region(change(review, ChooseModes("current"))[0])
+    assert hash(slicer.region(change(review, Move(0, 3.0))[0])) == hash(here)
+
+
+def test_the_platform_is_marked_only_where_it_stands_in_the_plane(review: Review) -> None:
+    turned, _ = change(review, Move(4, 0.4))
+    x, y, z = turned.pose[:3]
+    cos, sin = math.cos(0.4), math.sin(0.4)
+    at = cos * x - sin * z  # x′ of R_y(−θ) p
+    through, _ = change(turned, MoveCut(at))
+    mark = slicer.wish(through).mark
+    assert mark == pytest.approx((y, sin * x + cos * z))
+    assert slicer.wish(change(turned, MoveCut(at + 1.0))[0]).mark is None
+
+
+def test_a_dark_page_asks_for_another_plot(review: Review) -> None:
+    dark = replace(review, options=replace(review.options, dark=True))
+    assert slicer.wish(dark) != slicer.wish(review)
