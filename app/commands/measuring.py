@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import time
-from math import isfinite, radians
+from math import radians
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +15,6 @@ from kinematics.errors import InputError
 if TYPE_CHECKING:
     from kinematics.mechanism import Design, Mechanism
     from kinematics.sections import Box, Section, SectionSpec, Sphere, Volume
-    from kinematics.spatial import Array
 
 TOLERANCE = 1e-6
 
@@ -43,8 +42,8 @@ def register(command: common.AddCommand) -> None:
         "-o", "--output", type=Path, metavar="FILE", help="write .svg, .dxf (true arcs) or .csv"
     )
     section.epilog = (
-        "In JSON every loop is a list of edges, the section to their left. second_moments_mm4 are "
-        "the integrals of y'^2, z'^2 and y'z' about the centroid."
+        "In JSON every loop is a list of edges, the section to their left; second_moments_mm4 are "
+        "the integrals of y'^2 (yy), z'^2 (zz) and y'z' (yz) about the centroid."
     )
     common.add_json(section)
 
@@ -80,7 +79,7 @@ def _volume(arguments: argparse.Namespace) -> None:
             **_about(arguments, design, modes),
             "volume_mm3": found.value,
             "error_mm3": found.error,
-            "centroid_mm": _finite(found.centroid),
+            "centroid_mm": found.centroid.tolist() if found.value > 0.0 else None,
             "pieces": len(found.pieces),
             "piece_volumes_mm3": found.pieces,
             "sections": found.sections,
@@ -118,7 +117,7 @@ def _volume_lines(found: Volume, seconds: float) -> list[str]:
         f"volume    {tables.volume_text(found.value)} ± {tables.volume_text(found.error)}",
         f"pieces    {count}" + (f": {pieces}" if count > 1 else ""),
     ]
-    if count:
+    if found.value > 0.0:
         lines.append(f"centroid  {_place(found.centroid.tolist())}")
     lines.append(f"sections  {found.sections}, in {tables.seconds_text(seconds)}")
     return lines
@@ -172,12 +171,18 @@ def _section(arguments: argparse.Namespace) -> None:
             "loop_areas_mm2": found.loop_area.tolist(),
             "loop_pieces": found.loop_piece.tolist(),
             "pieces": found.pieces,
-            "centroid_mm": _finite(found.centroid),
-            "second_moments_mm4": _finite(found.second_moments),
+            "centroid_mm": found.centroid.tolist() if found.loops else None,
+            "second_moments_mm4": _moments(found),
             "range_mm": reach,
             "file": None if path is None else str(path),
         }
     )
+
+
+def _moments(found: Section) -> dict[str, float] | None:
+    if not found.loops:
+        return None
+    return dict(zip(("yy", "zz", "yz"), found.second_moments.tolist(), strict=True))
 
 
 def _section_lines(
@@ -252,8 +257,3 @@ def _about(
 
 def _place(point: list[float]) -> str:
     return "({}) mm".format(", ".join(f"{value:.4f}" for value in point))
-
-
-def _finite(values: Array) -> list[float] | None:
-    """JSON has no NaN: what an empty workspace has not is null."""
-    return values.tolist() if all(map(isfinite, values.tolist())) else None

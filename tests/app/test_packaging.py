@@ -81,12 +81,16 @@ def test_the_readmes_python_works() -> None:
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    shape, modes, posture, solutions, first, volume = done.stdout.splitlines()
+    shape, modes, posture, solutions, first, exact, chart, volume = done.stdout.splitlines()
     assert shape == "(2, 32, 5)"
     assert re.fullmatch(r"\[ *\d+ +\d+\]", modes)
     assert posture == "True []"
     assert solutions == "66 real of 1560, complete: True"
     assert re.fullmatch(r"\[.*\] [+-]{5} [\d.]+", first)
+    sums = re.fullmatch(r"(\d+) mm³ ± (\d+); \d+ loops, [\d.]+ mm²", exact)
+    assert sums is not None
+    assert abs(float(sums[1]) - 24_501_399) <= float(sums[2]) + 1
+    assert chart == "(2, 3, 3) True"
     found = re.fullmatch(r"(\d+\.\d\d) dm³ in \d pieces", volume)
     assert found is not None
     assert abs(float(found[1]) / 24.501399 - 1) < 1e-3
