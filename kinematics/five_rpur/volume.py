@@ -10,15 +10,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinematics.errors import InputError
-from kinematics.five_rpur.cutting import Cutter, Cuts
 from kinematics.five_rpur.design import FiveRPURDesign
-from kinematics.five_rpur.events import events
-from kinematics.five_rpur.quadrature import LONG, SHORT, Rule
+from kinematics.five_rpur.slicing.cutter import Cuts, Cutter
+from kinematics.five_rpur.slicing.events import events
+from kinematics.five_rpur.slicing.quadrature import LONG, SHORT, Rule
 from kinematics.sections import Volume
 from kinematics.spatial import Array, rotation_y
 
@@ -64,7 +65,7 @@ def volume(
         value=float(found.moments[0]),
         error=found.error,
         centroid=rotation_y(float(theta)) @ centroid,
-        pieces=(),
+        pieces=tuple(float(v) for v in cutter.pieces(found.at, found.weights, found.marks)),
         at=found.at,
         area=found.area,
         events=found.events,
@@ -75,7 +76,8 @@ def volume(
 @dataclass(frozen=True, eq=False)
 class Integral:
     """``moments`` (6,) of the volume (∫ dx' of those of sections), ``first`` = ∫ x' A dx';
-    the volume's ``error``; the sections taken, ``at`` and ``area`` (N,); the panels' ``events``.
+    the volume's ``error``; the sections taken, ``at``, ``area``, ``weights`` and ``marks`` (N,);
+    the panels' ``events``.
     """
 
     moments: Array
@@ -83,6 +85,8 @@ class Integral:
     error: float
     at: Array
     area: Array
+    weights: Array
+    marks: NDArray[np.int64]
     events: Array
     sections: int
 
@@ -136,15 +140,14 @@ class _Work:
         self.total = np.zeros(6)
         self.first = 0.0
         self.error = 0.0
-        self.taken: list[tuple[Array, Array]] = []
+        self.taken: list[tuple[Array, Array, Array, NDArray[np.int64]]] = []
         self.edges: list[Array] = []
 
     def run(self) -> Integral:
         low, high = self.range
         if high > low:
             self._converge(*self._stretches())
-        at = _joined([x for x, _ in self.taken])
-        area = _joined([a for _, a in self.taken])
+        at, area, weights, marks = (_joined([part[n] for part in self.taken]) for n in range(4))
         order = np.argsort(at)
         return Integral(
             self.total,
@@ -152,6 +155,8 @@ class _Work:
             float(self.error),
             at[order],
             area[order],
+            weights[order],
+            marks[order].astype(np.int64),
             np.unique(_joined(self.edges)),
             self.sections,
         )
@@ -253,10 +258,12 @@ class _Work:
     def _take(self, panels: _Panels, which: NDArray[np.bool_]) -> None:
         x, area = panels.x[which], panels.moments[which][:, :, 0]
         left, right = panels.left[which], panels.right[which]
+        weights = (right - left)[:, None] * panels.rule.weights
         self.total += panels.fine[which].sum(axis=0)
-        self.first += float(((right - left)[:, None] * x * area @ panels.rule.weights).sum())
+        self.first += float((weights * x * area).sum())
         self.error += float(panels.error[which].sum())
-        self.taken.append((x.ravel(), area.ravel()))
+        marks = panels.marks[which]
+        self.taken.append((x.ravel(), area.ravel(), weights.ravel(), marks.ravel()))
         self.edges += [left, right]
 
     # --- splitting
@@ -308,6 +315,9 @@ class _Work:
         """
         left, right = panels.left[which], panels.right[which]
         self.edges += [left, right]
+        # Sections without area keep apart what lies on both sides of them.
+        x = panels.x[which].ravel()
+        self.taken.append((x, np.zeros(x.size), np.zeros(x.size), np.zeros(x.size, np.int64)))
         share = 0.25 * allowed / (self.range[1] - self.range[0])
         lefts, rights = [], []
         while left.size:
@@ -329,5 +339,5 @@ def _halved(left: Array, middle: Array, right: Array) -> _Panel_ends:
     return np.concatenate([left, middle]), np.concatenate([middle, right])
 
 
-def _joined(parts: list[Array]) -> Array:
+def _joined(parts: list[Any]) -> Any:
     return np.concatenate(parts) if parts else np.empty(0)

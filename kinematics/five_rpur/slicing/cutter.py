@@ -5,18 +5,24 @@ Lengths mm, angles rad.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import time
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
+from types import ModuleType
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinematics.errors import InputError
-from kinematics.five_rpur import acceleration
-from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
+from kinematics.five_rpur.design import LIMBS, FiveRPURDesign, Limb
 from kinematics.five_rpur.offsets import aligned_offsets
+from kinematics.five_rpur.slicing import acceleration
+from kinematics.sections import Ints
 from kinematics.spatial import Array
+
+_MOST_EDGES = 4096  # of one section; twice what crossings of five limbs can make
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,23 +90,96 @@ class Cutter:
         highs = np.where(passes, self.limbs[5], np.maximum(highs0, highs1))
         return self._measure(x0, np.minimum(lows0, lows1), highs)
 
+    def outline(self, x: float) -> tuple[Ints, Array, Array]:
+        """The boundary of the section at x: edges, ends and turns as `kernel.outline` has them."""
+        lows, highs = self.heights(np.array([x]))
+        if self.range[0] >= self.range[1] or (highs < 0.0).any():
+            return np.empty((0, 4), np.int64), np.empty((0, 2)), np.empty(0)
+        room = _MOST_EDGES
+        edges, ends, turns = np.empty((room, 4), np.int64), np.empty((room, 2)), np.empty(room)
+        with _working(1) as kernel:
+            count = kernel.outline(
+                lows[0],
+                highs[0],
+                self.limbs,
+                self.signs,
+                self.table,
+                self.size,
+                edges,
+                ends,
+                turns,
+            )
+        return edges[:count], ends[:count], turns[:count]
+
+    def pieces(self, x: Array, weights: Array, marks: NDArray[np.int64]) -> Array:
+        """Weighted areas of sections at increasing x (N,), summed by connected pieces.
+
+        ``marks`` (N,) of the sections tell where there is nothing. Returns (P,), largest first.
+        """
+        lows, highs = self.heights(x)
+        room = 16 * len(x) + 64
+        while True:
+            forest, volumes = np.empty(room, np.int64), np.empty(room)
+            with _working(len(x)) as kernel:
+                used = kernel.trace(
+                    lows,
+                    highs,
+                    weights,
+                    marks,
+                    self.limbs,
+                    self.signs,
+                    self.table,
+                    self.size,
+                    forest,
+                    volumes,
+                )
+            if used >= 0:
+                break
+            room *= 4
+        for n in range(used):  # every one points below itself
+            forest[n] = forest[forest[n]]
+        sums = np.bincount(forest[:used], weights=volumes[:used], minlength=1)
+        return np.sort(sums[np.unique(forest[:used])])[::-1] if used else np.empty(0)
+
     def _measure(self, x: Array, lows: Array, highs: Array) -> Cuts:
         count = len(x)
         moments = np.empty((count, 6))
         marks, parts = np.empty(count, np.int64), np.empty(count, np.int64)
-        acceleration.kernel(count).measure(
-            np.ascontiguousarray(lows),
-            np.ascontiguousarray(highs),
-            self.limbs,
-            self.signs,
-            self.table,
-            self.size,
-            self.origin,
-            moments,
-            marks,
-            parts,
-        )
+        with _working(count) as kernel:
+            kernel.measure(
+                lows,
+                highs,
+                self.limbs,
+                self.signs,
+                self.table,
+                self.size,
+                self.origin,
+                moments,
+                marks,
+                parts,
+            )
         return Cuts(x, moments, marks, parts)
+
+
+@contextmanager
+def _working(sections: int) -> Iterator[ModuleType]:
+    """The kernel for so many sections; plain Python's time is counted."""
+    kernel = acceleration.kernel(sections)
+    if acceleration.is_compiled():
+        yield kernel
+        return
+    begun = time.perf_counter()
+    yield kernel
+    acceleration.spent(time.perf_counter() - begun)
+
+
+def example() -> Cutter:
+    """A small machine with something of everything in its sections."""
+    limbs = tuple(
+        Limb((10.0 * i, 5.0 * i * i, 0.0), (3.0, -2.0 * i, 1.0), 30.0, (40.0, 70.0))
+        for i in range(LIMBS)
+    )
+    return Cutter(FiveRPURDesign(limbs), 0.1, -0.2, None)
 
 
 @lru_cache(maxsize=64)

@@ -28,19 +28,6 @@ SLACK = 1e-6  # of the size: crossings that miss the region by less are looked a
 WX, WY, WZ, LINK, LOW, HIGH = range(6)
 
 
-def heights(x, limbs, low, high):
-    """S(ρ_min) and S(ρ_max) of every limb at x into ``low`` and ``high`` (n,); false if none."""
-    for i in range(limbs.shape[1]):
-        apart = abs(x - limbs[WX, i])
-        reach = limbs[HIGH, i]
-        if apart > reach:
-            return False
-        high[i] = math.sqrt((reach - apart) * (reach + apart))
-        reach = limbs[LOW, i]
-        low[i] = math.sqrt((reach - apart) * (reach + apart)) if apart < reach else 0.0
-    return True
-
-
 def bounds_of(limbs, out):
     """The range of y' in which all limbs can close into ``out`` (2,), and who ends it (2,)."""
     first, last = 0, 0
@@ -166,20 +153,43 @@ def root(parent, n):
     return n
 
 
-def sweep(limbs, low, high, signs, table, ends, size, where, who, order, borders, runs, spans, parent, follow):
+def rooms(n):
+    """Room for one section at a time: crossings, who, order, borders, runs, spans, parent, follow,
+    tells; what each is for, see `sweep`."""
+    most = 16 * n * n
+    return (
+        np.empty((most, 2)),
+        np.empty((most, 2), np.int64),
+        np.empty(most, np.int64),
+        np.empty(most + 2),
+        np.empty((MOST_RUNS, 4), np.int64),
+        np.empty((MOST_RUNS, 2)),
+        np.empty(MOST_RUNS, np.int64),
+        np.empty(2 * MOST_RUNS, np.int64),
+        np.empty(MOST_RUNS, np.int64),
+    )
+
+
+def sweep(limbs, low, high, signs, table, ends, size, room):
     """The runs of a section.
 
     Args:
-        where, who, order: room for the crossings; ``order`` is filled with their order along y.
-        borders: room (B,) for y where slabs begin and end.
-        runs: (R, 4) room for lower curve, upper curve, first and last border of every run.
-        spans: (R, 2) room for y at both.
-        parent: (R,) room; runs of one piece of the region have one root.
-        follow: (2R,) room; the edge that follows each edge, see `meet`.
+        limbs: (6, n) w'_x, w'_y, w'_z, l, ρ_min, ρ_max.
+        low, high: (n,) S(ρ_min) and S(ρ_max).
+        signs: (n, 2) which signs are asked for at all.
+        table: (4^n,) which states are inside.
+        ends: (2,) where all limbs can close, from `bounds_of`.
+        size: mm, a length of the machine.
+        room: `rooms`, in which the answer is left: the crossings; ``runs`` (R, 4) of lower curve,
+            upper curve, first and last border, and ``spans`` (R, 2) of y at both; ``parent``
+            (R,), runs of one piece of the region have one root; ``follow`` (2R,), the edge that
+            follows each edge, see `meet`; ``tells`` (R,), numbers whose sum over the runs of a
+            piece tells how it is built.
 
     Returns:
-        the number of runs and of borders, and a number that tells how the section is built.
+        the number of runs and of crossings, and a number that tells how the section is built.
     """
+    where, who, order, borders, runs, spans, parent, follow, tells = room
     n = limbs.shape[1]
     tiny = 1e-14 * size
     found = crossings(limbs, low, high, table, ends, size, where, who)
@@ -267,24 +277,65 @@ def sweep(limbs, low, high, signs, table, ends, size, where, who, order, borders
                 runs[run, 0], runs[run, 1], runs[run, 2] = lower[p], upper[p], slab
                 spans[run, 0] = borders[slab]
                 parent[run] = run
+                tells[run] = 0
             runs[run, 3] = slab + 1
             spans[run, 1] = borders[slab + 1]
             present[p] = run
         mark += meet(
-            limbs, bases, runs, previous, before, present, intervals,
-            slab, borders[slab], 1 if slab == 0 else 0, size, rises, parent, follow,
+            limbs,
+            bases,
+            runs,
+            previous,
+            before,
+            present,
+            intervals,
+            slab,
+            borders[slab],
+            1 if slab == 0 else 0,
+            size,
+            rises,
+            parent,
+            follow,
+            tells,
         )
         previous, present = present, previous
         before = intervals
     mark += meet(
-        limbs, bases, runs, previous, before, present, 0,
-        slabs, borders[slabs], 2, size, rises, parent, follow,
+        limbs,
+        bases,
+        runs,
+        previous,
+        before,
+        present,
+        0,
+        slabs,
+        borders[slabs],
+        2,
+        size,
+        rises,
+        parent,
+        follow,
+        tells,
     )
-    return count, slabs + 1, mark
+    return count, found, mark
 
 
 def meet(
-    limbs, bases, runs, left, lefts, right, rights, border, y, kind, size, rises, parent, follow
+    limbs,
+    bases,
+    runs,
+    left,
+    lefts,
+    right,
+    rights,
+    border,
+    y,
+    kind,
+    size,
+    rises,
+    parent,
+    follow,
+    tells,
 ):
     """Join what meets on the border y of two slabs.
 
@@ -298,6 +349,7 @@ def meet(
         border, y: which border, and where it is.
         kind: 0, or 1 and 2 on the first and the last border.
         follow: (2R,) out: the edge that follows each edge.
+        tells: (R,) changed: the vertices of each run are added.
 
     Returns:
         a number that tells the vertices met here.
@@ -342,13 +394,13 @@ def meet(
             follow[head] = tail
             before, after = runs[head >> 1, head & 1], runs[tail >> 1, tail & 1]
             if before != after or (head ^ tail) & 1:
-                mark += mixed(before, after, kind)
+                told = mixed(before, after, kind)
+                tells[head >> 1] += told
+                mark += told
             waiting = -1
         if p & 1 and q & 1:  # both sides are inside from here up to the next end
             one, two = left[p >> 1], right[q >> 1]
-            top = min(
-                at_border(bases, rises, runs[one, 1]), at_border(bases, rises, runs[two, 1])
-            )
+            top = min(at_border(bases, rises, runs[one, 1]), at_border(bases, rises, runs[two, 1]))
             if top - z > FINE * size:
                 first, second = root(parent, one), root(parent, two)
                 parent[max(first, second)] = min(first, second)
@@ -361,55 +413,6 @@ def at_border(bases, rises, c):
     return bases[c] - h if c & 4 else bases[c] + h
 
 
-def primitives(limbs, i, y, out):
-    """∫h, ∫th, ∫t²h, ∫h³ over t = y − w'_iy up to y, and t, into ``out`` (5,)."""
-    link = limbs[LINK, i]
-    t = min(max(y - limbs[WY, i], -link), link)
-    square = (link - t) * (link + t)
-    h = math.sqrt(square)
-    angle = math.asin(t / link)
-    area = 0.5 * (t * h + link * link * angle)
-    out[0] = area
-    out[1] = -square * h / 3.0
-    out[2] = 0.125 * (link * link * link * link * angle - t * h * (link * link - 2.0 * t * t))
-    out[3] = 0.25 * t * square * h + 0.75 * link * link * area
-    out[4] = t
-
-
-def under(limbs, c, base, y0, y1, origin, one, two, out):
-    """What lies under a curve between y0 and y1 adds to ``out``: area and moments, six.
-
-    1, v, w, v², w², vw over −∞ < z < z(y), the part that does not depend on z left out, with
-    (v, w) = (y, z) − ``origin``.
-    """
-    i = c >> 3
-    sigma = -1.0 if c & 4 else 1.0
-    link = limbs[LINK, i]
-    primitives(limbs, i, y0, one)
-    primitives(limbs, i, y1, two)
-    a = limbs[WY, i] - origin[0]  # v = t + a
-    b = base - origin[1]  # w = b + σ h
-    t0, t1 = one[4], two[4]
-    d1 = t1 - t0
-    d2 = 0.5 * (t1 * t1 - t0 * t0)
-    d3 = (t1 * t1 * t1 - t0 * t0 * t0) / 3.0
-    h1 = two[0] - one[0]
-    th = two[1] - one[1]
-    t2h = two[2] - one[2]
-    h3 = two[3] - one[3]
-    l2 = link * link
-    h2 = l2 * d1 - d3
-    th2 = l2 * d2 - 0.25 * (t1 * t1 * t1 * t1 - t0 * t0 * t0 * t0)
-    v1 = d2 + a * d1
-    v2 = d3 + 2.0 * a * d2 + a * a * d1
-    out[0] += b * d1 + sigma * h1
-    out[1] += b * v1 + sigma * (th + a * h1)
-    out[2] += 0.5 * (b * b * d1 + 2.0 * b * sigma * h1 + h2)
-    out[3] += b * v2 + sigma * (t2h + 2.0 * a * th + a * a * h1)
-    out[4] += (b * b * b * d1 + 3.0 * b * b * sigma * h1 + 3.0 * b * h2 + sigma * h3) / 3.0
-    out[5] += 0.5 * (b * b * v1 + 2.0 * b * sigma * (th + a * h1) + th2 + a * h2)
-
-
 def mixed(one, two, kind):
     """A number for a vertex, such that sums of them hardly ever coincide."""
     key = ((int(one) * 131 + int(two)) * 4 + kind + 1) * 0x2545F491 & 0x3FFFFFFF
@@ -420,69 +423,8 @@ def mixed(one, two, kind):
     return key ^ (key >> 16)
 
 
-def run_moments(limbs, low, high, runs, spans, run, origin, one, two, below, out):
-    """Area and moments of a run into ``out`` (6,)."""
-    for m in range(6):
-        out[m] = 0.0
-        below[m] = 0.0
-    y0, y1 = spans[run, 0], spans[run, 1]
-    for end in range(2):
-        c = runs[run, end]
-        i = c >> 3
-        base = limbs[WZ, i] + offset(c & 3, low[i], high[i])
-        under(limbs, c, base, y0, y1, origin, one, two, below if end == 0 else out)
-    for m in range(6):
-        out[m] -= below[m]
-
-
-def measure(lows, highs, limbs, signs, table, size, origin, moments, marks, parts):
-    """Area and moments of many sections.
-
-    Args:
-        lows, highs: (N, n) S(ρ_min) and S(ρ_max) of every limb; a negative ``highs`` is out of
-            reach.
-        limbs: (6, n) w'_x, w'_y, w'_z, l, ρ_min, ρ_max.
-        signs: (n, 2) which signs are asked for at all.
-        table: (4^n,) which states are inside.
-        size: mm, a length of the machine.
-        origin: (2,) about which moments are taken.
-        moments: (N, 6) out: ∫ of 1, v, w, v², w², vw.
-        marks: (N,) out: equal where the sections are built alike.
-        parts: (N,) out: connected pieces.
-    """
-    n = limbs.shape[1]
-    most = 16 * n * n
-    where = np.empty((most, 2))
-    who = np.empty((most, 2), np.int64)
-    order = np.empty(most, np.int64)
-    borders = np.empty(most + 2)
-    runs = np.empty((MOST_RUNS, 4), np.int64)
-    spans = np.empty((MOST_RUNS, 2))
-    parent = np.empty(MOST_RUNS, np.int64)
-    follow = np.empty(2 * MOST_RUNS, np.int64)
-    one, two, below, out = np.empty(5), np.empty(5), np.empty(6), np.empty(6)
-    ends = np.empty(2)
-    bounds_of(limbs, ends)
-    for at in range(lows.shape[0]):
-        marks[at] = 0
-        parts[at] = 0
-        for m in range(6):
-            moments[at, m] = 0.0
-        reached = ends[0] < ends[1]
-        for i in range(n):
-            if highs[at, i] < 0.0:
-                reached = False
-        if not reached:
-            continue
-        count, _, marks[at] = sweep(
-            limbs, lows[at], highs[at], signs, table, ends, size,
-            where, who, order, borders, runs, spans, parent, follow,
-        )
-        for run in range(count):
-            run_moments(
-                limbs, lows[at], highs[at], runs, spans, run, origin, one, two, below, out
-            )
-            for m in range(6):
-                moments[at, m] += out[m]
-            if parent[run] == run:
-                parts[at] += 1
+def height(limbs, low, high, c, y):
+    """z of curve c at y."""
+    i = c >> 3
+    h = rise(limbs, i, y)
+    return limbs[WZ, i] + offset(c & 3, low[i], high[i]) + (-h if c & 4 else h)

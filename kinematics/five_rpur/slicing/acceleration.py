@@ -1,0 +1,151 @@
+"""The kernel, compiled where that pays: never does anyone wait for the compiler.
+
+`sweep` and `kernel` are plain Python that numba also compiles. Compiling takes as long as some
+thousand sections in plain Python, loading what was compiled before as long as some dozens. So
+plain Python works until it has taken as long as the other way would have: at worst that doubles
+the time, once. `prepare` compiles at once, for processes that nobody waits for. What is compiled
+is kept in the user's cache folder, by the kernel's text.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import inspect
+import logging
+import os
+import shutil
+import sys
+import time
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import platformdirs
+
+from kinematics.five_rpur.slicing import kernel as _kernel
+from kinematics.five_rpur.slicing import sweep as _sweep
+
+log = logging.getLogger(__name__)
+
+_MODULES = (_sweep, _kernel)
+_READY = "ready"
+_LOADING = 0.8  # s that it takes to load what was compiled before
+_COMPILING = 20.0  # s that it takes to compile
+_LOOK = 0.25  # s between looks whether somebody else has compiled
+
+
+class _Plain:
+    """How long plain Python has been at work, and whether it still is."""
+
+    spent = 0.0
+    looked = -np.inf
+    compiled = False
+
+
+def kernel(sections: int) -> ModuleType:
+    """The module `kernel`, compiled or not, to compute so many sections next."""
+    if not _Plain.compiled and _pays(sections):
+        prepare()
+    return _kernel
+
+
+def spent(seconds: float) -> None:
+    """Plain Python took so long for sections."""
+    _Plain.spent += seconds
+
+
+def is_compiled() -> bool:
+    """Whether `kernel` is compiled in this process."""
+    return _Plain.compiled
+
+
+_PER_SECTION = 0.008  # s of plain Python for one section
+
+
+def _pays(sections: int) -> bool:
+    ahead = _Plain.spent + _PER_SECTION * sections
+    if ahead < _LOADING or not _available():
+        return False
+    if ahead >= _COMPILING:
+        return True
+    now = time.monotonic()
+    if now - _Plain.looked < _LOOK:
+        return False
+    _Plain.looked = now
+    folder = _folder()
+    return folder is not None and (folder / _READY).exists()
+
+
+def prepare() -> bool:
+    """Compile the kernel, or load it if that was done before; whether it is compiled now."""
+    if _Plain.compiled or not _available():
+        return _Plain.compiled
+    from numba import config, njit
+
+    folder = _folder()
+    before = config.CACHE_DIR
+    if folder is not None:
+        config.CACHE_DIR = str(folder)
+    try:
+        for module in _MODULES:
+            for name, function in inspect.getmembers(module, inspect.isfunction):
+                if function.__module__ == module.__name__:
+                    compiled = njit(function, error_model="numpy", cache=folder is not None)
+                    for each in _MODULES:
+                        if getattr(each, name, None) is function:
+                            setattr(each, name, compiled)
+    finally:
+        config.CACHE_DIR = before
+    _Plain.compiled = True
+    _exercise()
+    if folder is not None:
+        (folder / _READY).touch()
+        _tidy(folder)
+    return True
+
+
+@cache
+def _available() -> bool:
+    return importlib.util.find_spec("numba") is not None and os.environ.get(
+        "NUMBA_DISABLE_JIT", "0"
+    ) in ("", "0")
+
+
+@cache
+def _folder() -> Path | None:
+    """Where this kernel is kept, compiled by this numba for this Python; None if nowhere."""
+    from importlib.metadata import version
+
+    digest = hashlib.sha256()
+    for module in _MODULES:
+        digest.update(Path(str(module.__file__)).read_bytes())
+    digest.update(f"{sys.version} {version('numba')} {version('numpy')}".encode())
+    folder = platformdirs.user_cache_path("bohemia", appauthor=False) / "kernel"
+    folder /= digest.hexdigest()[:16]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        log.debug("no cache for compiled code: %s", error)
+        return None
+    return folder if os.access(folder, os.W_OK) else None
+
+
+def _tidy(folder: Path) -> None:
+    """Forget what earlier versions have compiled, if nobody has asked for it in a month."""
+    for other in folder.parent.iterdir():
+        ready = other / _READY
+        if other != folder and ready.exists() and time.time() - ready.stat().st_mtime > 30 * 86400:
+            shutil.rmtree(other, ignore_errors=True)
+
+
+def _exercise() -> None:
+    """Have every function compiled for the arguments that it will be called with."""
+    from kinematics.five_rpur.slicing.cutter import example
+
+    cutter = example()
+    x = np.linspace(*cutter.range, 3)
+    cuts = cutter.cut(x)
+    cutter.pieces(x, np.ones(x.size), cuts.marks)
+    cutter.outline(float(x[1]))

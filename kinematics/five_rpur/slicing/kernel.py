@@ -1,0 +1,339 @@
+"""What is asked of sections: moments, boundary, connected pieces. Scalars, see `sweep`."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from kinematics.five_rpur.slicing.sweep import (
+    LINK,
+    MOST_RUNS,
+    WY,
+    WZ,
+    bounds_of,
+    height,
+    offset,
+    rooms,
+    root,
+    sweep,
+)
+
+
+def primitives(limbs, i, y, out):
+    """∫h, ∫th, ∫t²h, ∫h³ over t = y − w'_iy up to y, and t, into ``out`` (5,)."""
+    link = limbs[LINK, i]
+    t = min(max(y - limbs[WY, i], -link), link)
+    square = (link - t) * (link + t)
+    h = math.sqrt(square)
+    angle = math.asin(t / link)
+    area = 0.5 * (t * h + link * link * angle)
+    out[0] = area
+    out[1] = -square * h / 3.0
+    out[2] = 0.125 * (link * link * link * link * angle - t * h * (link * link - 2.0 * t * t))
+    out[3] = 0.25 * t * square * h + 0.75 * link * link * area
+    out[4] = t
+
+
+def under(limbs, c, base, y0, y1, origin, one, two, out):
+    """What lies under a curve between y0 and y1 adds to ``out``: area and moments, six.
+
+    1, v, w, v², w², vw over −∞ < z < z(y), the part that does not depend on z left out, with
+    (v, w) = (y, z) − ``origin``.
+    """
+    i = c >> 3
+    sigma = -1.0 if c & 4 else 1.0
+    link = limbs[LINK, i]
+    primitives(limbs, i, y0, one)
+    primitives(limbs, i, y1, two)
+    a = limbs[WY, i] - origin[0]  # v = t + a
+    b = base - origin[1]  # w = b + σ h
+    t0, t1 = one[4], two[4]
+    d1 = t1 - t0
+    d2 = 0.5 * (t1 * t1 - t0 * t0)
+    d3 = (t1 * t1 * t1 - t0 * t0 * t0) / 3.0
+    h1 = two[0] - one[0]
+    th = two[1] - one[1]
+    t2h = two[2] - one[2]
+    h3 = two[3] - one[3]
+    l2 = link * link
+    h2 = l2 * d1 - d3
+    th2 = l2 * d2 - 0.25 * (t1 * t1 * t1 * t1 - t0 * t0 * t0 * t0)
+    v1 = d2 + a * d1
+    v2 = d3 + 2.0 * a * d2 + a * a * d1
+    out[0] += b * d1 + sigma * h1
+    out[1] += b * v1 + sigma * (th + a * h1)
+    out[2] += 0.5 * (b * b * d1 + 2.0 * b * sigma * h1 + h2)
+    out[3] += b * v2 + sigma * (t2h + 2.0 * a * th + a * a * h1)
+    out[4] += (b * b * b * d1 + 3.0 * b * b * sigma * h1 + 3.0 * b * h2 + sigma * h3) / 3.0
+    out[5] += 0.5 * (b * b * v1 + 2.0 * b * sigma * (th + a * h1) + th2 + a * h2)
+
+
+def run_moments(limbs, low, high, runs, spans, run, origin, one, two, below, out):
+    """Area and moments of a run into ``out`` (6,)."""
+    for m in range(6):
+        out[m] = 0.0
+        below[m] = 0.0
+    y0, y1 = spans[run, 0], spans[run, 1]
+    for end in range(2):
+        c = runs[run, end]
+        i = c >> 3
+        base = limbs[WZ, i] + offset(c & 3, low[i], high[i])
+        under(limbs, c, base, y0, y1, origin, one, two, below if end == 0 else out)
+    for m in range(6):
+        out[m] -= below[m]
+
+
+def measure(lows, highs, limbs, signs, table, size, origin, moments, marks, parts):
+    """Area and moments of many sections.
+
+    Args:
+        lows, highs: (N, n) S(ρ_min) and S(ρ_max) of every limb; a negative ``highs`` is out of
+            reach.
+        limbs: (6, n) w'_x, w'_y, w'_z, l, ρ_min, ρ_max.
+        signs: (n, 2) which signs are asked for at all.
+        table: (4^n,) which states are inside.
+        size: mm, a length of the machine.
+        origin: (2,) about which moments are taken.
+        moments: (N, 6) out: ∫ of 1, v, w, v², w², vw.
+        marks: (N,) out: equal where the sections are built alike.
+        parts: (N,) out: connected pieces.
+    """
+    n = limbs.shape[1]
+    room = rooms(n)
+    _, _, _, _, runs, spans, parent, _, _ = room
+    one, two, below, out = np.empty(5), np.empty(5), np.empty(6), np.empty(6)
+    ends = np.empty(2)
+    bounds_of(limbs, ends)
+    for at in range(lows.shape[0]):
+        marks[at] = 0
+        parts[at] = 0
+        for m in range(6):
+            moments[at, m] = 0.0
+        reached = ends[0] < ends[1]
+        for i in range(n):
+            if highs[at, i] < 0.0:
+                reached = False
+        if not reached:
+            continue
+        count, _, marks[at] = sweep(limbs, lows[at], highs[at], signs, table, ends, size, room)
+        for run in range(count):
+            run_moments(limbs, lows[at], highs[at], runs, spans, run, origin, one, two, below, out)
+            for m in range(6):
+                moments[at, m] += out[m]
+            if parent[run] == run:
+                parts[at] += 1
+
+
+def vertex(limbs, low, high, one, two, y, size, where, who, found, out):
+    """The point at ``y`` where curves one and two meet into ``out`` (2,).
+
+    A crossing of their circles is more exact than the curves' heights where these are steep.
+    """
+    first = 4 * (one >> 3) + (one & 3)
+    second = 4 * (two >> 3) + (two & 3)
+    nearest = 1e-7 * size
+    z1, z2 = height(limbs, low, high, one, y), height(limbs, low, high, two, y)
+    out[0], out[1] = y, 0.5 * (z1 + z2)
+    # Steep curves give a poor height: the crossing's own is then far from it.
+    reach = abs(z1 - z2) + 1e-4 * size
+    for e in range(found):
+        same = (who[e, 0] == first and who[e, 1] == second) or (
+            who[e, 0] == second and who[e, 1] == first
+        )
+        if same and abs(where[e, 0] - y) <= nearest and abs(where[e, 1] - out[1]) <= reach:
+            out[0], out[1] = where[e, 0], where[e, 1]
+            return
+
+
+def turn(limbs, c, y0, y1):
+    """The angle of curve c's circle between two y."""
+    i = c >> 3
+    link = limbs[LINK, i]
+    one = min(max((y0 - limbs[WY, i]) / link, -1.0), 1.0)
+    two = min(max((y1 - limbs[WY, i]) / link, -1.0), 1.0)
+    return math.asin(two) - math.asin(one)
+
+
+def outline(low, high, limbs, signs, table, size, edges, ends, turns):
+    """The boundary of one section as loops of edges, the region to their left.
+
+    Args:
+        low, high: (n,) S(ρ_min) and S(ρ_max) of every limb.
+        edges: (E, 4) out: circle 4 limb + k, or −1 − limb of a line; +1 counter-clockwise, −1
+            clockwise, 0 of a line; the piece of the region; the loop.
+        ends: (E, 2) out: where each edge ends and the next one of its loop begins.
+        turns: (E,) out: the arcs' angles, not quite exact.
+
+    Returns:
+        the number of edges, −1 if there was no room for them.
+    """
+    n = limbs.shape[1]
+    room = rooms(n)
+    where, who, _, _, runs, spans, parent, follow, _ = room
+    range_ = np.empty(2)
+    point = np.empty(2)
+    first, last = bounds_of(limbs, range_)
+    if range_[0] >= range_[1]:
+        return 0
+    count, found, _ = sweep(limbs, low, high, signs, table, range_, size, room)
+    done = np.zeros(2 * count, np.bool_)
+    total = 0
+    loop = 0
+    for begin in range(2 * count):
+        if done[begin]:
+            continue
+        start = total
+        edge = begin
+        while not done[edge]:
+            if total + 3 > edges.shape[0]:
+                return -1
+            done[edge] = True
+            run, upper = edge >> 1, edge & 1
+            curve = runs[run, upper]
+            circle = 4 * (curve >> 3) + (curve & 3)
+            # The upper half circle is passed clockwise towards +y.
+            sense = 1 if (curve & 4 != 0) == (upper == 0) else -1
+            angle = turn(limbs, curve, spans[run, 0], spans[run, 1])
+            if total > start and edges[total - 1, 0] == circle and edges[total - 1, 1] == sense:
+                total -= 1  # the same arc goes on
+                turns[total] += angle
+            else:
+                edges[total, 0], edges[total, 1] = circle, sense
+                edges[total, 2], edges[total, 3] = root(parent, run), loop
+                turns[total] = angle
+            y = spans[run, 0] if upper else spans[run, 1]
+            after = follow[edge]
+            other = runs[after >> 1, after & 1]
+            if y == range_[0] or y == range_[1]:
+                # Both end on a line |y| = l; a stretch of it lies between them.
+                ends[total, 0], ends[total, 1] = y, height(limbs, low, high, curve, y)
+                total += 1
+                z = height(limbs, low, high, other, y)
+                if abs(z - ends[total - 1, 1]) > 1e-12 * size:
+                    edges[total, 0] = -1 - (first if y == range_[0] else last)
+                    edges[total, 1] = 0
+                    edges[total, 2], edges[total, 3] = root(parent, run), loop
+                    ends[total, 0], ends[total, 1] = y, z
+                    turns[total] = 0.0
+                    total += 1
+            else:
+                vertex(limbs, low, high, curve, other, y, size, where, who, found, point)
+                ends[total, 0], ends[total, 1] = point[0], point[1]
+                total += 1
+            edge = after
+        if (
+            total - start > 1
+            and edges[start, 0] == edges[total - 1, 0]
+            and edges[start, 1] == edges[total - 1, 1] != 0
+        ):
+            total -= 1
+            turns[start] += turns[total]
+        if total - start == 1:  # a whole circle: two halves
+            i = edges[start, 0] >> 2
+            center = limbs[WZ, i] + offset(edges[start, 0] & 3, low[i], high[i])
+            edges[total] = edges[start]
+            ends[total] = ends[start]
+            ends[start, 0] = 2.0 * limbs[WY, i] - ends[start, 0]
+            ends[start, 1] = 2.0 * center - ends[start, 1]
+            turns[start] = turns[total] = math.pi
+            total += 1
+        loop += 1
+    return total
+
+
+def trace(lows, highs, weights, marks, limbs, signs, table, size, forest, volumes):
+    """The connected pieces of the workspace, from sections at increasing x'.
+
+    Pieces of neighbouring sections belong together where they are built alike or, if they are
+    not, where they overlap.
+
+    Args:
+        lows, highs: (N, n), weights: (N,), marks: (N,) of the sections, 0 where there is nothing.
+        forest: (M,) room: who stands for each piece of each section.
+        volumes: (M,) out: weight times area of each piece of each section.
+
+    Returns:
+        how many of M were needed, −1 if there was no room.
+    """
+    n = limbs.shape[1]
+    spaces = (rooms(n), rooms(n))  # of this section and of the last one
+    piece = np.empty((2, MOST_RUNS), np.int64)
+    one, two, below, out = np.empty(5), np.empty(5), np.empty(6), np.empty(6)
+    origin = np.zeros(2)
+    ends = np.empty(2)
+    bounds_of(limbs, ends)
+    counts = np.zeros(2, np.int64)
+    firsts = np.zeros(2, np.int64)
+    linked = np.zeros(forest.size, np.bool_)
+    told = np.zeros(forest.size, np.int64)
+    used = 0
+    this = 0
+    for at in range(lows.shape[0]):
+        last, this = this, 1 - this
+        counts[this] = 0
+        firsts[this] = used
+        if marks[at] == 0:
+            continue
+        low, high = lows[at], highs[at]
+        count, _, _ = sweep(limbs, low, high, signs, table, ends, size, spaces[this])
+        _, _, _, _, runs, spans, parent, _, tells = spaces[this]
+        _, _, _, _, runs0, spans0, _, _, _ = spaces[last]
+        counts[this] = count
+        if used + count > forest.size:
+            return -1
+        for run in range(count):
+            if parent[run] == run:
+                piece[this, run] = used
+                forest[used] = used
+                volumes[used] = 0.0
+                told[used] = 0
+                linked[used] = False
+                used += 1
+        for run in range(count):
+            own = piece[this, root(parent, run)]
+            piece[this, run] = own
+            run_moments(limbs, low, high, runs, spans, run, origin, one, two, below, out)
+            volumes[own] += weights[at] * out[0]
+            told[own] += tells[run]
+        if at == 0 or counts[last] == 0:
+            continue
+        # Pieces that are built alike are the same, in their order if there are several.
+        alike = marks[at] == marks[at - 1]
+        for a in range(firsts[this], used):
+            twins, match = 0, -1
+            for b in range(firsts[last], firsts[this]):
+                if told[b] == told[a]:
+                    twins += 1
+                    if not linked[b] and match < 0:
+                        match = b
+            if match >= 0 and (alike or twins == 1):
+                linked[a] = linked[match] = True
+                forest[root(forest, a)] = root(forest, match)
+        # The others changed in between: they are the same where they overlap.
+        low0, high0 = lows[at - 1], highs[at - 1]
+        for run in range(count):
+            if linked[piece[this, run]]:
+                continue
+            for other in range(counts[last]):
+                if linked[piece[last, other]]:
+                    continue
+                y0 = max(spans[run, 0], spans0[other, 0])
+                y1 = min(spans[run, 1], spans0[other, 1])
+                if y1 <= y0:
+                    continue
+                y = 0.5 * (y0 + y1)
+                bottom = max(
+                    height(limbs, low, high, runs[run, 0], y),
+                    height(limbs, low0, high0, runs0[other, 0], y),
+                )
+                top = min(
+                    height(limbs, low, high, runs[run, 1], y),
+                    height(limbs, low0, high0, runs0[other, 1], y),
+                )
+                if top > bottom:
+                    a, b = root(forest, piece[this, run]), root(forest, piece[last, other])
+                    forest[max(a, b)] = min(a, b)
+        for k in range(firsts[this], used):
+            linked[k] = False
+    return used
