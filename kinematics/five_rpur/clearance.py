@@ -94,6 +94,7 @@ class Region:
         lean: (2,) the z' axis in the x-z plane.
         formula: what makes a point inside.
         detail: points along each tube; four times as many where curves are sought.
+        rounds: each makes what is found between points eight times as sharp.
     """
 
     offset: Array
@@ -102,6 +103,7 @@ class Region:
     lean: Array
     formula: Formula
     detail: int
+    rounds: int
 
     @classmethod
     def at(
@@ -111,12 +113,13 @@ class Region:
         theta: float,
         modes: tuple[str, ...] | None,
         detail: int = 96,
+        rounds: int = 8,
     ) -> Region:
         offset = aligned_offsets(design, phi, theta)
         turn = rotation_y(theta)
         offset = offset @ turn.T
         chosen = formula(None if modes is None else tuple(modes))
-        return cls(offset, design.link, design.stroke, turn[[0, 2], 2], chosen, detail)
+        return cls(offset, design.link, design.stroke, turn[[0, 2], 2], chosen, detail, rounds)
 
     @cached_property
     def size(self) -> float:
@@ -291,7 +294,7 @@ class Curves:
     def _end(self, which: Ints, kept: Array, lost: Array) -> Array:
         """Where a curve stops being kept between a parameter that is and one that is not."""
         split = np.linspace(0.0, 1.0, 17)
-        for _ in range(10):
+        for _ in range(self.region.rounds + 2):
             t = kept[:, None] + (lost - kept)[:, None] * split
             ok = self._kept(which, t)
             ok[:, 0] = True
@@ -376,6 +379,11 @@ class Probe(Protocol):
         may meet first; NaN where there is none. ``which`` (...,) indices into `tube`.
         """
 
+    def samples(self, beta: Array) -> Array:
+        """Angles (K, M) at which to look: evenly spaced ones (K, N), and more where the foot
+        turns so fast that those may miss a minimum.
+        """
+
     def measure(self, points: Array) -> Array:
         """Distances of points (..., 3), mm: negative inside the body, inf where NaN."""
 
@@ -399,14 +407,12 @@ class Contacts:
     at: Array
 
 
-def contacts(region: Region, probe: Probe, band: float, rounds: int = 8) -> Contacts:
-    """The nearest points on tubes and curves, and local minima up to ``band`` mm farther.
-
-    ``rounds``: each makes the parameter eight times as sharp.
-    """
+def contacts(region: Region, probe: Probe, band: float) -> Contacts:
+    """The nearest points on tubes and curves, and local minima up to ``band`` mm farther."""
     sets, _, _ = region.tubes
     kinds = np.arange(len(probe.tube))
-    beta = region.angles[_LIMB[sets[probe.tube]]]
+    evenly = region.angles[_LIMB[sets[probe.tube]]]
+    beta = probe.samples(evenly)
 
     def on_tube(which: Ints, t: Array) -> Array:
         return probe.foot(which, region.axis(sets[probe.tube[which]], t))
@@ -415,16 +421,16 @@ def contacts(region: Region, probe: Probe, band: float, rounds: int = 8) -> Cont
     on_curves = probe.measure(curves.points)
     on_tubes = probe.measure(on_tube(kinds[:, None], beta))
     # Between samples the axis of a tube runs no farther than this, and its nearest point with it.
-    slack = region.link[_LIMB[sets[probe.tube]]] * (beta[:, 1] - beta[:, 0])
+    slack = region.link[_LIMB[sets[probe.tube]]] * (evenly[:, 1] - evenly[:, 0])
     limit = float(on_curves.min(initial=np.inf)) + band
     which, sample = _minima(on_tubes - slack[:, None], limit)
-    value, at, point = _polished(on_tube, probe, which, beta[which], sample, rounds)
+    value, at, point = _polished(on_tube, probe, which, beta[which], sample, region.rounds)
     bound = np.flatnonzero(np.isfinite(value))
     bound = bound[region.uncovered(point[bound], 1 << sets[probe.tube[which[bound]]])]
     limit = min(limit, float(value[bound].min(initial=np.inf)) + band)
     piece, sample = _minima(on_curves - curves.gaps[:, None], limit)
     grid = np.broadcast_to(np.linspace(0.0, np.pi, region.detail), (len(piece), region.detail))
-    value_c, at_c, point_c = _polished(curves.at, probe, piece, grid, sample, rounds)
+    value_c, at_c, point_c = _polished(curves.at, probe, piece, grid, sample, region.rounds)
 
     values = np.concatenate([value[bound], value_c])
     order = np.argsort(values, kind="stable")

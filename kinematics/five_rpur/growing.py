@@ -20,6 +20,7 @@ ERROR = 1e-9
 _REACH = 0.03  # of the machine's size, the first and the longest step
 STEPS = 40
 """More than a body ever took to grow."""
+_CLOSER = 0.5 ** np.arange(24)
 _GAIN = 1e-7  # the part by which a box must still be hoped to grow
 
 
@@ -99,6 +100,23 @@ class _Centre:
         points[..., 2] = z + dz * scale
         return points
 
+    def samples(self, beta: Array) -> Array:
+        region, sets = self.region, self.region.tubes[0]
+        limb, step = sets // 2, beta[:, 1] - beta[:, 0]
+        link = region.link[limb]
+        dx, dz = (self.center[k] - region.offset[limb, k] for k in (0, 2))
+        along = SIGN[sets] * (dx * region.lean[0] + dz * region.lean[1])
+        across = dx * region.lean[1] - dz * region.lean[0]
+        # Where the tube's axis passes close to the centre the foot runs around the tube.
+        share = np.clip(along / link, 0.0, 1.0)
+        if not (np.hypot(across, along - link * share) < 8.0 * link * step).any():
+            return beta
+        passing = np.arcsin(share)[:, None]
+        closer = step[:, None] * np.concatenate([-_CLOSER, [0.0], _CLOSER])
+        more = np.concatenate([passing + closer, np.pi - passing + closer], axis=1)
+        more = np.clip(more, beta[:, :1], beta[:, -1:])
+        return np.sort(np.concatenate([beta, more], axis=1), axis=1)
+
     def measure(self, points: Array) -> Array:
         x, y, z = (points[..., k] - self.center[k] for k in range(3))
         return np.asarray(np.sqrt(x * x + y * y + z * z))
@@ -108,7 +126,7 @@ def clearance(region: Region, center: Array, band: float) -> tuple[float, Contac
     """The largest radius about a centre, and the contacts up to ``band`` farther."""
     if not region.inside(center):
         return 0.0, None
-    near = contacts(region, _Centre(region, center), band, rounds=6)
+    near = contacts(region, _Centre(region, center), band)
     low, high = region.span
     ends = min(center[1] - low, high - center[1])
     return float(min(near.value.min(initial=np.inf), ends)), near
@@ -283,6 +301,9 @@ class _Faces:
         points[..., 1] = y
         points[..., 2] = z + np.where(corner, np.where(meets, qz, np.nan), -radius * sz)
         return points
+
+    def samples(self, beta: Array) -> Array:
+        return beta
 
     def measure(self, points: Array) -> Array:
         half, middle = 0.5 * (self.corners[1] - self.corners[0]), self.corners.mean(axis=0)
