@@ -119,7 +119,8 @@ def test_a_looser_tolerance_takes_fewer_sections(here: Run) -> None:
 def test_an_empty_workspace_has_no_volume_and_no_centroid(here: Run) -> None:
     empty = ("volume", "rpur-table1", "--modes", "++--+")
     answer = answered(here(*empty, "--json"))
-    assert answer["volume_mm3"] == answer["error_mm3"] == 0.0
+    assert answer["volume_mm3"] == 0.0
+    assert answer["error_mm3"] < 1e-6
     assert answer["centroid_mm"] is None
     assert answer["pieces"] == 0
     done = here(*empty, "--usable")
