@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from kinematics.five_rpur.folds import Faces, Net, looks
 from kinematics.five_rpur.sheets import onto, residuals
+from kinematics.solids import close_pairs
 from kinematics.spatial import Array
 
 _LEVELS = 4
@@ -14,18 +15,21 @@ _STRETCH = 1 / 32  # of an edge: what the way of its middle is measured by, see 
 _SHORTEST = 8.0  # sags: shorter edges are left as they are
 
 
-def refine(net: Net, sag: float, on: float) -> Net:
-    """No chord farther than ``sag`` mm from its surfaces, where that folds no face."""
+def refine(net: Net, sag: float, on: float, apart: float) -> Net:
+    """No chord farther than ``sag`` mm from its surfaces, where that folds no face.
+
+    ``on`` as of `sheets.onto`; new vertices keep ``apart`` mm from all others.
+    """
     known = 0
     for _ in range(_LEVELS):
-        finer = _halved(net, known, sag, on)
+        finer = _halved(net, known, sag, on, apart)
         if finer is None:
             break
         net, known = finer, len(net.v)
     return net
 
 
-def _halved(net: Net, known: int, sag: float, on: float) -> Net | None:
+def _halved(net: Net, known: int, sag: float, on: float, apart: float) -> Net | None:
     """Every edge split once whose middle sags; None if there is none.
 
     Edges between the first ``known`` vertices have been looked at before.
@@ -49,6 +53,10 @@ def _halved(net: Net, known: int, sag: float, on: float) -> Net | None:
     middle, done = onto(net.sheets, mask[chosen], chord, _STRETCH * length, on)
     split = done & (np.linalg.norm(middle - chord, axis=1) > sag)
     chosen, middle = chosen[split], middle[split]
+    close = close_pairs(np.concatenate([net.v, middle]), apart)
+    free = np.ones(size + len(middle), bool)
+    free[close] = False
+    chosen, middle = chosen[free[size:]], middle[free[size:]]
     where = np.full(len(keys), -1, np.int64)
     while len(chosen):
         where[:] = -1

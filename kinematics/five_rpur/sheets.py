@@ -122,12 +122,12 @@ def distances(
 
     Returns:
         (N,) mm with sign, positive outside an arc's circle, beyond a plane or a side; (N, 3);
-        and (N,) where a point is on the arc of the other sign.
+        and (N,) where a point is on the arc of the other sign, or beyond both.
     """
     kind, r, l_ = sheets.kind[which], sheets.radius[which], sheets.link[which]
     sign = sheets.sign[which]
     x, y, z = (points - sheets.center[which]).T
-    tiny = 1e-12 * (r + l_) + 1e-300
+    tiny = np.where(kind == _ARC, 1e-12 * (r + l_), 1.0)
     h = np.where(rim, 0.0, np.sqrt(np.maximum((l_ - y) * (l_ + y), 0.0)))
     s = np.sqrt(np.maximum((r - x) * (r + x), 0.0))
     d = z - sign * h
@@ -144,7 +144,8 @@ def distances(
     gx = np.where(upright, x / around, half * x / np.maximum(s, tiny) * e * out)
     gy = np.where(upright, slope * d / around, y * out)
     gz = np.where(upright, d / around, e * out)
-    crossed = (kind == _ARC) & ~upright & (sign * e < -1e-9 * l_)
+    crossed = np.where(upright, np.abs(y) > (1 + 1e-9) * l_, sign * e < -1e-9 * l_)
+    crossed &= (kind == _ARC) & ~rim
     flat = kind != _ARC
     if flat.any():
         plane, side = kind == _PLANE, kind == _SIDE

@@ -59,7 +59,7 @@ def true_surface(
         unfold(net, v, deviation, on)
     unplaced = int((net.masks != wanted).sum())
     if sag is not None:
-        net = refine(net, sag, on)
+        net = refine(net, sag, on, apart)
     sure = net.masks != 0
     residual = residuals(sheets, net.masks[sure], net.v[sure]).max(initial=0.0)
     mesh = SolidMesh(net.v, net.f)
