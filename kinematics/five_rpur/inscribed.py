@@ -27,7 +27,7 @@ _NODES = 40  # of the grid along each axis
 _COARSE_NODES = 28
 _COARSE_ERROR = 0.3  # of a cell's diagonal
 _ENOUGH = 0.03  # of its nodes inside, and the grid is fine enough
-_CELLS = 40_000  # that are halved again
+_CELLS = 16_000  # that are halved again
 _SMALLEST = 1e-8  # part of the machine's size: cells are not halved further
 _EIGHTHS = np.array(list(product((-1.0, 1.0), repeat=3)))
 
