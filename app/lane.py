@@ -26,6 +26,7 @@ class Job:
         key: jobs with equal keys are the same work.
         title: what a person reads while it takes long.
         rest: s for which the job must have been wanted before it is begun.
+        slow: it is given up at once when nobody wants it any more; others end quickly anyway.
     """
 
     key: Hashable
@@ -33,6 +34,7 @@ class Job:
     function: Callable[..., Any]
     arguments: tuple[Any, ...]
     rest: float = 0.0
+    slow: bool = False
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -85,15 +87,21 @@ class Lane:
             keys = {job.key for job in jobs}
             self._answered &= keys
             self._since = {key: self._since.get(key, now) for key in keys}
+            at_work = self._at_work
+            if at_work is not None and at_work.slow and at_work.key not in keys:
+                self._give_up()
             self._changed.notify_all()
 
     def cancel(self) -> None:
         """Give up the job at work."""
         with self._changed:
             if self._at_work is not None:
-                self._cancelled = True
-                if self._process is not None:
-                    self._process.kill()
+                self._give_up()
+
+    def _give_up(self) -> None:
+        self._cancelled = True
+        if self._process is not None:
+            self._process.kill()
 
     def stop(self) -> None:
         """End the thread and the process."""

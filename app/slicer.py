@@ -6,6 +6,7 @@ section is made here too, so that the page's loop only passes it on.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -21,9 +22,9 @@ from kinematics.spatial import Array
 
 LOOKS = 24  # sections from which the extent of a workspace in its planes is taken
 STEP = 6.0  # mm, the longest chord of an arc in the scene
-HATCHES = 60  # lines across the extent
+HATCHES = 40  # lines across a square as large as the extent
 ON_PLANE = 0.05  # mm; the platform is in a plane that it is not farther from
-PLOT = (384.0, 372.0)  # px
+PLOT = (320.0, 640.0)  # px
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +87,7 @@ class Drawn:
 def region(review: Review) -> Region:
     """What is cut in a review whose mechanism has sections."""
     kind, design, modes = review.mechanism, review.design, review.solver_modes
-    request = kind.solid_request(design, "workspace", review.pose, modes, "fine", review.surface)
+    request = kind.solid_request(design, "workspace", review.pose, modes, "fine")
     what = (request.mechanism, *request.arguments)
     return Region(what, design, review.pose, modes)
 
@@ -170,7 +171,8 @@ def hatched(lines: Array, extent: Bounds) -> Array:
 
     They stand still while the outlines change, at a distance that the extent gives.
     """
-    step = max(high - low for low, high in extent) / HATCHES
+    (u0, u1), (v0, v1) = extent
+    step = max(math.sqrt((u1 - u0) * (v1 - v0)), 1e-3) / HATCHES
     turned = lines @ (np.array([[1.0, 1.0], [-1.0, 1.0]]) / np.sqrt(2.0))  # across, along
     (a, start), (b, end) = turned[:, 0].T, turned[:, 1].T
     first, last = np.floor(turned[..., 0].min() / step), np.floor(turned[..., 0].max() / step)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -15,7 +14,7 @@ from app.parts import Stage
 from app.plane import Inside, Plane
 from app.requests import Forget, GoToBall, Inscribe, SaveSection
 from app.section_files import section_bytes
-from app.slicer import Drawn, Region
+from app.slicer import Drawn, Region, Wish
 from app.state import Change, MoveCut, Place
 from app.worker import LaneName
 from kinematics.mechanism import mechanism
@@ -27,7 +26,7 @@ if TYPE_CHECKING:
 REST = 0.15  # s for which a workspace must stay before it is measured
 CACHE = 64  # volumes kept
 MEDIA_TYPES = {"svg": "image/svg+xml", "dxf": "image/vnd.dxf", "csv": "text/csv"}
-NAMES = {"ball": "Largest ball", "box": "Largest box"}
+NAMES = {"ball": "the largest ball", "box": "the largest box"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,18 +41,20 @@ class Dragged:
 class Slicing:
     """Keeps section, volume, ball and box true to the workspace."""
 
-    lanes: tuple[LaneName, ...] = ("sections", "inscribed")
+    lanes: tuple[LaneName, ...] = ("sections", "measures")
 
     def __init__(self, stage: Stage) -> None:
         self._stage = stage
         self._cuts = Lane("sections", stage.put)
-        self._inscribed = Lane("inscribed", stage.put, give_way=6)
+        # Apart, so that a section is never behind a volume, let alone behind the first one of all,
+        # for which code is compiled.
+        self._measures = Lane("measures", stage.put)
         self._plane = Plane(stage.scene, self._moved)
         self._inside = Inside(stage.scene)
         self._dragging: set[int] = set()
         self._late = False
         self._region: Region | None = None
-        self._wanted: tuple[Hashable, ...] = ()
+        self._wish: Wish | None = None
         self._drawn: Drawn | None = None
         self._volumes: OrderedDict[Region, Volume] = OrderedDict()
         self._measured: Region | None = None  # of the newest volume
@@ -68,14 +69,14 @@ class Slicing:
 
     def start(self) -> None:
         self._cuts.start()
-        self._inscribed.start()
+        self._measures.start()
 
     def stop(self) -> None:
         self._cuts.stop()
-        self._inscribed.stop()
+        self._measures.stop()
 
     def cancel(self, lane: LaneName) -> None:
-        (self._cuts if lane == "sections" else self._inscribed).cancel()
+        (self._cuts if lane == "sections" else self._measures).cancel()
 
     def prepare(self) -> None:
         self._plane.prepare(self._stage.view.drawing.size)
@@ -89,7 +90,6 @@ class Slicing:
         spec = review.mechanism.section_spec(review.design)
         if spec is None:
             self._region = None
-            self._want(())
             return
         region = slicer.region(review)
         if region != self._region:
@@ -97,25 +97,24 @@ class Slicing:
             self._asked.clear()
             self._found.clear()
             self._going = None
-            self._inscribed.cancel()
-            self._inscribed.want(())
-        jobs = []
-        if review.cut.on:
-            wish = slicer.wish(review)
-            jobs.append(Job(wish, "the section", slicer.draw, (wish,)))
-        if region in self._volumes:
-            self._measured = region
-        else:
-            jobs.append(Job(region, "the exact volume", slicer.measure, (region,), REST))
-        self._want(jobs)
+            if region in self._volumes:
+                self._measured = region
+            self._measure()
+        wish = slicer.wish(review) if review.cut.on else None
+        if wish != self._wish:
+            self._wish = wish
+            job = None if wish is None else Job(wish, "the section", slicer.draw, (wish,))
+            self._cuts.want(() if job is None else (job,))
         self._place()
         self._late = True
 
-    def _want(self, jobs: list[Job] | tuple[Job, ...]) -> None:
-        keys = tuple(job.key for job in jobs)
-        if keys != self._wanted:
-            self._wanted = keys
-            self._cuts.want(jobs)
+    def _measure(self) -> None:
+        """Ask for what is to be known of the present workspace."""
+        jobs = list(self._asked.values())
+        region = self._region
+        if region is not None and region not in self._volumes:
+            jobs.insert(0, Job(region, "the exact volume", slicer.measure, (region,), REST))
+        self._measures.want(jobs)
 
     def _place(self) -> None:
         view = self._stage.view
@@ -150,8 +149,7 @@ class Slicing:
             case Forget():
                 self._asked.clear()
                 self._found.clear()
-                self._inscribed.cancel()
-                self._inscribed.want(())
+                self._measure()
                 self._late = True
             case GoToBall(client):
                 self._going = (client,)
@@ -170,7 +168,7 @@ class Slicing:
 
     def _lost(self, job: Job, text: str) -> None:
         self._late = True
-        if job.key in self._wanted:
+        if job.key in (self._wish, self._region):
             self._trouble = text
         elif job in self._asked.values():
             self._asked = {what: asked for what, asked in self._asked.items() if asked is not job}
@@ -201,8 +199,10 @@ class Slicing:
         center = tuple(float(v) for v in position) if here else None
         function = slicer.sphere if what == "ball" else slicer.box
         self._found.pop(what, None)
-        self._asked[what] = Job((what, region, center), NAMES[what], function, (region, center))
-        self._inscribed.want(tuple(self._asked.values()))
+        self._asked[what] = Job(
+            (what, region, center), NAMES[what], function, (region, center), slow=True
+        )
+        self._measure()
         self._late = True
 
     def _inscribed_came(self, job: Job, result: Sphere | Box | None) -> bool:

@@ -32,7 +32,7 @@ CACHE = 48  # solids kept, over all resolutions
 
 T = TypeVar("T")
 
-LaneName = Literal["coarse", "fine", "solutions", "sections", "inscribed"]
+LaneName = Literal["coarse", "fine", "solutions", "sections", "measures"]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

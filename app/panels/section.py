@@ -33,6 +33,7 @@ from kinematics.sections import Section, SectionSpec, Volume
 KINDS = ("SVG", "DXF", "CSV")
 COLUMNS = 120  # places along x′ of which the profile tells the area
 MOST = 600  # points of the profile that are drawn
+WIDTH = 320  # px of the plot's own panel; workspaces are higher than wide
 
 HELP = """
 The **exact section** of the constant-orientation workspace by the plane x′ = const, in the frame
@@ -71,7 +72,10 @@ class SectionPanel(Panel):
             lambda value, client: desk.send(MoveCut(value), client),
         )
         self._through = button(desk, "Through the platform", self._go_through)
-        self._plot = gui.add_html("")
+        self._window = gui.add_panel(visible=review.cut.on)
+        self._window.float(x=8, y=8, width=WIDTH)  # beside the machine; can be docked by hand
+        with self._window.add_tab(self._spec.title):
+            self._plot = gui.add_html("")
         self._numbers = gui.add_html("")
         self._profile = Plot(desk, lambda x, _, client: self._desk.send(MoveCut(x), client))
         self._profile_of: Volume | None = None
@@ -88,8 +92,8 @@ class SectionPanel(Panel):
         low, high = min(self._range[0], cut.at), max(self._range[1], cut.at)
         self._at.draw(math.floor(low), math.ceil(high), cut.at)
         self._draw_mark()
+        put_prop(self._window, "visible", cut.on)
         if not cut.on:
-            put_prop(self._plot, "content", "")
             put_prop(self._numbers, "content", _hint())
 
     def draw_sections(self, sheet: Sheet, sections: Sections) -> None:
@@ -97,7 +101,7 @@ class SectionPanel(Panel):
             return
         drawn, cut = sections.drawn, sheet.view.review.cut
         if cut.on and drawn is not None:
-            put_prop(self._plot, "content", f'<div class="cut">{_fluid(drawn.svg)}</div>')
+            put_prop(self._plot, "content", _fluid(drawn.svg))
             put_prop(
                 self._numbers,
                 "content",
@@ -146,7 +150,7 @@ def _trouble(text: str) -> str:
 
 
 def _fluid(svg: str) -> str:
-    """The plot as wide as the panel, in proportion."""
+    """The plot as wide as its panel, in proportion."""
     return svg.replace("<svg ", '<svg style="display:block;width:100%;height:auto" ', 1)
 
 

@@ -264,7 +264,9 @@ def _exact(sheet: Sheet, sections: Sections) -> str:
         return box(f'<span style="opacity:.5">{_exact_text(volume)}</span>')
     lines = [_exact_text(volume)]
     built = sheet.built.get("workspace")
-    if built is not None and volume.value > 0.0 and _what(built) == sections.region.what:
+    # The solid may still be the one before.
+    present = {wish.what for wish in sheet.view.wishes}
+    if built is not None and volume.value > 0.0 and built.wish.what in present:
         off = built.solid.volume - volume.value
         share = f"{100 * off / volume.value:+.2g}".replace("-", "−")
         lines.append(
@@ -272,12 +274,6 @@ def _exact(sheet: Sheet, sections: Sections) -> str:
             f"{_signed(off)} mm³ ({share} %)</span>"
         )
     return box("<br>".join(lines))
-
-
-def _what(built: Built) -> tuple[object, ...]:
-    """Of what a solid is; it may still be of the workspace before."""
-    request = built.wish.requests[built.resolution]
-    return request.mechanism, *request.arguments
 
 
 def _exact_text(volume: Volume) -> str:

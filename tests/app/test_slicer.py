@@ -39,7 +39,7 @@ def test_the_hatching_covers_the_region_and_nothing_else(section: Section) -> No
     lengths = np.linalg.norm(along, axis=1)
     assert np.allclose(along[:, 0], along[:, 1])  # at 45 degrees
     # The lines, each standing for a strip as wide as their distance, make up the area.
-    step = float((high - low).max()) / slicer.HATCHES
+    step = float(np.sqrt((high - low).prod())) / slicer.HATCHES
     assert (lengths * step).sum() == pytest.approx(section.area, rel=0.02)
     if section is RING:
         middles = hatch.mean(axis=1)
