@@ -130,7 +130,7 @@ def _title(found: Map) -> str:
     else:
         which = f"{len(modes)} working modes"
     part = "" if found.complete else f", {found.done.sum()} of {found.done.size} orientations"
-    return f"{request.design.title or request.design.name}: {which}{part}"
+    return f"{request.design.title or request.design.name}\n{which}{part}"
 
 
 def _field(figure: Figure, panel: Axes, found: Map, quantity: Quantity, values: Array) -> None:
