@@ -7,7 +7,8 @@ stays; these are counted.
 
 Facets between exact vertices are chords: where a body is convex they lie inside it. A mesh that
 is right on the average loses that; so chords that sag are halved (`refinement`) until the volume
-is as good as the resolution promises. Lengths mm.
+is as good as the resolution promises. And where two surfaces meet at a very small angle, chords
+of the one may cross those of the other: facets, cut by one another, never do. Lengths mm.
 """
 
 from __future__ import annotations
