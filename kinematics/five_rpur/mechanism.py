@@ -24,6 +24,7 @@ from kinematics.five_rpur import design as designs
 from kinematics.five_rpur.continuation import following
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.forward import assembly, carrying
+from kinematics.five_rpur.slicing import acceleration
 from kinematics.mechanism import (
     SURFACES,
     Coordinate,
@@ -212,6 +213,9 @@ class FiveRPUR:
         return bool(inverse.inside(design, pose, modes))
 
     # --- sections and volumes
+
+    def prepare(self) -> None:
+        acceleration.prepare()
 
     def section_spec(self, design: FiveRPURDesign) -> SectionSpec:
         return SectionSpec("Section at x′", "x′", ("y′", "z′"), "Fig. 17")

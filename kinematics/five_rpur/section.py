@@ -1,4 +1,4 @@
-"""The exact section of the constant-orientation workspace at x' = const, as loops of arcs and lines.
+"""The exact section of the workspace at x' = const: loops of arcs and lines.
 
 In x'y'z' the section of limb i's vertex space is bounded by arcs of radius l_i about (w'_iy,
 w'_iz ± S(ρ, x' − w'_ix)), ρ = ρ_min and ρ_max, and by the lines y' = w'_iy ± l_i (Tale Masouleh et

@@ -30,6 +30,8 @@ _NARROW = 1e-7  # of the size: two places are one
 _UNSEEN = 1e-13  # of range x size²: what rounding may take
 _KINK = 5e-5  # of a panel's volume: what a kink in it may cost where no rule sees it
 
+_SPECK = 1e-10  # of the volume: a piece that small is due to rounding
+
 _Panel_ends = tuple[Array, Array]
 
 
@@ -65,7 +67,7 @@ def volume(
         value=float(found.moments[0]),
         error=found.error,
         centroid=rotation_y(float(theta)) @ centroid,
-        pieces=tuple(float(v) for v in cutter.pieces(found.at, found.weights, found.marks)),
+        pieces=pieces(cutter, found),
         at=found.at,
         area=found.area,
         events=found.events,
@@ -102,6 +104,12 @@ def integrate(
     if not 1e-12 <= relative <= 1.0:
         raise InputError(f"the wanted relative error must lie between 1e-12 and 1, got {relative}")
     return _Work(cutter, relative, between).run()
+
+
+def pieces(cutter: Cutter, found: Integral) -> tuple[float, ...]:
+    """The volumes of the connected pieces, mm³, largest first; what rounding makes is left out."""
+    volumes = cutter.pieces(found.at, found.weights, found.marks)
+    return tuple(float(v) for v in volumes if v > _SPECK * found.moments[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -294,7 +302,7 @@ class _Work:
         while (wide := np.flatnonzero(b - a > goal)).size:
             # What changes beyond the first place is for the next round.
             middle = 0.5 * (a[wide] + b[wide])
-            same = self._cut(middle).marks == mark[wide]
+            same = self._cut(np.asarray(middle)).marks == mark[wide]
             a[wide[same]] = middle[same]
             b[wide[~same]] = middle[~same]
         # All ends in order of their panels; a panel's right end and the next one's left end are

@@ -42,6 +42,7 @@ class _Plain:
     spent = 0.0
     looked = -np.inf
     compiled = False
+    failed = False
 
 
 def kernel(sections: int) -> ModuleType:
@@ -82,32 +83,51 @@ def prepare() -> bool:
     """Compile the kernel, or load it if that was done before; whether it is compiled now."""
     if _Plain.compiled or not _available():
         return _Plain.compiled
-    from numba import config, njit
+    from numba import NumbaError, config
 
     folder = _folder()
+    plain = [dict(vars(module)) for module in _MODULES]
     before = config.CACHE_DIR
     if folder is not None:
         config.CACHE_DIR = str(folder)
     try:
-        for module in _MODULES:
-            for name, function in inspect.getmembers(module, inspect.isfunction):
-                if function.__module__ == module.__name__:
-                    compiled = njit(function, error_model="numpy", cache=folder is not None)
-                    for each in _MODULES:
-                        if getattr(each, name, None) is function:
-                            setattr(each, name, compiled)
+        _replace(keep=folder is not None)
+        _Plain.compiled = True
+        _exercise()
+    except NumbaError as error:  # a numba that cannot: plain Python is slower, not wrong
+        log.warning("sections stay slow, numba could not compile them: %s", error)
+        for module, members in zip(_MODULES, plain, strict=True):
+            vars(module).update(members)
+        _Plain.compiled = False
+        _Plain.failed = True
+        return False
     finally:
         config.CACHE_DIR = before
-    _Plain.compiled = True
-    _exercise()
     if folder is not None:
         (folder / _READY).touch()
         _tidy(folder)
     return True
 
 
-@cache
+def _replace(*, keep: bool) -> None:
+    """Put numba's dispatchers in the place of the kernel's functions, wherever these are named."""
+    from numba import njit
+
+    for module in _MODULES:
+        for name, function in inspect.getmembers(module, inspect.isfunction):
+            if function.__module__ == module.__name__:
+                compiled = njit(function, error_model="numpy", cache=keep)
+                for each in _MODULES:
+                    if getattr(each, name, None) is function:
+                        setattr(each, name, compiled)
+
+
 def _available() -> bool:
+    return not _Plain.failed and _installed()
+
+
+@cache
+def _installed() -> bool:
     return importlib.util.find_spec("numba") is not None and os.environ.get(
         "NUMBA_DISABLE_JIT", "0"
     ) in ("", "0")
@@ -149,3 +169,4 @@ def _exercise() -> None:
     cuts = cutter.cut(x)
     cutter.pieces(x, np.ones(x.size), cuts.marks)
     cutter.outline(float(x[1]))
+    cutter.strokes(x[1:2], 3)

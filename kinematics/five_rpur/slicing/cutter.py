@@ -139,7 +139,26 @@ class Cutter:
         for n in range(used):  # every one points below itself
             forest[n] = forest[forest[n]]
         sums = np.bincount(forest[:used], weights=volumes[:used], minlength=1)
-        return np.sort(sums[np.unique(forest[:used])])[::-1] if used else np.empty(0)
+        return np.asarray(np.sort(sums[np.unique(forest[:used])])[::-1]) if used else np.empty(0)
+
+    def strokes(self, x: Array, samples: int) -> tuple[Array, Array]:
+        """The shortest and the longest actuators (5,) each that occur in sections at x (N,)."""
+        lows, highs = self.heights(x)
+        low_used, high_used = np.full(LIMBS, np.inf), np.full(LIMBS, -np.inf)
+        with _working(x.size) as kernel:
+            kernel.strokes(
+                lows,
+                highs,
+                self.limbs,
+                x,
+                self.signs,
+                self.table,
+                self.size,
+                samples,
+                low_used,
+                high_used,
+            )
+        return low_used, high_used
 
     def _measure(self, x: Array, lows: Array, highs: Array) -> Cuts:
         count = len(x)
@@ -175,11 +194,11 @@ def _working(sections: int) -> Iterator[ModuleType]:
 
 def example() -> Cutter:
     """A small machine with something of everything in its sections."""
-    limbs = tuple(
+    one, two, three, four, five = (
         Limb((10.0 * i, 5.0 * i * i, 0.0), (3.0, -2.0 * i, 1.0), 30.0, (40.0, 70.0))
         for i in range(LIMBS)
     )
-    return Cutter(FiveRPURDesign(limbs), 0.1, -0.2, None)
+    return Cutter(FiveRPURDesign((one, two, three, four, five)), 0.1, -0.2, None)
 
 
 @lru_cache(maxsize=64)
@@ -189,7 +208,7 @@ def _halves(modes: frozenset[str] | None) -> tuple[NDArray[np.bool_], NDArray[np
     if modes is None:
         signs = np.ones((LIMBS, 2), dtype=bool)
         pairs = states[:, None] >> (2 * np.arange(LIMBS)) & 3
-        table = (pairs > 0).all(axis=1)
+        table = np.asarray((pairs > 0).all(axis=1))
     else:
         signs = np.zeros((LIMBS, 2), dtype=bool)
         table = np.zeros(4**LIMBS, dtype=bool)

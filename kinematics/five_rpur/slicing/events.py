@@ -27,7 +27,7 @@ def events(limbs: Array, signs: NDArray[np.bool_], size: float) -> Array:
         signs: (n, 2) which signs of each limb are asked for.
         size: mm, a length of the machine.
     """
-    wx, wy, wz, link, low, high = limbs
+    wx, wy, _, link, low, high = limbs
     first, last = float((wx - high).max()), float((wx + high).min())
     low_y, high_y = float((wy - link).max()), float((wy + link).min())
     if first >= last or low_y >= high_y:

@@ -9,18 +9,23 @@ import numpy as np
 from kinematics.five_rpur.slicing.sweep import (
     LINK,
     MOST_RUNS,
+    WX,
     WY,
     WZ,
+    Bools,
     bounds_of,
     height,
     offset,
+    rise,
     rooms,
     root,
     sweep,
 )
+from kinematics.sections import Ints
+from kinematics.spatial import Array
 
 
-def primitives(limbs, i, y, out):
+def primitives(limbs: Array, i: int, y: float, out: Array) -> None:
     """∫h, ∫th, ∫t²h, ∫h³ over t = y − w'_iy up to y, and t, into ``out`` (5,)."""
     link = limbs[LINK, i]
     t = min(max(y - limbs[WY, i], -link), link)
@@ -35,7 +40,17 @@ def primitives(limbs, i, y, out):
     out[4] = t
 
 
-def under(limbs, c, base, y0, y1, origin, one, two, out):
+def under(
+    limbs: Array,
+    c: int,
+    base: float,
+    y0: float,
+    y1: float,
+    origin: Array,
+    one: Array,
+    two: Array,
+    out: Array,
+) -> None:
     """What lies under a curve between y0 and y1 adds to ``out``: area and moments, six.
 
     1, v, w, v², w², vw over −∞ < z < z(y), the part that does not depend on z left out, with
@@ -69,7 +84,19 @@ def under(limbs, c, base, y0, y1, origin, one, two, out):
     out[5] += 0.5 * (b * b * v1 + 2.0 * b * sigma * (th + a * h1) + th2 + a * h2)
 
 
-def run_moments(limbs, low, high, runs, spans, run, origin, one, two, below, out):
+def run_moments(
+    limbs: Array,
+    low: Array,
+    high: Array,
+    runs: Ints,
+    spans: Array,
+    run: int,
+    origin: Array,
+    one: Array,
+    two: Array,
+    below: Array,
+    out: Array,
+) -> None:
     """Area and moments of a run into ``out`` (6,)."""
     for m in range(6):
         out[m] = 0.0
@@ -84,7 +111,18 @@ def run_moments(limbs, low, high, runs, spans, run, origin, one, two, below, out
         out[m] -= below[m]
 
 
-def measure(lows, highs, limbs, signs, table, size, origin, moments, marks, parts):
+def measure(
+    lows: Array,
+    highs: Array,
+    limbs: Array,
+    signs: Bools,
+    table: Bools,
+    size: float,
+    origin: Array,
+    moments: Array,
+    marks: Ints,
+    parts: Ints,
+) -> None:
     """Area and moments of many sections.
 
     Args:
@@ -125,7 +163,19 @@ def measure(lows, highs, limbs, signs, table, size, origin, moments, marks, part
                 parts[at] += 1
 
 
-def vertex(limbs, low, high, one, two, y, size, where, who, found, out):
+def vertex(
+    limbs: Array,
+    low: Array,
+    high: Array,
+    one: int,
+    two: int,
+    y: float,
+    size: float,
+    where: Array,
+    who: Ints,
+    found: int,
+    out: Array,
+) -> None:
     """The point at ``y`` where curves one and two meet into ``out`` (2,).
 
     A crossing of their circles is more exact than the curves' heights where these are steep.
@@ -146,7 +196,7 @@ def vertex(limbs, low, high, one, two, y, size, where, who, found, out):
             return
 
 
-def turn(limbs, c, y0, y1):
+def turn(limbs: Array, c: int, y0: float, y1: float) -> float:
     """The angle of curve c's circle between two y."""
     i = c >> 3
     link = limbs[LINK, i]
@@ -155,7 +205,17 @@ def turn(limbs, c, y0, y1):
     return math.asin(two) - math.asin(one)
 
 
-def outline(low, high, limbs, signs, table, size, edges, ends, turns):
+def outline(
+    low: Array,
+    high: Array,
+    limbs: Array,
+    signs: Bools,
+    table: Bools,
+    size: float,
+    edges: Ints,
+    ends: Array,
+    turns: Array,
+) -> int:
     """The boundary of one section as loops of edges, the region to their left.
 
     Args:
@@ -242,7 +302,18 @@ def outline(low, high, limbs, signs, table, size, edges, ends, turns):
     return total
 
 
-def trace(lows, highs, weights, marks, limbs, signs, table, size, forest, volumes):
+def trace(
+    lows: Array,
+    highs: Array,
+    weights: Array,
+    marks: Ints,
+    limbs: Array,
+    signs: Bools,
+    table: Bools,
+    size: float,
+    forest: Ints,
+    volumes: Array,
+) -> int:
     """The connected pieces of the workspace, from sections at increasing x'.
 
     Pieces of neighbouring sections belong together where they are built alike or, if they are
@@ -337,3 +408,55 @@ def trace(lows, highs, weights, marks, limbs, signs, table, size, forest, volume
         for k in range(firsts[this], used):
             linked[k] = False
     return used
+
+
+def strokes(
+    lows: Array,
+    highs: Array,
+    limbs: Array,
+    at: Array,
+    signs: Bools,
+    table: Bools,
+    size: float,
+    samples: int,
+    low_used: Array,
+    high_used: Array,
+) -> None:
+    """The shortest and the longest actuators in sections, from points of their boundaries.
+
+    Args:
+        lows, highs: (N, n), at: (N,) x' of the sections.
+        samples: how many points on each edge.
+        low_used, high_used: (n,) changed: ρ_min and ρ_max that occur, ±inf before any.
+    """
+    n = limbs.shape[1]
+    room = rooms(n)
+    _, _, _, _, runs, spans, _, _, _ = room
+    slack = 1e-7 * size
+    ends = np.empty(2)
+    bounds_of(limbs, ends)
+    rho = np.empty((n, 2))
+    for section in range(lows.shape[0]):
+        low, high = lows[section], highs[section]
+        count, _, _ = sweep(limbs, low, high, signs, table, ends, size, room)
+        for run in range(count):
+            for end in range(2):
+                for sample in range(samples):
+                    share = sample / (samples - 1.0)
+                    y = spans[run, 0] + share * (spans[run, 1] - spans[run, 0])
+                    z = height(limbs, low, high, runs[run, end], y)
+                    state = 0
+                    for i in range(n):
+                        h = rise(limbs, i, y)
+                        dx = at[section] - limbs[WX, i]
+                        for s in range(2):
+                            dz = z - limbs[WZ, i] + (h if s else -h)
+                            rho[i, s] = math.sqrt(dx * dx + dz * dz)
+                            if low[i] - slack <= abs(dz) <= high[i] + slack:
+                                state |= 1 << (2 * i + s)
+                    for i in range(n):
+                        for s in range(2):
+                            # Some wanted mode must hold the point with the limb in this sign.
+                            if state >> (2 * i + s) & 1 and table[state & ~(1 << (2 * i + 1 - s))]:
+                                low_used[i] = min(low_used[i], rho[i, s])
+                                high_used[i] = max(high_used[i], rho[i, s])

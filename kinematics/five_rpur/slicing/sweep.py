@@ -18,6 +18,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
+
+from kinematics.sections import Ints
+from kinematics.spatial import Array
+
+Bools = NDArray[np.bool_]
+Room = tuple[Array, Ints, Ints, Array, Ints, Array, Ints, Ints, Ints]
 
 MOST_RUNS = 2048
 MOST_PARTS = 64
@@ -28,7 +35,7 @@ SLACK = 1e-6  # of the size: crossings that miss the region by less are looked a
 WX, WY, WZ, LINK, LOW, HIGH = range(6)
 
 
-def bounds_of(limbs, out):
+def bounds_of(limbs: Array, out: Array) -> tuple[int, int]:
     """The range of y' in which all limbs can close into ``out`` (2,), and who ends it (2,)."""
     first, last = 0, 0
     for i in range(1, limbs.shape[1]):
@@ -41,7 +48,7 @@ def bounds_of(limbs, out):
     return first, last
 
 
-def offset(k, low, high):
+def offset(k: int, low: float, high: float) -> float:
     """d of the circles numbered k."""
     if k == 0:
         return -high
@@ -50,14 +57,16 @@ def offset(k, low, high):
     return low if k == 2 else high
 
 
-def rise(limbs, i, y):
+def rise(limbs: Array, i: int, y: float) -> float:
     """h of limb i at y."""
     t = y - limbs[WY, i]
     square = (limbs[LINK, i] - t) * (limbs[LINK, i] + t)
     return math.sqrt(square) if square > 0.0 else 0.0
 
 
-def matters(limbs, low, high, table, y, z, slack):
+def matters(
+    limbs: Array, low: Array, high: Array, table: Bools, y: float, z: float, slack: float
+) -> bool:
     """Whether the region may change where two circles cross at (y, z).
 
     It does only if it depends there on both curves: points near a bound of another half, within
@@ -93,10 +102,19 @@ def matters(limbs, low, high, table, y, z, slack):
     no_first, no_second = table[state ^ first], table[state ^ second]
     by_first = both != no_first or no_second != none
     by_second = both != no_second or no_first != none
-    return by_first and by_second
+    return bool(by_first and by_second)
 
 
-def crossings(limbs, low, high, table, ends, size, where, who):
+def crossings(
+    limbs: Array,
+    low: Array,
+    high: Array,
+    table: Bools,
+    ends: Array,
+    size: float,
+    where: Array,
+    who: Ints,
+) -> int:
     """Points where two circles cross and the region may change, unsorted.
 
     Into ``where`` (E, 2) as (y, z) and ``who`` (E, 2) as circles; returns how many.
@@ -145,7 +163,7 @@ def crossings(limbs, low, high, table, ends, size, where, who):
     return count
 
 
-def root(parent, n):
+def root(parent: Ints, n: int) -> int:
     """Who stands for n in a forest of parents."""
     while parent[n] != n:
         parent[n] = parent[parent[n]]
@@ -153,7 +171,7 @@ def root(parent, n):
     return n
 
 
-def rooms(n):
+def rooms(n: int) -> Room:
     """Room for one section at a time: crossings, who, order, borders, runs, spans, parent, follow,
     tells; what each is for, see `sweep`."""
     most = 16 * n * n
@@ -170,7 +188,16 @@ def rooms(n):
     )
 
 
-def sweep(limbs, low, high, signs, table, ends, size, room):
+def sweep(
+    limbs: Array,
+    low: Array,
+    high: Array,
+    signs: Bools,
+    table: Bools,
+    ends: Array,
+    size: float,
+    room: Room,
+) -> tuple[int, int, int]:
     """The runs of a section.
 
     Args:
@@ -321,22 +348,22 @@ def sweep(limbs, low, high, signs, table, ends, size, room):
 
 
 def meet(
-    limbs,
-    bases,
-    runs,
-    left,
-    lefts,
-    right,
-    rights,
-    border,
-    y,
-    kind,
-    size,
-    rises,
-    parent,
-    follow,
-    tells,
-):
+    limbs: Array,
+    bases: Array,
+    runs: Ints,
+    left: Ints,
+    lefts: int,
+    right: Ints,
+    rights: int,
+    border: int,
+    y: float,
+    kind: int,
+    size: float,
+    rises: Array,
+    parent: Ints,
+    follow: Ints,
+    tells: Ints,
+) -> int:
     """Join what meets on the border y of two slabs.
 
     Upwards along the border, wherever exactly one of its sides is inside, the boundary of the
@@ -407,13 +434,13 @@ def meet(
     return mark
 
 
-def at_border(bases, rises, c):
+def at_border(bases: Array, rises: Array, c: int) -> float:
     """z of curve c where the limbs' h are ``rises``."""
     h = rises[c >> 3]
-    return bases[c] - h if c & 4 else bases[c] + h
+    return float(bases[c] - h if c & 4 else bases[c] + h)
 
 
-def mixed(one, two, kind):
+def mixed(one: int, two: int, kind: int) -> int:
     """A number for a vertex, such that sums of them hardly ever coincide."""
     key = ((int(one) * 131 + int(two)) * 4 + kind + 1) * 0x2545F491 & 0x3FFFFFFF
     key ^= key >> 15
@@ -423,8 +450,8 @@ def mixed(one, two, kind):
     return key ^ (key >> 16)
 
 
-def height(limbs, low, high, c, y):
+def height(limbs: Array, low: Array, high: Array, c: int, y: float) -> float:
     """z of curve c at y."""
     i = c >> 3
     h = rise(limbs, i, y)
-    return limbs[WZ, i] + offset(c & 3, low[i], high[i]) + (-h if c & 4 else h)
+    return float(limbs[WZ, i] + offset(c & 3, low[i], high[i]) + (-h if c & 4 else h))
