@@ -116,7 +116,9 @@ class SectionPanel(Panel):
             self._profile.draw(figure)
             if figure is not None:
                 self._range = figure.axes.x
-                self.draw(sheet)
+        elif drawn is not None and drawn.extent.along is not None and not sections.current:
+            self._range = drawn.extent.along  # sooner known than the volume
+        self.draw(sheet)
 
     def _draw_mark(self) -> None:
         if self._profile_of is None or self._spec is None:

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app import session
-from app.state import Atlas, Options, Review, Shown, new_review
+from app.state import Atlas, Chart, Cut, Options, Review, Shown, Span, new_review
 from kinematics.designs import load_design, presets
 from kinematics.errors import InputError
 
@@ -135,3 +135,45 @@ def test_broken_ways_of_showing_solutions(review: Review, given: object, message
     content = json.loads(session.to_text(review)) | {"solutions": given}
     with pytest.raises(InputError, match=message):
         session.from_text(json.dumps(content), origin="a.json")
+
+
+def test_section_and_map_are_kept(review: Review) -> None:
+    chart = Chart("pieces", Span(-0.5, 0.25, 7), Span(0.0, 1.0, 11))
+    shown = replace(review, cut=Cut(on=True, at=-12.5), chart=chart)
+    again = session.from_text(session.to_text(shown), origin="x")
+    assert again.cut == shown.cut
+    assert again.chart.quantity == "pieces"
+    for span, expected in ((again.chart.first, chart.first), (again.chart.second, chart.second)):
+        assert (span.low, span.high) == pytest.approx((expected.low, expected.high), abs=1e-12)
+        assert span.count == expected.count
+
+
+def test_sessions_from_before_there_were_sections_and_maps_still_open(review: Review) -> None:
+    content = json.loads(session.to_text(review))
+    del content["section"], content["map"]
+    again = session.from_text(json.dumps(content), origin="x")
+    fresh = new_review(review.design)
+    assert (again.cut, again.chart) == (fresh.cut, fresh.chart)
+
+
+@pytest.mark.parametrize(
+    ("edit", "message"),
+    [
+        ({"section": []}, "'section' is not of the right kind"),
+        ({"section": {"on": 1}}, "'section' is not of the right kind"),
+        ({"section": {"at": "far"}}, "section: at must be a finite number"),
+        ({"map": 7}, "'map' is not of the right kind"),
+        ({"map": {"quantity": "mass"}}, "not 'mass'"),
+        ({"map": {"quantity": []}}, "a map shows"),
+        ({"map": {"phi_deg": [0, 10]}}, "from, to, how many"),
+        ({"map": {"phi_deg": [0, 10, 2.5]}}, "from, to, how many"),
+        ({"map": {"phi_deg": [0, "10", 3]}}, "finite number"),
+        ({"map": {"theta_deg": [10, 0, 3]}}, "θ must end above"),
+        ({"map": {"theta_deg": [0, 999, 3]}}, "kept within"),
+    ],
+)
+def test_broken_sections_and_maps(review: Review, edit: dict, message: str) -> None:
+    content = json.loads(session.to_text(review)) | edit
+    with pytest.raises(InputError, match=message) as caught:
+        session.from_text(json.dumps(content), origin="a.json")
+    assert str(caught.value).startswith("a.json: ")

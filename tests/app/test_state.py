@@ -10,6 +10,7 @@ import pytest
 
 from app.state import (
     Atlas,
+    Chart,
     ChooseModes,
     Drive,
     EditDesign,
@@ -18,15 +19,20 @@ from app.state import (
     GoHome,
     History,
     Move,
+    MoveCut,
     Place,
     Review,
     SetAtlas,
+    SetChart,
     SetOption,
     Show,
+    ShowCut,
+    Span,
     UseDesign,
     Visit,
     change,
     new_review,
+    point_in_section,
 )
 from kinematics.designs import load_design
 from kinematics.errors import InputError
@@ -265,3 +271,58 @@ def test_how_solutions_are_shown_is_checked(review: Review) -> None:
         change(review, SetAtlas("modes", "+?"))
     other, _ = change(shown, UseDesign(load_design("rpur-table2")))
     assert other.atlas == shown.atlas
+
+
+# --- section and map ----------------------------------------------------------------------
+
+
+def test_the_section_of_a_new_review_goes_through_the_platform(review: Review) -> None:
+    assert not review.cut.on
+    assert review.cut.at == pytest.approx(review.pose[0])  # at home φ = θ = 0, so x′ = x
+    turned, _ = change(review, Move(4, 0.3))
+    x, _, z = review.pose[:3]
+    assert point_in_section(turned)[0] == pytest.approx(math.cos(0.3) * x - math.sin(0.3) * z)
+    assert turned.cut == review.cut  # the plane stays where a person put it
+
+
+def test_a_drag_of_the_plane_is_one_step(review: Review) -> None:
+    history, _ = History(review).apply(ShowCut(True), 0.0)
+    for n in range(30):
+        history, note = history.apply(MoveCut(float(n)), 0.1 + 0.05 * n)
+        assert note == ""
+    assert history.present.cut.at == 29.0
+    assert history.undo().present.cut.at == review.cut.at
+    assert history.undo().present.cut.on
+    assert history.undo().undo().present == review
+
+
+def test_a_plane_beyond_everything_is_kept_within_reach(review: Review) -> None:
+    there, note = change(review, MoveCut(1e9))
+    assert "x′ is kept within" in note
+    assert 300.0 < there.cut.at < 5000.0
+    with pytest.raises(InputError, match="x′ must be a finite number"):
+        change(review, MoveCut(math.nan))
+
+
+def test_the_settings_of_a_map_are_checked(review: Review) -> None:
+    good = Chart("pieces", Span(-0.1, 0.2, 5), Span(0.0, 1.0, 2))
+    assert change(review, SetChart(good))[0].chart == good
+    for bad, message in (
+        (replace(good, quantity="mass"), "not 'mass'"),
+        (replace(good, first=Span(0.2, 0.2, 5)), "φ must end above"),
+        (replace(good, second=Span(0.0, 1.0, 1)), "values of θ"),
+        (replace(good, second=Span(0.0, 1.0, 10_000)), "values of θ"),
+        (replace(good, first=Span(-4.0, 0.2, 5)), "φ is kept within -180 … 180 °"),
+        (replace(good, first=Span(math.nan, 0.2, 5)), "finite"),
+    ):
+        with pytest.raises(InputError, match=message):
+            change(review, SetChart(bad))
+
+
+def test_another_design_keeps_section_and_map(review: Review) -> None:
+    shown, _ = change(review, ShowCut(True))
+    shown, _ = change(shown, SetChart(Chart("pieces", Span(-0.1, 0.2, 5), Span(0.0, 1.0, 2))))
+    other, _ = change(shown, UseDesign(load_design("rpur-table2")))
+    assert other.cut.on
+    assert other.cut.at == pytest.approx(point_in_section(other)[0])
+    assert other.chart == shown.chart

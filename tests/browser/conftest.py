@@ -172,7 +172,8 @@ class Tab:
                     const value = props[key];
                     out[key] = ArrayBuffer.isView(value) ? value.byteLength : value;
                 }
-                return {...out, position: found.position, wxyz: found.wxyz,
+                const pose = window.__viserMutable.nodePoseData[node] ?? {};
+                return {...out, position: pose.position, wxyz: pose.wxyz,
                         visible: found.visibility ?? found.visible};
             }""",
             node,

@@ -1,0 +1,133 @@
+"""The Map tab, used as a person uses it."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from tests.browser.conftest import Tab
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from playwright.sync_api import Locator
+
+pytestmark = pytest.mark.browser
+
+TOLD = r"φ (−?[\d.]+)°, θ (−?[\d.]+)°: ([\d.]+) ± ([\d.]+) dm³"
+
+
+def _plot(tab: Tab) -> Locator:
+    found = tab.page.locator(".plot svg[data-box]").locator("visible=true").first
+    found.wait_for(timeout=60_000)
+    found.scroll_into_view_if_needed()
+    return found
+
+
+def _place(plot: Locator, phi: float, theta: float) -> tuple[float, float]:
+    """Where on the page the map shows an orientation (degrees)."""
+    box: Any = plot.bounding_box()
+    left, top, wide, high, x0, x1, y0, y1 = map(float, str(plot.get_attribute("data-box")).split())
+    scale = box["width"] / 400.0
+    return (
+        box["x"] + scale * (left + wide * (phi - x0) / (x1 - x0)),
+        box["y"] + scale * (top + high * (1 - (theta - y0) / (y1 - y0))),
+    )
+
+
+def _set_spans(tab: Tab, low: float, high: float, count: int) -> None:
+    for symbol in "φθ":
+        label = f"{symbol} from, to (°), values"
+        for n, value in enumerate((low, high, count)):
+            box = tab.field(label).nth(n)
+            box.fill(str(value))
+            box.press("Enter")
+            tab.page.wait_for_timeout(120)
+
+
+def _run(tab: Tab, low: float, high: float, count: int) -> None:
+    """Compute a map and wait for the whole of it."""
+    tab.open_tab("Map")
+    _set_spans(tab, low, high, count)
+    tab.page.get_by_role("button", name="Start", exact=True).click()
+    tab.wait_for_text(r"Computing: ")
+    tab.wait(lambda: "Computing: " not in tab.text(), "the whole map")
+
+
+def _told(plot: Locator) -> str:
+    return str(plot.locator(".tip").text_content())
+
+
+def test_a_map_is_computed_read_and_steers_the_machine(tab: Tab, tmp_path: Path) -> None:
+    _run(tab, -30, 30, 5)
+    plot = _plot(tab)
+    assert plot.locator("path[shape-rendering]").count() >= 3
+    mouse = tab.page.mouse
+    mouse.move(*_place(plot, 1.0, -1.0))
+    found = re.fullmatch(TOLD, _told(plot))
+    assert found is not None, _told(plot)
+    assert (found[1], found[2]) == ("0.0", "0.0")
+    assert abs(float(found[3]) - 24.501399) <= float(found[4]) + 1e-6
+    with tab.page.expect_download(timeout=60_000) as started:
+        tab.page.get_by_role("button", name="NPZ", exact=True).locator("visible=true").click()
+    path = tmp_path / started.value.suggested_filename
+    started.value.save_as(path)
+    with np.load(path) as saved:
+        assert saved["volume_mm3"].shape == (5, 5)
+        assert saved["volume_mm3"][2, 2] == pytest.approx(24_501_399, rel=1e-4)
+    # The machine goes where the map is clicked; x, y and z stay, and undo takes it back.
+    plot = _plot(tab)
+    before = plot.locator("xpath=ancestor::div[2]/following-sibling::div[1]").inner_html()
+    mouse.click(*_place(plot, 15.0, -22.0))
+    tab.wait(
+        lambda: (
+            plot.locator("xpath=ancestor::div[2]/following-sibling::div[1]").inner_html() != before
+        ),
+        "the cross elsewhere",
+    )
+    tab.shot("map")
+    tab.open_tab("Move")
+    x = tab.value("x (mm)")
+    tab.wait(lambda: abs(tab.value("φ (°)") - 15.0) < 0.5, "φ of the click")
+    assert tab.value("θ (°)") == pytest.approx(-22.0, abs=0.5)
+    tab.open_tab("Review")
+    tab.page.get_by_role("button", name="Undo").click()
+    tab.open_tab("Move")
+    tab.wait(lambda: tab.value("φ (°)") == 0.0, "φ as before")
+    assert tab.value("x (mm)") == x
+
+
+def test_a_map_of_another_design_is_marked_and_kept(tab: Tab) -> None:
+    _run(tab, -10, 10, 2)
+    tab.open_tab("Design")
+    tab.field("Design").first.click()
+    tab.page.get_by_role("option", name=re.compile("Table 2")).first.click()
+    tab.open_tab("Map")
+    tab.wait_for_text("Of the design or working modes before")
+    assert _plot(tab).locator("g.map").get_attribute("opacity") == ".35"
+
+
+def test_a_map_is_cancelled_at_once_and_what_came_stays(tab: Tab) -> None:
+    tab.open_tab("Map")
+    _set_spans(tab, -60, 60, 61)
+    tab.page.get_by_role("button", name="Start", exact=True).click()
+    tab.wait(lambda: re.search(r"Computing: [\d.]+ %", tab.text()) is not None, "a first part")
+    tab.page.get_by_role("button", name="Cancel", exact=True).locator("visible=true").last.click()
+    text = tab.wait_for_text(r"Cancelled after \d+ % of the map")
+    assert int(text.split()[2]) < 100
+
+
+def test_ranges_that_cannot_be_used_are_told_and_change_nothing(tab: Tab) -> None:
+    tab.open_tab("Map")
+    box = tab.field("φ from, to (°), values").nth(1)
+    box.fill("-120")
+    box.press("Enter")
+    tab.wait_for_text("φ must end above where it begins")
+    tab.page.get_by_role("button", name="Start", exact=True).click()
+    tab.wait_for_text("The ranges cannot be used as they are")
+    box.fill("45")
+    box.press("Enter")
+    tab.wait(lambda: "must end above" not in tab.text(), "ranges that can be used")
