@@ -155,8 +155,7 @@ class MapPanel(Panel):
             spans = [_span(c, h.value) for c, h in zip(self._axes, self._spans, strict=True)]
             chart = checked_chart(Chart(review.chart.quantity, *spans), review)
         except InputError as error:
-            text = str(error)
-            put_prop(self._wrong, "content", _red(text[:1].upper() + text[1:]))
+            put_prop(self._wrong, "content", _red(str(error)))
             put_prop(self._wrong, "visible", True)
             return
         put_prop(self._wrong, "visible", False)

@@ -103,8 +103,8 @@ def test_a_map_is_computed_read_and_steers_the_machine(tab: Tab, tmp_path: Path)
 def test_a_map_of_another_design_is_marked_and_kept(tab: Tab) -> None:
     _run(tab, -10, 10, 2)
     tab.open_tab("Design")
-    tab.field("Design").first.click()
-    tab.page.get_by_role("option", name=re.compile("Table 2")).first.click()
+    tab.field("Design", 1).first.click()
+    tab.page.get_by_role("option", name="rpur-table2", exact=True).click()
     tab.open_tab("Map")
     tab.wait_for_text("Of the design or working modes before")
     assert _plot(tab).locator("g.map").get_attribute("opacity") == ".35"
