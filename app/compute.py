@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
@@ -177,12 +178,21 @@ def status(review: Review, posture: Posture) -> Status:
     return Status("bad", text, _other_mode(review, posture))
 
 
-def _other_mode(review: Review, posture: Posture) -> str:
-    answer = review.mechanism.inverse(review.design, posture.pose)
+def reaching_mode(review: Review, pose: Sequence[float]) -> str | None:
+    """The working mode that reaches a pose with the fewest limbs flipped; None if none does."""
+    answer = review.mechanism.inverse(review.design, pose)
     able = [m for m, ok in zip(answer.modes, answer.within_stroke, strict=True) if ok]
-    if not able:
+    return min(
+        able,
+        key=lambda m: sum(a != b for a, b in zip(m, review.mode, strict=True)),
+        default=None,
+    )
+
+
+def _other_mode(review: Review, posture: Posture) -> str:
+    nearest = reaching_mode(review, posture.pose)
+    if nearest is None:
         return "No working mode reaches this pose."
-    nearest = min(able, key=lambda m: sum(a != b for a, b in zip(m, posture.mode, strict=True)))
     return f"Within reach in mode {page_mode(nearest)}."
 
 

@@ -50,7 +50,10 @@ class Forget:
 
 @dataclass(frozen=True, slots=True)
 class GoToBall:
-    """Put the platform into the middle of the largest ball, at its present orientation."""
+    """Put the platform into the middle of the largest ball, at its present orientation.
+
+    The working mode changes if the present one does not get there.
+    """
 
     client: viser.ClientHandle | None = None
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from app import slicer
+from app.compute import reaching_mode
 from app.exporting import ExportedFile, solid_name
 from app.lane import Done, Job, Lane, Lost
 from app.panels.desk import Sections
@@ -15,7 +16,7 @@ from app.plane import Inside, Plane
 from app.requests import Forget, GoToBall, Inscribe, SaveSection
 from app.section_files import section_bytes
 from app.slicer import Drawn, Region, Wish
-from app.state import Change, MoveCut, Place
+from app.state import Change, MoveCut, Visit
 from app.worker import LaneName
 from kinematics.mechanism import mechanism
 from kinematics.sections import Box, Sphere, Volume
@@ -228,7 +229,9 @@ class Slicing:
         transform = self._stage.view.platform.copy()
         transform[:3, 3] = ball.center
         pose = review.mechanism.pose_from_transform(review.design, transform)
-        return self._stage.apply(Place(pose, gesture=""), going[0])
+        # The ball is of all the chosen working modes; the machine's own may not get there.
+        mode = reaching_mode(review, pose) or review.mode
+        return self._stage.apply(Visit(pose, mode), going[0])
 
     # --- what is shown
 

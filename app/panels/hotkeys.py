@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from app.panels.desk import Desk, safely
-from app.state import GoHome, Review, SetAtlas, SetOption, Show
+from app.state import GoHome, Review, SetAtlas, SetOption, Show, ShowCut
 
 
 def add_hotkeys(desk: Desk, present: Callable[[], Review]) -> None:
@@ -28,6 +28,12 @@ def add_hotkeys(desk: Desk, present: Callable[[], Review]) -> None:
             "Show or hide the workspace solid",
             "W",
             lambda: desk.send(Show("workspace", present().shown("workspace") is None)),
+        ),
+        (
+            "Section",
+            "Show or hide the section of the workspace",
+            "X",
+            lambda: desk.send(ShowCut(not present().cut.on)),
         ),
         (
             "Ghosts",

@@ -94,7 +94,8 @@ class MapPanel(Panel):
             desk,
             "Platform into the workspace",
             lambda client: desk.ask(GoToBall(client)),
-            hint="To the centre of the largest ball inside it, at the present orientation",
+            hint="To the centre of the largest ball inside it, at the present orientation; flips "
+            "limbs where that is needed",
         )
         self._save = gui.add_button_group("Save as", KINDS)
         clicked(desk, self._save, self._saved)

@@ -59,7 +59,9 @@ class SectionPanel(Panel):
         if self._spec is None:
             gui.add_html(box("There are no sections of this mechanism's workspace yet."))
             return
-        self._on = gui.add_checkbox("Show the section", review.cut.on)
+        self._on = gui.add_checkbox(
+            "Show the section", review.cut.on, hint="In the scene and as a plot (hotkey X)"
+        )
         answer(desk, self._on, lambda on, client: desk.send(ShowCut(on), client))
         at = review.cut.at
         self._range = (at - 100.0, at + 100.0)

@@ -109,3 +109,17 @@ def test_page_units() -> None:
     assert [compute.page_unit(c) for c in coordinates] == ["mm", "mm", "mm", "°", "°"]
     for c in coordinates:
         assert compute.from_page_units(c, compute.in_page_units(c, 0.75)) == pytest.approx(0.75)
+
+
+def test_the_mode_that_reaches_a_pose_flips_the_fewest_limbs(review: Review) -> None:
+    assert compute.reaching_mode(review, review.pose) == review.mode
+    kind, answer = review.mechanism, review.mechanism.inverse(review.design, review.pose)
+    able = [m for m, ok in zip(answer.modes, answer.within_stroke, strict=True) if ok]
+    assert 0 < len(able) < len(kind.modes)
+    for mode in kind.modes:
+        found = compute.reaching_mode(change(review, Flip(mode))[0], review.pose)
+        assert found in able
+        flips = [sum(a != b for a, b in zip(mode, other, strict=True)) for other in able]
+        assert sum(a != b for a, b in zip(mode, found, strict=True)) == min(flips)
+    far = (review.pose[0], 9999.0, *review.pose[2:])
+    assert compute.reaching_mode(review, far) is None

@@ -164,5 +164,6 @@ def test_the_largest_ball_is_found_shown_and_gone_to(tab: Tab) -> None:
         lambda: [tab.value(label) for label in labels] == pytest.approx(numbers[1:4], abs=0.11),
         "the platform in the ball's centre",
     )
+    tab.wait_for_text("Reachable · mode")
     tab.type_into("φ (°)", 20)  # another workspace: the ball is not of it
     tab.wait(lambda: not tab.props("/inside/ball").get("visible"), "no ball")
