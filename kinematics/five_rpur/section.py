@@ -82,7 +82,7 @@ def _section(cutter: Cutter, at: float) -> Section:
     low, high = cutter.heights(np.array([at]))
     made_by = _construction(cutter, low[0], high[0])
     limbs = cutter.limbs
-    edges, end, turns = cutter.outline(at)
+    edges, end, turns, moments = cutter.outline(at)
     count = len(edges)
     circle, sense, piece, loop = edges.T
     loop_start = np.flatnonzero(np.diff(loop, prepend=-1, append=-2))
@@ -105,7 +105,6 @@ def _section(cutter: Cutter, at: float) -> Section:
     green = 0.5 * np.append(cross + bulge, 0.0)
     loop_area = np.add.reduceat(green, loop_start[:-1])[: len(loop_start) - 1]
     length = np.where(arc, np.abs(sweep) * limbs[3, limb], np.abs(end - start).sum(axis=1))
-    moments = cutter.cut(np.array([at])).moments[0]
     area, centroid, second = _about_centroid(moments, cutter.origin)
     _, loop_piece = np.unique(piece[loop_start[:-1]], return_inverse=True)
     return Section(

@@ -77,7 +77,7 @@ def volume(
 
 @dataclass(frozen=True, eq=False)
 class Integral:
-    """``moments`` (6,) of the volume (∫ dx' of those of sections), ``first`` = ∫ x' A dx';
+    """``moments`` (3,) of the volume (∫ dx' of those of sections), ``first`` = ∫ x' A dx';
     the volume's ``error``; the sections taken, ``at``, ``area``, ``weights`` and ``marks`` (N,);
     the panels' ``events``.
     """
@@ -145,7 +145,7 @@ class _Work:
             high = max(low, min(high, max(between)))
         self.range = (low, high)
         self.known = np.empty(0)
-        self.total = np.zeros(6)
+        self.total = np.zeros(3)
         self.first = 0.0
         self.error = 0.0
         self.taken: list[tuple[Array, Array, Array, NDArray[np.int64]]] = []
@@ -216,7 +216,7 @@ class _Work:
         x = left[:, None] + (right - left)[:, None] * SHORT.place
         cuts = self._cut(x)
         return self._weighed(
-            left, right, x, cuts.moments.reshape(*x.shape, 6), cuts.marks.reshape(x.shape), SHORT
+            left, right, x, cuts.moments.reshape(*x.shape, 3), cuts.marks.reshape(x.shape), SHORT
         )
 
     def _longer(self, panels: _Panels, which: NDArray[np.bool_]) -> _Panels:
@@ -224,8 +224,8 @@ class _Work:
         left, right = panels.left[which], panels.right[which]
         x = left[:, None] + (right - left)[:, None] * LONG.place
         cuts = self._cut(x[:, ::2])
-        moments, marks = np.empty((*x.shape, 6)), np.empty(x.shape, np.int64)
-        moments[:, ::2] = cuts.moments.reshape(*x[:, ::2].shape, 6)
+        moments, marks = np.empty((*x.shape, 3)), np.empty(x.shape, np.int64)
+        moments[:, ::2] = cuts.moments.reshape(*x[:, ::2].shape, 3)
         marks[:, ::2] = cuts.marks.reshape(x[:, ::2].shape)
         moments[:, 1::2], marks[:, 1::2] = panels.moments[which], panels.marks[which]
         return self._weighed(left, right, x, moments, marks, LONG)

@@ -27,7 +27,7 @@ _MOST_EDGES = 4096  # of one section; twice what crossings of five limbs can mak
 
 @dataclass(frozen=True, eq=False)
 class Cuts:
-    """Sections at ``at`` (N,): ``moments`` (N, 6) of 1, v, w, v², w², vw about the origin,
+    """Sections at ``at`` (N,): ``moments`` (N, 3) of 1, v, w about the origin,
     ``marks`` (N,) equal where sections are built alike, ``parts`` (N,) connected pieces.
     """
 
@@ -90,13 +90,14 @@ class Cutter:
         highs = np.where(passes, self.limbs[5], np.maximum(highs0, highs1))
         return self._measure(x0, np.minimum(lows0, lows1), highs)
 
-    def outline(self, x: float) -> tuple[Ints, Array, Array]:
-        """The boundary of the section at x: edges, ends and turns as `kernel.outline` has them."""
+    def outline(self, x: float) -> tuple[Ints, Array, Array, Array]:
+        """The section at x: edges, ends, turns and moments as `kernel.outline` has them."""
         lows, highs = self.heights(np.array([x]))
         if self.range[0] >= self.range[1] or (highs < 0.0).any():
-            return np.empty((0, 4), np.int64), np.empty((0, 2)), np.empty(0)
+            return np.empty((0, 4), np.int64), np.empty((0, 2)), np.empty(0), np.zeros(6)
         room = _MOST_EDGES
         edges, ends, turns = np.empty((room, 4), np.int64), np.empty((room, 2)), np.empty(room)
+        moments = np.zeros(6)
         with _working(1) as kernel:
             count = kernel.outline(
                 lows[0],
@@ -108,8 +109,10 @@ class Cutter:
                 edges,
                 ends,
                 turns,
+                self.origin,
+                moments,
             )
-        return edges[:count], ends[:count], turns[:count]
+        return edges[:count], ends[:count], turns[:count], moments
 
     def pieces(self, x: Array, weights: Array, marks: NDArray[np.int64]) -> Array:
         """Weighted areas of sections at increasing x (N,), summed by connected pieces.
@@ -162,7 +165,7 @@ class Cutter:
 
     def _measure(self, x: Array, lows: Array, highs: Array) -> Cuts:
         count = len(x)
-        moments = np.empty((count, 6))
+        moments = np.empty((count, 3))
         marks, parts = np.empty(count, np.int64), np.empty(count, np.int64)
         with _working(count) as kernel:
             kernel.measure(

@@ -25,90 +25,80 @@ from kinematics.sections import Ints
 from kinematics.spatial import Array
 
 
-def primitives(limbs: Array, i: int, y: float, out: Array) -> None:
-    """∫h, ∫th, ∫t²h, ∫h³ over t = y − w'_iy up to y, and t, into ``out`` (5,)."""
-    link = limbs[LINK, i]
-    t = min(max(y - limbs[WY, i], -link), link)
-    square = (link - t) * (link + t)
-    h = math.sqrt(square)
-    angle = math.asin(t / link)
-    area = 0.5 * (t * h + link * link * angle)
-    out[0] = area
-    out[1] = -square * h / 3.0
-    out[2] = 0.125 * (link * link * link * link * angle - t * h * (link * link - 2.0 * t * t))
-    out[3] = 0.25 * t * square * h + 0.75 * link * link * area
-    out[4] = t
+def first_moments(
+    limbs: Array, c: int, base: float, y0: float, y1: float, v0: float, w0: float
+) -> tuple[float, float, float]:
+    """∫ of 1, v, w over what lies under curve c between y0 and y1, without what does not end there.
 
-
-def under(
-    limbs: Array,
-    c: int,
-    base: float,
-    y0: float,
-    y1: float,
-    origin: Array,
-    one: Array,
-    two: Array,
-    out: Array,
-) -> None:
-    """What lies under a curve between y0 and y1 adds to ``out``: area and moments, six.
-
-    1, v, w, v², w², vw over −∞ < z < z(y), the part that does not depend on z left out, with
-    (v, w) = (y, z) − ``origin``.
+    (v, w) = (y − v0, z − w0) and z = base + σ h(t), t = y − w'_iy: ∫h dt = (t h + l² asin(t/l))/2,
+    ∫t h dt = −h³/3.
     """
     i = c >> 3
     sigma = -1.0 if c & 4 else 1.0
-    link = limbs[LINK, i]
-    primitives(limbs, i, y0, one)
-    primitives(limbs, i, y1, two)
-    a = limbs[WY, i] - origin[0]  # v = t + a
-    b = base - origin[1]  # w = b + σ h
-    t0, t1 = one[4], two[4]
-    d1 = t1 - t0
-    d2 = 0.5 * (t1 * t1 - t0 * t0)
-    d3 = (t1 * t1 * t1 - t0 * t0 * t0) / 3.0
-    h1 = two[0] - one[0]
-    th = two[1] - one[1]
-    t2h = two[2] - one[2]
-    h3 = two[3] - one[3]
+    link, center = limbs[LINK, i], limbs[WY, i]
+    t0 = min(max(y0 - center, -link), link)
+    t1 = min(max(y1 - center, -link), link)
+    q0, q1 = (link - t0) * (link + t0), (link - t1) * (link + t1)
+    h0, h1 = math.sqrt(q0), math.sqrt(q1)
+    ih = 0.5 * (t1 * h1 - t0 * h0 + link * link * (math.asin(t1 / link) - math.asin(t0 / link)))
+    ith = (q0 * h0 - q1 * h1) / 3.0
+    it = t1 - t0
+    itt = 0.5 * it * (t1 + t0)
+    ihh = it * (link * link - (t1 * t1 + t1 * t0 + t0 * t0) / 3.0)
+    a, b = center - v0, base - w0  # v = t + a, w = b + σ h
+    area = b * it + sigma * ih
+    v = b * itt + a * area + sigma * ith
+    w = 0.5 * (b * b * it + ihh) + b * sigma * ih
+    return area, v, w
+
+
+def second_moments(
+    limbs: Array, c: int, base: float, y0: float, y1: float, v0: float, w0: float
+) -> tuple[float, float, float]:
+    """∫ of v², w², vw likewise, with ∫t²h dt and ∫h³ dt besides."""
+    i = c >> 3
+    sigma = -1.0 if c & 4 else 1.0
+    link, center = limbs[LINK, i], limbs[WY, i]
     l2 = link * link
-    h2 = l2 * d1 - d3
-    th2 = l2 * d2 - 0.25 * (t1 * t1 * t1 * t1 - t0 * t0 * t0 * t0)
-    v1 = d2 + a * d1
-    v2 = d3 + 2.0 * a * d2 + a * a * d1
-    out[0] += b * d1 + sigma * h1
-    out[1] += b * v1 + sigma * (th + a * h1)
-    out[2] += 0.5 * (b * b * d1 + 2.0 * b * sigma * h1 + h2)
-    out[3] += b * v2 + sigma * (t2h + 2.0 * a * th + a * a * h1)
-    out[4] += (b * b * b * d1 + 3.0 * b * b * sigma * h1 + 3.0 * b * h2 + sigma * h3) / 3.0
-    out[5] += 0.5 * (b * b * v1 + 2.0 * b * sigma * (th + a * h1) + th2 + a * h2)
+    sign = -1.0
+    it = itt = ittt = ih = ith = itth = ihhh = ithh = 0.0
+    for y in (y0, y1):
+        t = min(max(y - center, -link), link)
+        square = (link - t) * (link + t)
+        h = math.sqrt(square)
+        angle = math.asin(t / link)
+        area = 0.5 * (t * h + l2 * angle)
+        it += sign * t
+        itt += sign * 0.5 * t * t
+        ittt += sign * t * t * t / 3.0
+        ih += sign * area
+        ith -= sign * square * h / 3.0
+        itth += sign * 0.125 * (l2 * l2 * angle - t * h * (l2 - 2.0 * t * t))
+        ihhh += sign * (0.25 * t * square * h + 0.75 * l2 * area)
+        ithh += sign * (0.5 * l2 * t * t - 0.25 * t * t * t * t)
+        sign = 1.0
+    a, b = center - v0, base - w0
+    ihh = l2 * it - ittt
+    vv = b * (ittt + 2.0 * a * itt + a * a * it) + sigma * (itth + 2.0 * a * ith + a * a * ih)
+    ww = (b * b * b * it + 3.0 * b * b * sigma * ih + 3.0 * b * ihh + sigma * ihhh) / 3.0
+    vw = 0.5 * (b * b * (itt + a * it) + 2.0 * b * sigma * (ith + a * ih) + ithh + a * ihh)
+    return vv, ww, vw
+
+
+def base_of(limbs: Array, low: Array, high: Array, c: int) -> float:
+    """z of the centre of curve c's circle."""
+    return float(limbs[WZ, c >> 3] + offset(c & 3, low[c >> 3], high[c >> 3]))
 
 
 def run_moments(
-    limbs: Array,
-    low: Array,
-    high: Array,
-    runs: Ints,
-    spans: Array,
-    run: int,
-    origin: Array,
-    one: Array,
-    two: Array,
-    below: Array,
-    out: Array,
-) -> None:
-    """Area and moments of a run into ``out`` (6,)."""
-    for m in range(6):
-        out[m] = 0.0
-        below[m] = 0.0
+    limbs: Array, low: Array, high: Array, runs: Ints, spans: Array, run: int, v0: float, w0: float
+) -> tuple[float, float, float]:
+    """∫ of 1, v, w over a run."""
     y0, y1 = spans[run, 0], spans[run, 1]
-    for end in range(2):
-        c = runs[run, end]
-        i = c >> 3
-        base = limbs[WZ, i] + offset(c & 3, low[i], high[i])
-        under(limbs, c, base, y0, y1, origin, one, two, below if end == 0 else out)
-    for m in range(6):
-        out[m] -= below[m]
+    c, d = runs[run, 0], runs[run, 1]
+    area, v, w = first_moments(limbs, d, base_of(limbs, low, high, d), y0, y1, v0, w0)
+    less, v_less, w_less = first_moments(limbs, c, base_of(limbs, low, high, c), y0, y1, v0, w0)
+    return area - less, v - v_less, w - w_less
 
 
 def measure(
@@ -133,21 +123,19 @@ def measure(
         table: (4^n,) which states are inside.
         size: mm, a length of the machine.
         origin: (2,) about which moments are taken.
-        moments: (N, 6) out: ∫ of 1, v, w, v², w², vw.
+        moments: (N, 3) out: ∫ of 1, v, w.
         marks: (N,) out: equal where the sections are built alike.
         parts: (N,) out: connected pieces.
     """
     n = limbs.shape[1]
     room = rooms(n)
-    _, _, _, _, runs, spans, parent, _, _ = room
-    one, two, below, out = np.empty(5), np.empty(5), np.empty(6), np.empty(6)
+    _, _, _, _, runs, spans, parent, _, _, _, _ = room
     ends = np.empty(2)
     bounds_of(limbs, ends)
     for at in range(lows.shape[0]):
         marks[at] = 0
         parts[at] = 0
-        for m in range(6):
-            moments[at, m] = 0.0
+        moments[at, 0] = moments[at, 1] = moments[at, 2] = 0.0
         reached = ends[0] < ends[1]
         for i in range(n):
             if highs[at, i] < 0.0:
@@ -156,9 +144,12 @@ def measure(
             continue
         count, _, marks[at] = sweep(limbs, lows[at], highs[at], signs, table, ends, size, room)
         for run in range(count):
-            run_moments(limbs, lows[at], highs[at], runs, spans, run, origin, one, two, below, out)
-            for m in range(6):
-                moments[at, m] += out[m]
+            area, v, w = run_moments(
+                limbs, lows[at], highs[at], runs, spans, run, origin[0], origin[1]
+            )
+            moments[at, 0] += area
+            moments[at, 1] += v
+            moments[at, 2] += w
             if parent[run] == run:
                 parts[at] += 1
 
@@ -215,6 +206,8 @@ def outline(
     edges: Ints,
     ends: Array,
     turns: Array,
+    origin: Array,
+    moments: Array,
 ) -> int:
     """The boundary of one section as loops of edges, the region to their left.
 
@@ -224,19 +217,29 @@ def outline(
             clockwise, 0 of a line; the piece of the region; the loop.
         ends: (E, 2) out: where each edge ends and the next one of its loop begins.
         turns: (E,) out: the arcs' angles, not quite exact.
+        moments: (6,) out: ∫ of 1, v, w, v², w², vw about ``origin`` (2,).
 
     Returns:
         the number of edges, −1 if there was no room for them.
     """
     n = limbs.shape[1]
     room = rooms(n)
-    where, who, _, _, runs, spans, parent, follow, _ = room
+    where, who, _, _, runs, spans, parent, follow, _, _, _ = room
     range_ = np.empty(2)
     point = np.empty(2)
     first, last = bounds_of(limbs, range_)
     if range_[0] >= range_[1]:
         return 0
     count, found, _ = sweep(limbs, low, high, signs, table, range_, size, room)
+    moments[:] = 0.0
+    for edge in range(2 * count):
+        run, c = edge >> 1, runs[edge >> 1, edge & 1]
+        base, sign = base_of(limbs, low, high, c), 1.0 if edge & 1 else -1.0
+        y0, y1 = spans[run, 0], spans[run, 1]
+        area, v, w = first_moments(limbs, c, base, y0, y1, origin[0], origin[1])
+        vv, ww, vw = second_moments(limbs, c, base, y0, y1, origin[0], origin[1])
+        for m, value in enumerate((area, v, w, vv, ww, vw)):
+            moments[m] += sign * value
     done = np.zeros(2 * count, np.bool_)
     total = 0
     loop = 0
@@ -330,8 +333,6 @@ def trace(
     n = limbs.shape[1]
     spaces = (rooms(n), rooms(n))  # of this section and of the last one
     piece = np.empty((2, MOST_RUNS), np.int64)
-    one, two, below, out = np.empty(5), np.empty(5), np.empty(6), np.empty(6)
-    origin = np.zeros(2)
     ends = np.empty(2)
     bounds_of(limbs, ends)
     counts = np.zeros(2, np.int64)
@@ -348,8 +349,8 @@ def trace(
             continue
         low, high = lows[at], highs[at]
         count, _, _ = sweep(limbs, low, high, signs, table, ends, size, spaces[this])
-        _, _, _, _, runs, spans, parent, _, tells = spaces[this]
-        _, _, _, _, runs0, spans0, _, _, _ = spaces[last]
+        _, _, _, _, runs, spans, parent, _, tells, _, _ = spaces[this]
+        _, _, _, _, runs0, spans0, _, _, _, _, _ = spaces[last]
         counts[this] = count
         if used + count > forest.size:
             return -1
@@ -364,8 +365,8 @@ def trace(
         for run in range(count):
             own = piece[this, root(parent, run)]
             piece[this, run] = own
-            run_moments(limbs, low, high, runs, spans, run, origin, one, two, below, out)
-            volumes[own] += weights[at] * out[0]
+            area, _, _ = run_moments(limbs, low, high, runs, spans, run, 0.0, 0.0)
+            volumes[own] += weights[at] * area
             told[own] += tells[run]
         if at == 0 or counts[last] == 0:
             continue
@@ -431,7 +432,7 @@ def strokes(
     """
     n = limbs.shape[1]
     room = rooms(n)
-    _, _, _, _, runs, spans, _, _, _ = room
+    _, _, _, _, runs, spans, _, _, _, _, _ = room
     slack = 1e-7 * size
     ends = np.empty(2)
     bounds_of(limbs, ends)

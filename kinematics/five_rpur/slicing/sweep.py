@@ -24,7 +24,7 @@ from kinematics.sections import Ints
 from kinematics.spatial import Array
 
 Bools = NDArray[np.bool_]
-Room = tuple[Array, Ints, Ints, Array, Ints, Array, Ints, Ints, Ints]
+Room = tuple[Array, Ints, Ints, Array, Ints, Array, Ints, Ints, Ints, Ints, Array]
 
 MOST_RUNS = 2048
 MOST_PARTS = 64
@@ -173,7 +173,7 @@ def root(parent: Ints, n: int) -> int:
 
 def rooms(n: int) -> Room:
     """Room for one section at a time: crossings, who, order, borders, runs, spans, parent, follow,
-    tells; what each is for, see `sweep`."""
+    tells, and room for `sweep` itself; what each is for, see there."""
     most = 16 * n * n
     return (
         np.empty((most, 2)),
@@ -185,6 +185,8 @@ def rooms(n: int) -> Room:
         np.empty(MOST_RUNS, np.int64),
         np.empty(2 * MOST_RUNS, np.int64),
         np.empty(MOST_RUNS, np.int64),
+        np.empty((5, 8 * n), np.int64),
+        np.empty((3, 8 * n)),
     )
 
 
@@ -216,11 +218,17 @@ def sweep(
     Returns:
         the number of runs and of crossings, and a number that tells how the section is built.
     """
-    where, who, order, borders, runs, spans, parent, follow, tells = room
+    where, who, order, borders, runs, spans, parent, follow, tells, ints, floats = room
     n = limbs.shape[1]
     tiny = 1e-14 * size
     found = crossings(limbs, low, high, table, ends, size, where, who)
-    order[:found] = np.argsort(where[:found, 0])
+    for e in range(found):
+        y = where[e, 0]
+        q = e - 1
+        while q >= 0 and where[order[q], 0] > y:
+            order[q + 1] = order[q]
+            q -= 1
+        order[q + 1] = e
     borders[0] = ends[0]
     slabs = 0
     for e in range(found + 1):
@@ -231,9 +239,9 @@ def sweep(
         elif e == found:
             borders[slabs] = y
     # The curves in the order in which they were last found.
-    curves = np.empty(8 * n, np.int64)
-    heights_of = np.empty(8 * n)
-    bases = np.empty(8 * n)
+    curves, previous, present = ints[0], ints[1], ints[2]
+    lower, upper = ints[3], ints[4]
+    heights_of, bases, rises = floats[0], floats[1], floats[2]
     total = 0
     for i in range(n):
         for s in range(2):
@@ -245,11 +253,6 @@ def sweep(
                     curves[total] = c
                     bases[c] = limbs[WZ, i] + offset(k, low[i], high[i])
                     total += 1
-    rises = np.empty(n)
-    previous = np.empty(4 * n, np.int64)
-    present = np.empty(4 * n, np.int64)
-    lower = np.empty(4 * n, np.int64)
-    upper = np.empty(4 * n, np.int64)
     before = 0
     count = 0
     mark = 0
