@@ -149,7 +149,8 @@ class Tab:
         toast = self.page.locator("#webgl-software-rendering button")
         if toast.count():
             toast.first.click()
-        self.page.get_by_text("mode ").first.wait_for(timeout=PATIENCE * 1000)
+        status = self.page.get_by_text("· mode ").locator("visible=true")
+        status.first.wait_for(timeout=PATIENCE * 1000)
 
     def _console(self, message: Any) -> None:
         if message.type == "error":
