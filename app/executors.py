@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
+from app.worker import give_way
 from kinematics.errors import ComputationError, InputError
 
 YIELD = 10  # how much the processes give way to whatever a person is waiting for (nice)
@@ -71,8 +72,7 @@ def _nothing_lost() -> None:
 def _prepare() -> None:
     """What a process does first: give way, leave Ctrl-C to its parent, and end with it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if hasattr(os, "nice"):
-        os.nice(YIELD)
+    give_way(YIELD)
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 

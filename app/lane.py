@@ -6,7 +6,6 @@ costs only the job at work.
 
 from __future__ import annotations
 
-import os
 import threading
 import time
 from collections.abc import Callable, Hashable, Sequence
@@ -14,7 +13,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from app.worker import Busy, LaneName, Process
+from app.worker import Busy, LaneName, Process, give_way
 from kinematics.errors import BohemiaError
 
 
@@ -165,15 +164,10 @@ class Lane:
             if self._stopped or self._cancelled:
                 raise EOFError
             if self._process is None or not self._process.alive:
-                self._process = Process(self.name, partial(_yield, self._give_way))
+                self._process = Process(self.name, partial(give_way, self._give_way))
             process = self._process
         return process.run(None, job.function, *job.arguments)
 
 
 def _died(job: Job) -> str:
     return f"The process at work on {job.title} stopped; change something, and it is tried again."
-
-
-def _yield(steps: int) -> None:
-    if hasattr(os, "nice"):
-        os.nice(steps)

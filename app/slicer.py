@@ -40,6 +40,11 @@ class Region:
     modes: tuple[str, ...] | None = field(compare=False)
 
 
+def prepare(kind: str) -> None:
+    """Make ready what takes long the first time on a machine."""
+    mechanism(kind).prepare()
+
+
 @dataclass(frozen=True, slots=True)
 class Wish:
     """A section to draw: of what, where (mm), for a light or a dark page.

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import threading
 from collections import OrderedDict
+from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 from app import slicer
@@ -17,7 +20,8 @@ from app.requests import Forget, GoToBall, Inscribe, SaveSection
 from app.section_files import section_bytes
 from app.slicer import Drawn, Region, Wish
 from app.state import Change, MoveCut, Visit
-from app.worker import LaneName
+from app.worker import LaneName, Process, give_way
+from kinematics.errors import BohemiaError
 from kinematics.mechanism import mechanism
 from kinematics.sections import Box, Sphere, Volume
 
@@ -26,6 +30,7 @@ if TYPE_CHECKING:
 
 REST = 0.15  # s for which a workspace must stay before it is measured
 CACHE = 64  # volumes kept
+PREPARING = 15  # how much that process gives way to all others (nice)
 MEDIA_TYPES = {"svg": "image/svg+xml", "dxf": "image/vnd.dxf", "csv": "text/csv"}
 NAMES = {"ball": "the largest ball", "box": "the largest box"}
 
@@ -63,6 +68,7 @@ class Slicing:
         self._found: dict[str, Sphere | Box | None] = {}
         self._going: tuple[viser.ClientHandle | None] | None = None
         self._trouble = ""
+        self._preparing: Process | None = None
 
     @property
     def late(self) -> bool:
@@ -75,11 +81,22 @@ class Slicing:
     def stop(self) -> None:
         self._cuts.stop()
         self._measures.stop()
+        if self._preparing is not None:
+            self._preparing.kill()
+
+    def _make_ready(self, kind: str) -> None:
+        """What takes long the first time on a machine, where it is in nobody's way."""
+        self._preparing = Process("prepare", partial(give_way, PREPARING))
+        with suppress(BohemiaError, EOFError, OSError):  # it is only slower without
+            self._preparing.run(None, slicer.prepare, kind)
+        self._preparing.kill()
 
     def cancel(self, lane: LaneName) -> None:
         (self._cuts if lane == "sections" else self._measures).cancel()
 
     def prepare(self) -> None:
+        kind = self._stage.view.review.design.mechanism
+        threading.Thread(target=self._make_ready, args=(kind,), daemon=True).start()
         self._plane.prepare(self._stage.view.drawing.size)
         self._inside.prepare()
         self._drawn = None

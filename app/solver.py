@@ -7,14 +7,14 @@ nothing between two jobs, so its death costs only the job at work.
 
 from __future__ import annotations
 
-import os
 import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 from app.folds import Ahead, look_ahead
-from app.worker import Busy, Process
+from app.worker import Busy, Process, give_way
 from kinematics.errors import BohemiaError
 from kinematics.mechanism import Design, mechanism
 from kinematics.solutions import ForwardSolutions, Posture, Refreshed
@@ -144,7 +144,7 @@ class Solver:
             if self._stopped:
                 raise EOFError
             if self._process is None or not self._process.alive:
-                self._process = Process("solutions", _give_way)
+                self._process = Process("solutions", partial(give_way, YIELD))
             self._cancelled = False
             process = self._process
         if wish.posture is not None:
@@ -166,8 +166,3 @@ def solve(
         return kind.refresh(design, before, joints)
     (found,) = kind.forward(design, [joints], mixed_modes=mixed)
     return Refreshed(found, (), ())
-
-
-def _give_way() -> None:
-    if hasattr(os, "nice"):
-        os.nice(YIELD)

@@ -9,6 +9,7 @@ started again; a request that kills it twice is given up with a message.
 from __future__ import annotations
 
 import multiprocessing
+import os
 import threading
 import time
 from collections import OrderedDict
@@ -308,6 +309,12 @@ class Process:
 def build(request: SolidRequest) -> BuiltSolid:
     """Build a solid, in whatever process this is called."""
     return mechanism(request.mechanism).build_solid(request)
+
+
+def give_way(steps: int) -> None:
+    """Let other processes go first, by so many steps of niceness where the system has it."""
+    if hasattr(os, "nice"):
+        os.nice(steps)
 
 
 def _load_solids() -> None:
