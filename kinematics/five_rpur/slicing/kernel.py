@@ -24,6 +24,8 @@ from kinematics.five_rpur.slicing.sweep import (
 from kinematics.sections import Ints
 from kinematics.spatial import Array
 
+POINT = 1e-13  # of the size: an edge no longer than that is a point
+
 
 def first_moments(
     limbs: Array, c: int, base: float, y0: float, y1: float, v0: float, w0: float
@@ -40,7 +42,9 @@ def first_moments(
     t1 = min(max(y1 - center, -link), link)
     q0, q1 = (link - t0) * (link + t0), (link - t1) * (link + t1)
     h0, h1 = math.sqrt(q0), math.sqrt(q1)
-    ih = 0.5 * (t1 * h1 - t0 * h0 + link * link * (math.asin(t1 / link) - math.asin(t0 / link)))
+    # asin(t/l) would lose half the digits at the ends, where t is all but l.
+    angle = math.atan2(t1 * h0 - t0 * h1, h0 * h1 + t0 * t1)
+    ih = 0.5 * (t1 * h1 - t0 * h0 + link * link * angle)
     ith = (q0 * h0 - q1 * h1) / 3.0
     it = t1 - t0
     itt = 0.5 * it * (t1 + t0)
@@ -66,7 +70,7 @@ def second_moments(
         t = min(max(y - center, -link), link)
         square = (link - t) * (link + t)
         h = math.sqrt(square)
-        angle = math.asin(t / link)
+        angle = math.atan2(t, h)
         area = 0.5 * (t * h + l2 * angle)
         it += sign * t
         itt += sign * 0.5 * t * t
@@ -196,6 +200,41 @@ def turn(limbs: Array, c: int, y0: float, y1: float) -> float:
     return math.asin(two) - math.asin(one)
 
 
+def without_points(
+    edges: Ints, ends: Array, turns: Array, start: int, total: int, size: float
+) -> int:
+    """A loop of edges from ``start`` to ``total`` without those that have shrunk to a point.
+
+    Arcs of one circle that follow each other become one, also over the loop's beginning. Returns
+    the new ``total``; what is nothing but points vanishes.
+    """
+    kept = start
+    y, z = ends[total - 1, 0], ends[total - 1, 1]
+    for e in range(start, total):
+        far = abs(ends[e, 0] - y) + abs(ends[e, 1] - z) > POINT * size
+        y, z = ends[e, 0], ends[e, 1]
+        if not far and abs(turns[e]) < 1.0:
+            continue
+        if kept > start and edges[e, 0] == edges[kept - 1, 0] and edges[e, 1] == edges[kept - 1, 1]:
+            kept -= 1
+            turns[e] += turns[kept]
+        edges[kept], ends[kept], turns[kept] = edges[e], ends[e], turns[e]
+        kept += 1
+    if (
+        kept - start > 1
+        and edges[start, 0] == edges[kept - 1, 0]
+        and edges[start, 1] == edges[kept - 1, 1] != 0
+    ):
+        kept -= 1
+        turns[start] += turns[kept]
+    if kept - start == 1 and abs(turns[start]) < 1.0:
+        return start
+    for e in range(start, kept):
+        if edges[e, 0] < 0:  # lines stay upright where a point was beside them
+            ends[e - 1 if e > start else kept - 1, 0] = ends[e, 0]
+    return kept
+
+
 def outline(
     low: Array,
     high: Array,
@@ -285,13 +324,9 @@ def outline(
                 ends[total, 0], ends[total, 1] = point[0], point[1]
                 total += 1
             edge = after
-        if (
-            total - start > 1
-            and edges[start, 0] == edges[total - 1, 0]
-            and edges[start, 1] == edges[total - 1, 1] != 0
-        ):
-            total -= 1
-            turns[start] += turns[total]
+        total = without_points(edges, ends, turns, start, total, size)
+        if total == start:
+            continue
         if total - start == 1:  # a whole circle: two halves
             i = edges[start, 0] >> 2
             center = limbs[WZ, i] + offset(edges[start, 0] & 3, low[i], high[i])

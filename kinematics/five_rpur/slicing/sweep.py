@@ -30,6 +30,7 @@ MOST_RUNS = 2048
 MOST_PARTS = 64
 FINE = 1e-9  # of the size: two lengths that differ by less may be the same
 SLACK = 1e-6  # of the size: crossings that miss the region by less are looked at all the same
+TOUCH = 1e-12  # of the square of a distance: by how much it may be wrong
 
 # Rows of the limbs' numbers.
 WX, WY, WZ, LINK, LOW, HIGH = range(6)
@@ -130,7 +131,8 @@ def crossings(
         for j in range(i, n):
             dy = limbs[WY, j] - limbs[WY, i]
             a, b = limbs[LINK, i], limbs[LINK, j]
-            most, least = (a + b) * (a + b), (a - b) * (a - b)
+            # Circles that touch but for rounding cross as well: no slab may reach across the point.
+            most, least = (a + b) * (a + b) * (1.0 + TOUCH), (a - b) * (a - b) * (1.0 - TOUCH)
             if dy * dy > most:
                 continue
             for k in range(4):
