@@ -26,6 +26,7 @@ from kinematics.spatial import Array, rotation_y
 MOST_SECTIONS = 60_000
 """No volume is worth more sections; what is reached by then is returned with its error."""
 _FOUND = 2e-3  # of the gap between two nodes: where between them the structure changes
+_WIDEST = 3.0  # panels, as a part of the range for each cube root of the error wanted
 _NARROW = 1e-7  # of the size: two places are one
 _UNSEEN = 1e-13  # of range x size²: what rounding may take
 # What a rule may be off by, as a part of its difference to the coarser ones: where all sections are
@@ -190,6 +191,13 @@ class _Work:
         changes = marks[1:] != marks[:-1]
         self.known = known[changes]
         ends = ends[np.concatenate([[True], changes, [True]])]
+        # Between two nodes a small piece may begin and end unseen: the smaller the error wanted,
+        # the closer they must be.
+        widest = _WIDEST * (high - low) * self.relative ** (1.0 / 3.0)
+        parts = np.ceil((ends[1:] - ends[:-1]) / widest).astype(int)
+        owner = np.repeat(np.arange(parts.size), parts)
+        share = (np.arange(owner.size) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[owner]
+        ends = np.append(ends[owner] + share * (ends[owner + 1] - ends[owner]), high)
         return ends[:-1], ends[1:]
 
     def _converge(self, left: Array, right: Array) -> None:
