@@ -206,14 +206,15 @@ def without_points(
     """A loop of edges from ``start`` to ``total`` without those that have shrunk to a point.
 
     Arcs of one circle that follow each other become one, also over the loop's beginning. Returns
-    the new ``total``; what is nothing but points vanishes.
+    the new ``total``: what is left has two edges at least, for the region lies above circles
+    −S(ρ_max) and S(ρ_min) and below the others, so that none of them bounds it alone.
     """
     kept = start
     y, z = ends[total - 1, 0], ends[total - 1, 1]
     for e in range(start, total):
         far = abs(ends[e, 0] - y) + abs(ends[e, 1] - z) > POINT * size
         y, z = ends[e, 0], ends[e, 1]
-        if not far and abs(turns[e]) < 1.0:
+        if not far:
             continue
         if kept > start and edges[e, 0] == edges[kept - 1, 0] and edges[e, 1] == edges[kept - 1, 1]:
             kept -= 1
@@ -227,7 +228,7 @@ def without_points(
     ):
         kept -= 1
         turns[start] += turns[kept]
-    if kept - start == 1 and abs(turns[start]) < 1.0:
+    if kept - start < 2:
         return start
     for e in range(start, kept):
         if edges[e, 0] < 0:  # lines stay upright where a point was beside them
@@ -327,15 +328,6 @@ def outline(
         total = without_points(edges, ends, turns, start, total, size)
         if total == start:
             continue
-        if total - start == 1:  # a whole circle: two halves
-            i = edges[start, 0] >> 2
-            center = limbs[WZ, i] + offset(edges[start, 0] & 3, low[i], high[i])
-            edges[total] = edges[start]
-            ends[total] = ends[start]
-            ends[start, 0] = 2.0 * limbs[WY, i] - ends[start, 0]
-            ends[start, 1] = 2.0 * center - ends[start, 1]
-            turns[start] = turns[total] = math.pi
-            total += 1
         loop += 1
     return total
 
