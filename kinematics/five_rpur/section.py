@@ -13,13 +13,17 @@ from functools import lru_cache
 
 import numpy as np
 
-from kinematics.five_rpur.design import FiveRPURDesign
+from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.five_rpur.slicing.cutter import Cutter
-from kinematics.sections import BOUNDS, Construction, Ints, Section
+from kinematics.sections import BOUNDS, Construction, Section
 from kinematics.spatial import Array, finite
 
-_RHO_MIN, _RHO_MAX, _LINK = (BOUNDS.index(b) for b in ("rho_min", "rho_max", "link"))
-_OF_CIRCLE = np.array([_RHO_MAX, _RHO_MIN, _RHO_MIN, _RHO_MAX])  # bound of circle 4 limb + k
+# Of the four circles and the four lines that a limb may have.
+_OWNER = np.repeat(np.arange(1, LIMBS + 1), 4).reshape(LIMBS, 4)
+_LINE_OWNER = _OWNER.reshape(LIMBS, 2, 2)
+_BOUND = np.tile(
+    [BOUNDS.index(b) for b in ("rho_max", "rho_min", "rho_min", "rho_max")], (LIMBS, 1)
+)
 
 
 def section(
@@ -79,61 +83,27 @@ def _cutter(
 
 
 def _section(cutter: Cutter, at: float) -> Section:
-    low, high = cutter.heights(np.array([at]))
-    made_by = _construction(cutter, low[0], high[0])
-    limbs = cutter.limbs
-    edges, end, turns, moments = cutter.outline(at)
-    count = len(edges)
-    circle, sense, piece, loop = edges.T
-    loop_start = np.flatnonzero(np.diff(loop, prepend=-1, append=-2))
-    start = np.empty_like(end)
-    start[1:] = end[:-1]
-    if count:
-        start[loop_start[:-1]] = end[loop_start[1:] - 1]
-    arc = circle >= 0
-    limb = np.where(arc, circle >> 2, -1 - circle)
-    k = circle & 3
-    depth = np.stack([-high[0], -low[0], low[0], high[0]])[k, limb]
-    center = np.where(
-        arc[:, None], np.stack([limbs[1, limb], limbs[2, limb] + depth], axis=-1), np.nan
-    )
-    radius = np.where(arc, limbs[3, limb], np.inf)
-    sweep = _sweeps(start - center, end - center, sense, turns, arc)
-    # Green: the polygon of chords, and what lies between chords and arcs.
-    cross = start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0]
-    bulge = np.where(arc, limbs[3, limb] ** 2, 0.0) * (sweep - np.sin(sweep))
-    green = 0.5 * np.append(cross + bulge, 0.0)
-    loop_area = np.add.reduceat(green, loop_start[:-1])[: len(loop_start) - 1]
-    length = np.where(arc, np.abs(sweep) * limbs[3, limb], np.abs(end - start).sum(axis=1))
-    area, centroid, second = _about_centroid(moments, cutter.origin)
-    _, loop_piece = np.unique(piece[loop_start[:-1]], return_inverse=True)
+    outline = cutter.outline(at)
+    places = outline.places
+    area, centroid, second = _about_centroid(outline.moments, cutter.origin)
     return Section(
         at=at,
-        start=start,
-        end=end,
-        limb=limb + 1,
-        bound=np.where(arc, _OF_CIRCLE[k], _LINK),
-        center=center,
-        radius=radius,
-        sweep=sweep,
-        loop_start=loop_start,
-        loop_area=loop_area,
-        loop_piece=loop_piece,
+        start=places[:, :2],
+        end=places[:, 2:4],
+        limb=outline.whose[:, 0] + 1,
+        bound=outline.whose[:, 1],
+        center=places[:, 4:6],
+        radius=places[:, 6],
+        sweep=places[:, 7],
+        loop_start=outline.firsts,
+        loop_area=outline.areas,
+        loop_piece=outline.pieces,
         area=area,
-        perimeter=float(length.sum()),
+        perimeter=outline.perimeter,
         centroid=centroid,
         second_moments=second,
-        construction=made_by,
+        construction=_construction(cutter, outline.low, outline.high),
     )
-
-
-def _sweeps(start: Array, end: Array, sense: Ints, turns: Array, arc: Array) -> Array:
-    """The arcs' signed angles from the centres' sight: exact ones next to ``turns``."""
-    with np.errstate(invalid="ignore"):
-        angle = np.arctan2(end[:, 1], end[:, 0]) - np.arctan2(start[:, 1], start[:, 0])
-        angle = sense * angle
-        angle += 2.0 * np.pi * np.round((turns - angle) / (2.0 * np.pi))
-    return np.where(arc, sense * angle, 0.0)
 
 
 def _about_centroid(moments: Array, origin: Array) -> tuple[float, Array, Array]:
@@ -147,27 +117,26 @@ def _about_centroid(moments: Array, origin: Array) -> tuple[float, Array, Array]
 
 def _construction(cutter: Cutter, low: Array, high: Array) -> Construction:
     """All circles and lines of limbs that reach the plane."""
-    center, radius, limb, bound, line, line_limb = [], [], [], [], [], []
-    for i, (_, wy, wz, link, _, _) in enumerate(cutter.limbs.T.tolist()):
-        if high[i] < 0.0:
-            continue
-        depths = [(-high[i], _RHO_MAX), (high[i], _RHO_MAX)]
-        if low[i] > 0.0:
-            depths[1:1] = [(-low[i], _RHO_MIN), (low[i], _RHO_MIN)]
-        for depth, which in depths:
-            center.append((wy, wz + depth))
-            radius.append(link)
-            limb.append(i + 1)
-            bound.append(which)
-        for (z0, _), (z1, _) in zip(depths[::2], depths[1::2], strict=True):
-            for y in (wy - link, wy + link):
-                line.append(((y, wz + z0), (y, wz + z1)))
-                line_limb.append(i + 1)
+    _, wy, wz, link, _, _ = cutter.limbs
+    reached, hollow = high >= 0.0, low > 0.0
+    # Circles −S_max, −S_min, +S_min, +S_max of every limb; those of ρ_min while they are there.
+    center = np.empty((LIMBS, 4, 2))
+    center[:, :, 0] = wy[:, None]
+    center[:, :, 1] = wz[:, None] + np.stack([-high, -low, low, high], axis=-1)
+    there = np.stack([reached, reached & hollow, reached & hollow, reached], axis=-1)
+    # A line runs along both bands of a hollow limb, else along the one that there is.
+    inner = np.where(hollow[:, None], center[:, 1:3, 1], center[:, 3:, 1])
+    line = np.empty((LIMBS, 2, 2, 2, 2))  # limb, band, side, end, (y, z)
+    line[..., 0] = (wy[:, None] + np.stack([-link, link], axis=-1))[:, None, :, None]
+    line[:, 0, :, 0, 1], line[:, 0, :, 1, 1] = center[:, :1, 1], inner[:, :1]
+    line[:, 1, :, 0, 1], line[:, 1, :, 1, 1] = inner[:, 1:], center[:, 3:, 1]
+    lines = np.empty((LIMBS, 2, 2), dtype=bool)
+    lines[:, 0], lines[:, 1] = reached[:, None], (reached & hollow)[:, None]
     return Construction(
-        np.array(center).reshape(-1, 2),
-        np.array(radius, dtype=float),
-        np.array(limb, dtype=np.int64),
-        np.array(bound, dtype=np.int64),
-        np.array(line).reshape(-1, 2, 2),
-        np.array(line_limb, dtype=np.int64),
+        center[there],
+        np.repeat(link, 4)[there.ravel()],
+        _OWNER[there],
+        _BOUND[there],
+        line[lines],
+        _LINE_OWNER[lines],
     )

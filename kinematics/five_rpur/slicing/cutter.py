@@ -37,6 +37,23 @@ class Cuts:
     parts: NDArray[np.int64]
 
 
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """A section's boundary: ``low`` and ``high`` (5,) are S(ρ_min) and S(ρ_max), ``moments`` (6,)
+    of 1, v, w, v², w², vw about the origin, the rest as `kernel.describe` has it.
+    """
+
+    low: Array
+    high: Array
+    whose: Ints
+    places: Array
+    firsts: Ints
+    areas: Array
+    pieces: Ints
+    perimeter: float
+    moments: Array
+
+
 class Cutter:
     """The sections of a workspace at one orientation, for a set of working modes.
 
@@ -90,18 +107,20 @@ class Cutter:
         highs = np.where(passes, self.limbs[5], np.maximum(highs0, highs1))
         return self._measure(x0, np.minimum(lows0, lows1), highs)
 
-    def outline(self, x: float) -> tuple[Ints, Array, Array, Array]:
-        """The section at x: edges, ends, turns and moments as `kernel.outline` has them."""
+    def outline(self, x: float) -> Outline:
+        """The boundary of the section at x, and its moments."""
         lows, highs = self.heights(np.array([x]))
+        low, high = lows[0], highs[0]
+        moments = np.zeros(6)
         if self.range[0] >= self.range[1] or (highs < 0.0).any():
-            return np.empty((0, 4), np.int64), np.empty((0, 2)), np.empty(0), np.zeros(6)
+            whose, places, one = np.empty((0, 2), np.int64), np.empty((0, 8)), np.zeros(1, np.int64)
+            return Outline(low, high, whose, places, one, np.empty(0), one[:0], 0.0, moments)
         room = _MOST_EDGES
         edges, ends, turns = np.empty((room, 4), np.int64), np.empty((room, 2)), np.empty(room)
-        moments = np.zeros(6)
         with _working(1) as kernel:
             count = kernel.outline(
-                lows[0],
-                highs[0],
+                low,
+                high,
                 self.limbs,
                 self.signs,
                 self.table,
@@ -112,7 +131,33 @@ class Cutter:
                 self.origin,
                 moments,
             )
-        return edges[:count], ends[:count], turns[:count], moments
+            whose, places = np.empty((count, 2), np.int64), np.empty((count, 8))
+            firsts, areas = np.empty(count + 1, np.int64), np.empty(count + 1)
+            pieces = np.empty(count + 1, np.int64)
+            loops, perimeter = kernel.describe(
+                edges[:count],
+                ends[:count],
+                turns[:count],
+                self.limbs,
+                low,
+                high,
+                whose,
+                places,
+                firsts,
+                areas,
+                pieces,
+            )
+        return Outline(
+            low,
+            high,
+            whose,
+            places,
+            firsts[: loops + 1],
+            areas[:loops],
+            pieces[:loops],
+            perimeter,
+            moments,
+        )
 
     def pieces(self, x: Array, weights: Array, marks: NDArray[np.int64]) -> Array:
         """Weighted areas of sections at increasing x (N,), summed by connected pieces.

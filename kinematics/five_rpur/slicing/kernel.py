@@ -332,6 +332,75 @@ def outline(
     return total
 
 
+def describe(
+    edges: Ints,
+    ends: Array,
+    turns: Array,
+    limbs: Array,
+    low: Array,
+    high: Array,
+    whose: Ints,
+    places: Array,
+    firsts: Ints,
+    areas: Array,
+    pieces: Ints,
+) -> tuple[int, float]:
+    """What there is to say of the edges that `outline` found (E of them), and of their loops.
+
+    Areas by Green's theorem: the polygon of chords, and what lies between chords and arcs.
+
+    Args:
+        whose: (E, 2) out: limb from 0; 0, 1 or 2 for ρ_min, ρ_max and the line |y| = l.
+        places: (E, 8) out: start, end, centre, radius and signed angle; of a line NaN, inf, 0.
+        firsts, areas, pieces: (E + 1,) out: each loop's first edge, area, and piece counted from 0;
+            ``firsts`` has E behind the last.
+
+    Returns:
+        the number of loops, and the sum of the edges' lengths.
+    """
+    count = edges.shape[0]
+    perimeter = 0.0
+    loops = 0
+    first = 0
+    while first < count:
+        behind = first
+        while behind < count and edges[behind, 3] == edges[first, 3]:
+            behind += 1
+        piece = 0
+        for loop in range(loops):
+            if edges[firsts[loop], 2] == edges[first, 2]:
+                piece = pieces[loop]
+                break
+            piece = max(piece, pieces[loop] + 1)
+        firsts[loops], areas[loops], pieces[loops] = first, 0.0, piece
+        for e in range(first, behind):
+            before = e - 1 if e > first else behind - 1
+            y0, z0, y1, z1 = ends[before, 0], ends[before, 1], ends[e, 0], ends[e, 1]
+            places[e, 0], places[e, 1], places[e, 2], places[e, 3] = y0, z0, y1, z1
+            areas[loops] += 0.5 * (y0 * z1 - z0 * y1)
+            circle = edges[e, 0]
+            if circle < 0:
+                whose[e, 0], whose[e, 1] = -1 - circle, 2
+                places[e, 4] = places[e, 5] = math.nan
+                places[e, 6], places[e, 7] = math.inf, 0.0
+                perimeter += abs(y1 - y0) + abs(z1 - z0)
+                continue
+            i, k = circle >> 2, circle & 3
+            y, z = limbs[WY, i], limbs[WZ, i] + offset(k, low[i], high[i])
+            link, sense = limbs[LINK, i], edges[e, 1]
+            # The exact angle next to the one that was added up.
+            angle = sense * (math.atan2(z1 - z, y1 - y) - math.atan2(z0 - z, y0 - y))
+            angle += 2.0 * math.pi * round((turns[e] - angle) / (2.0 * math.pi))
+            whose[e, 0], whose[e, 1] = i, 1 if k == 0 or k == 3 else 0
+            places[e, 4], places[e, 5], places[e, 6], places[e, 7] = y, z, link, sense * angle
+            areas[loops] += 0.5 * link * link * sense * (angle - math.sin(angle))
+            perimeter += link * abs(angle)
+        loops += 1
+        first = behind
+    firsts[loops] = count
+    return loops, perimeter
+
+
 def trace(
     lows: Array,
     highs: Array,
