@@ -6,6 +6,7 @@ so outer loops run counter-clockwise and holes clockwise. Lengths mm, angles rad
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal
@@ -78,7 +79,7 @@ class Section(_Frozen):
         centroid: (2,) mm; NaN of an empty section.
         second_moments: (3,) mm⁴ about the centroid: ∫v² dA, ∫w² dA, ∫vw dA with (v, w) the
             section's coordinates (here y′, z′) from the centroid.
-        construction: the curves that made it.
+        construct: gives the curves that made it, see `construction`.
     """
 
     at: float
@@ -96,7 +97,12 @@ class Section(_Frozen):
     perimeter: float
     centroid: Array
     second_moments: Array
-    construction: Construction
+    construct: Callable[[], Construction]
+
+    @cached_property
+    def construction(self) -> Construction:
+        """The circles and lines of which the edges are parts."""
+        return self.construct()
 
     @property
     def loops(self) -> int:

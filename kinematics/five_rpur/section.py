@@ -9,7 +9,7 @@ mm, angles rad.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -102,7 +102,7 @@ def _section(cutter: Cutter, at: float) -> Section:
         perimeter=outline.perimeter,
         centroid=centroid,
         second_moments=second,
-        construction=_construction(cutter, outline.low, outline.high),
+        construct=partial(_construction, cutter.limbs, outline.low, outline.high),
     )
 
 
@@ -115,9 +115,9 @@ def _about_centroid(moments: Array, origin: Array) -> tuple[float, Array, Array]
     return area, origin + np.array([v, w]), second
 
 
-def _construction(cutter: Cutter, low: Array, high: Array) -> Construction:
+def _construction(limbs: Array, low: Array, high: Array) -> Construction:
     """All circles and lines of limbs that reach the plane."""
-    _, wy, wz, link, _, _ = cutter.limbs
+    _, wy, wz, link, _, _ = limbs
     reached, hollow = high >= 0.0, low > 0.0
     # Circles −S_max, −S_min, +S_min, +S_max of every limb; those of ρ_min while they are there.
     center = np.empty((LIMBS, 4, 2))

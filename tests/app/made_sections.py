@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from math import acos, pi, sin, sqrt
 
 import numpy as np
@@ -21,6 +22,10 @@ Edge = tuple[
     float,
     float,
 ]
+
+
+def _same(construction: Construction) -> Construction:
+    return construction
 
 
 def made(
@@ -52,7 +57,7 @@ def made(
         perimeter=float(sum(lengths)),
         centroid=np.array([1.0, 2.0] if edges else nan),
         second_moments=np.array([3.0, 4.0, 5.0] if edges else 3 * [np.nan]),
-        construction=construction or circles([], []),
+        construct=partial(_same, construction or circles([], [])),
     )
 
 

@@ -109,16 +109,12 @@ class Cutter:
 
     def outline(self, x: float) -> Outline:
         """The boundary of the section at x, and its moments."""
-        lows, highs = self.heights(np.array([x]))
-        low, high = lows[0], highs[0]
-        moments = np.zeros(6)
-        if self.range[0] >= self.range[1] or (highs < 0.0).any():
-            whose, places, one = np.empty((0, 2), np.int64), np.empty((0, 8)), np.zeros(1, np.int64)
-            return Outline(low, high, whose, places, one, np.empty(0), one[:0], 0.0, moments)
+        low, high, moments = np.empty(LIMBS), np.empty(LIMBS), np.empty(6)
         room = _MOST_EDGES
         edges, ends, turns = np.empty((room, 4), np.int64), np.empty((room, 2)), np.empty(room)
         with _working(1) as kernel:
             count = kernel.outline(
+                x,
                 low,
                 high,
                 self.limbs,

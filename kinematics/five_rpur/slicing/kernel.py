@@ -15,6 +15,7 @@ from kinematics.five_rpur.slicing.sweep import (
     Bools,
     bounds_of,
     height,
+    heights,
     offset,
     rise,
     rooms,
@@ -237,6 +238,7 @@ def without_points(
 
 
 def outline(
+    x: float,
     low: Array,
     high: Array,
     limbs: Array,
@@ -252,7 +254,7 @@ def outline(
     """The boundary of one section as loops of edges, the region to their left.
 
     Args:
-        low, high: (n,) S(ρ_min) and S(ρ_max) of every limb.
+        low, high: (n,) out: S(ρ_min) and S(ρ_max) of every limb at x.
         edges: (E, 4) out: circle 4 limb + k, or −1 − limb of a line; +1 counter-clockwise, −1
             clockwise, 0 of a line; the piece of the region; the loop.
         ends: (E, 2) out: where each edge ends and the next one of its loop begins.
@@ -268,10 +270,10 @@ def outline(
     range_ = np.empty(2)
     point = np.empty(2)
     first, last = bounds_of(limbs, range_)
-    if range_[0] >= range_[1]:
+    moments[:] = 0.0
+    if not heights(x, limbs, low, high) or range_[0] >= range_[1]:
         return 0
     count, found, _ = sweep(limbs, low, high, signs, table, range_, size, room)
-    moments[:] = 0.0
     for edge in range(2 * count):
         run, c = edge >> 1, runs[edge >> 1, edge & 1]
         base, sign = base_of(limbs, low, high, c), 1.0 if edge & 1 else -1.0

@@ -36,6 +36,22 @@ TOUCH = 1e-12  # of the square of a distance: by how much it may be wrong
 WX, WY, WZ, LINK, LOW, HIGH = range(6)
 
 
+def heights(x: float, limbs: Array, low: Array, high: Array) -> bool:
+    """S(ρ_min) and S(ρ_max) of every limb at x into (n,) each; −1 out of a limb's reach.
+
+    Returns:
+        whether all limbs reach x.
+    """
+    all_reach = True
+    for i in range(limbs.shape[1]):
+        apart = abs(x - limbs[WX, i])
+        short, long = limbs[LOW, i], limbs[HIGH, i]
+        low[i] = math.sqrt((short - apart) * (short + apart)) if apart < short else 0.0
+        high[i] = math.sqrt((long - apart) * (long + apart)) if apart <= long else -1.0
+        all_reach = all_reach and apart <= long
+    return all_reach
+
+
 def bounds_of(limbs: Array, out: Array) -> tuple[int, int]:
     """The range of y' in which all limbs can close into ``out`` (2,), and who ends it (2,)."""
     first, last = 0, 0
