@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from kinematics.errors import InputError
 from kinematics.five_rpur.design import FiveRPURDesign
+from kinematics.five_rpur.slicing import acceleration
 from kinematics.five_rpur.slicing.cutter import Cuts, Cutter
 from kinematics.five_rpur.slicing.events import events
 from kinematics.five_rpur.slicing.quadrature import LONG, SHORT, Rule
@@ -25,6 +26,7 @@ from kinematics.spatial import Array, rotation_y
 
 MOST_SECTIONS = 60_000
 """No volume is worth more sections; what is reached by then is returned with its error."""
+_USUAL = 1500  # sections that a volume needs
 _FOUND = 2e-3  # of the gap between two nodes: where between them the structure changes
 _WIDEST = 3.0  # panels, as a part of the range for each cube root of the error wanted
 _NARROW = 1e-7  # of the size: two places are one
@@ -110,6 +112,7 @@ def integrate(
     """
     if not 1e-12 <= relative <= 1.0:
         raise InputError(f"the wanted relative error must lie between 1e-12 and 1, got {relative}")
+    acceleration.kernel(_USUAL)
     return _Work(cutter, relative, between).run()
 
 

@@ -2,9 +2,9 @@
 
 `sweep` and `kernel` are plain Python that numba also compiles. Compiling takes as long as some
 thousand sections in plain Python, loading what was compiled before as long as some dozens. So
-plain Python works until it has taken as long as the other way would have: at worst that doubles
-the time, once. `prepare` compiles at once, for processes that nobody waits for. What is compiled
-is kept in the user's cache folder, by the kernel's text.
+plain Python works until it would have taken as long as the other way: at worst that doubles the
+time, once. `prepare` compiles everything, for processes that nobody waits for; else only what is
+used is. What is compiled is kept in the user's cache folder, by the kernel's text.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ log = logging.getLogger(__name__)
 _MODULES = (_sweep, _kernel)
 _READY = "ready"
 _LOADING = 0.8  # s that it takes to load what was compiled before
-_COMPILING = 20.0  # s that it takes to compile
+_COMPILING = 10.0  # s that it takes to compile one use of sections
 _LOOK = 0.25  # s between looks whether somebody else has compiled
 
 
@@ -48,7 +48,7 @@ class _Plain:
 def kernel(sections: int) -> ModuleType:
     """The module `kernel`, compiled or not, to compute so many sections next."""
     if not _Plain.compiled and _pays(sections):
-        prepare()
+        _compile(everything=False)
     return _kernel
 
 
@@ -80,9 +80,17 @@ def _pays(sections: int) -> bool:
 
 
 def prepare() -> bool:
-    """Compile the kernel, or load it if that was done before; whether it is compiled now."""
-    if _Plain.compiled or not _available():
-        return _Plain.compiled
+    """Compile all of the kernel, or load it if that was done before; whether it is compiled now."""
+    return _compile(everything=True)
+
+
+def _compile(*, everything: bool) -> bool:
+    if not _available():
+        return False
+    if _Plain.compiled:
+        if everything:
+            _exercise()
+        return True
     from numba import NumbaError, config
 
     folder = _folder()
@@ -93,7 +101,8 @@ def prepare() -> bool:
     try:
         _replace(keep=folder is not None)
         _Plain.compiled = True
-        _exercise()
+        if everything:
+            _exercise()
     except NumbaError as error:  # a numba that cannot: plain Python is slower, not wrong
         log.warning("sections stay slow, numba could not compile them: %s", error)
         for module, members in zip(_MODULES, plain, strict=True):
@@ -103,7 +112,7 @@ def prepare() -> bool:
         return False
     finally:
         config.CACHE_DIR = before
-    if folder is not None:
+    if folder is not None and everything:
         (folder / _READY).touch()
         _tidy(folder)
     return True
