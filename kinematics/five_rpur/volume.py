@@ -88,7 +88,7 @@ def volume(
 class Integral:
     """``moments`` (3,) of the volume (∫ dx' of those of sections), ``first`` = ∫ x' A dx';
     the volume's ``error``; the sections taken, ``at``, ``area``, ``weights`` and ``marks`` (N,);
-    the panels' ``events``.
+    ``events`` (P,), where the structure changes.
     """
 
     moments: Array
@@ -167,15 +167,20 @@ class _Work:
             self._converge(*self._stretches())
         at, area, weights, marks = (_joined([part[n] for part in self.taken]) for n in range(4))
         order = np.argsort(at)
+        at, area, weights, marks = at[order], area[order], weights[order], marks[order]
+        # Of the panels' ends those on both sides of which sections are built differently.
+        ends = np.unique(_joined(self.edges))
+        behind = np.searchsorted(at, ends)
+        around = np.concatenate([[0], marks, [0]])
         return Integral(
             self.total,
             self.first,
             float(self.error),
-            at[order],
-            area[order],
-            weights[order],
-            marks[order].astype(np.int64),
-            np.unique(_joined(self.edges)),
+            at,
+            area,
+            weights,
+            marks.astype(np.int64),
+            ends[around[behind] != around[behind + 1]],
             self.sections,
         )
 
