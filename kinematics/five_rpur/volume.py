@@ -36,8 +36,9 @@ _UNSEEN = 1e-13  # of range x size²: what rounding may take
 # what was seen on ten thousand panels of random machines.
 _ALIKE, _LONGER = 0.05, 30.0
 # Where a kink lies between two nodes all rules may see too little of it: of the change in area
-# between them times their distance, and of the panel's volume.
-_JUMP, _KINK = 0.05, 1e-6
+# between them times their distance, of the change in slope times the distance's square, and of the
+# panel's volume.
+_JUMP, _BEND, _KINK = 0.05, 0.05, 1e-6
 
 _SPECK = 1e-10  # of the volume: a piece that small is due to rounding
 
@@ -155,6 +156,7 @@ class _Work:
             high = max(low, min(high, max(between)))
         self.range = (low, high)
         self.known = np.empty(0)
+        self.possible = np.empty(0)  # what was not seen to change anything, too, and infinity
         self.total = np.zeros(3)
         self.first = 0.0
         self.error = 0.0
@@ -197,7 +199,7 @@ class _Work:
         ends = np.concatenate([[low], known, [high]])
         marks = self._cut(0.5 * (ends[1:] + ends[:-1])).marks
         changes = marks[1:] != marks[:-1]
-        self.known = known[changes]
+        self.known, self.possible = known[changes], np.append(known, np.inf)
         ends = ends[np.concatenate([[True], changes, [True]])]
         # Between two nodes a small piece may begin and end unseen: the smaller the error wanted,
         # the closer they must be.
@@ -271,8 +273,12 @@ class _Work:
         volume = np.maximum(np.abs(fine[:, 0]), 1e-300)
         better = _ALIKE if rule is SHORT else np.minimum(_ALIKE, _LONGER * np.sqrt(apart / volume))
         changed = marks[:, 1:] != marks[:, :-1]
-        jumps = np.abs(np.diff(moments[:, :, 0], axis=1)) * np.diff(x, axis=1) * changed
-        kinked = apart + _KINK * volume + _JUMP * jumps.sum(axis=1)
+        gap, jump = np.diff(x, axis=1), np.diff(moments[:, :, 0], axis=1)
+        slope = jump / gap
+        slope = np.concatenate([slope[:, :1], slope, slope[:, -1:]], axis=1)
+        bend = np.abs(slope[:, 2:] - slope[:, :-2]) * gap
+        unseen = (_JUMP * np.abs(jump) + _BEND * bend) * gap * changed
+        kinked = apart + _KINK * volume + unseen.sum(axis=1)
         error = np.where(alike, better * apart, kinked)
         empty = (marks == 0).all(axis=1)
         return _Panels(left, right, x, moments, marks, rule, fine, error, alike, empty, begin, end)
@@ -327,10 +333,13 @@ class _Work:
             same = self._cut(np.asarray(middle)).marks == mark[wide]
             a[wide[same]] = middle[same]
             b[wide[~same]] = middle[~same]
+        # A closed form is exact, and no section there need tell.
+        event = self.possible[np.searchsorted(self.possible, a)]
+        found = np.where(event <= b, event, 0.5 * (a + b))
         # All ends in order of their panels; a panel's right end and the next one's left end are
         # neighbours that make no panel.
         owner = np.concatenate([np.arange(left.size), panel, np.arange(left.size)])
-        stops = np.concatenate([left, 0.5 * (a + b), right])
+        stops = np.concatenate([left, found, right])
         order = np.lexsort((stops, owner))
         owner, stops = owner[order], stops[order]
         inside = (owner[1:] == owner[:-1]) & (stops[1:] > stops[:-1])
