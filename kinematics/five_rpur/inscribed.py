@@ -26,8 +26,6 @@ _APART = 0.6  # of its room, from one place to the next
 _PLACES = 3 * _STARTS  # of which those with most room are the starts
 _FINALISTS = 3  # of these, when they have grown a little
 _NODES = 40  # along each axis of a grid, were it a cube
-_COARSE_NODES = 28
-_COARSE_ERROR = 0.4  # of a cell's diagonal
 _ENOUGH = 0.03  # of its nodes inside, and the grid is fine enough
 _CELLS = 16_000  # that are halved again
 _SMALLEST = 1e-8  # part of the machine's size: cells are not halved further
@@ -64,33 +62,6 @@ def sphere(
         return Sphere(middle, clearance(region, middle, 0.0)[0], error)
     balls = [grow_ball(region, c) for c, _ in _young(region)[:_FINALISTS]]
     return max((Sphere(c, r, error) for c, r in balls), key=lambda ball: ball.radius, default=None)
-
-
-def sphere_radius_coarse(
-    design: FiveRPURDesign, phi: float, theta: float, modes: tuple[str, ...] | None = None
-) -> tuple[float, float]:
-    """The radius of a ball near the largest inside the workspace, quickly, and its error, mm.
-
-    The ball is inside. How much larger the largest one may be is an estimate: on random machines
-    the best start, grown by two steps, fell short of it by up to 0.3 of a cell's diagonal, in
-    nine cases of ten by less than 0.15. Where no node of the grid is inside, no ball is
-    larger than half a diagonal.
-
-    Raises:
-        InputError: angles or modes that are not what they should be.
-    """
-    region = Region.at(design, phi, theta, modes, detail=40, rounds=3)
-    grid = _grid(region, _COARSE_NODES)
-    if grid is None:
-        return 0.0, 0.0
-    _, step, inside = grid
-    diagonal = float(np.linalg.norm(step))
-    starts = _starts(region, grid, 4)
-    if not starts:
-        return 0.0, 0.5 * diagonal
-    best = max(starts, key=lambda start: clearance(region, start, 0.0)[0])
-    _, radius = grow_ball(region, best, 2)
-    return radius, (_COARSE_ERROR if inside.any() else 0.5) * diagonal
 
 
 def box(

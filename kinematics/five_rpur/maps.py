@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from kinematics.errors import InputError
 from kinematics.five_rpur.design import FiveRPURDesign
-from kinematics.five_rpur.inscribed import sphere_radius_coarse
+from kinematics.five_rpur.inscribed import sphere
 from kinematics.five_rpur.slicing.cutter import Cutter
 from kinematics.five_rpur.volume import Integral, integrate, pieces
 from kinematics.sections import MapCells, MapSpec, Quantity
@@ -22,7 +22,7 @@ SPEC = MapSpec(
         Quantity("pieces", "Number of pieces", ""),
         Quantity("largest_piece", "Largest piece", "mm³"),
         Quantity("sphere", "Largest inscribed sphere, radius", "mm"),
-        Quantity("stroke", "Share of the stroke used, mean of the limbs", "%"),
+        Quantity("stroke", "Share of the stroke used, least of the limbs", "%"),
     ),
     figure="Figs. 20, 21",
 )
@@ -87,12 +87,13 @@ def _measures(
         if "stroke" in quantities:
             result["stroke"] = _stroke_share(design, cutter, found)
     if "sphere" in quantities:
-        result["sphere"] = sphere_radius_coarse(design, phi, theta, modes)
+        ball = sphere(design, phi, theta, modes)
+        result["sphere"] = (0.0, 0.0) if ball is None else (ball.radius, ball.error)
     return result
 
 
 def _stroke_share(design: FiveRPURDesign, cutter: Cutter, found: Integral) -> tuple[float, float]:
-    """The part of its stroke that a limb uses, %, mean of the limbs: what points of some sections'
+    """The part of its stroke that a limb uses, %, least of the limbs: what points of some sections'
     boundaries need of it. The error is what half as many points on edges would have missed."""
     inside = found.at[found.marks != 0]
     if not inside.size:
@@ -103,5 +104,5 @@ def _stroke_share(design: FiveRPURDesign, cutter: Cutter, found: Integral) -> tu
     for samples in (9, 5):
         low, high = cutter.strokes(inside[chosen], samples)
         low, high = np.maximum(low, design.stroke[:, 0]), np.minimum(high, design.stroke[:, 1])
-        shares.append(100.0 * float(np.mean(np.maximum(high - low, 0.0) / span)))
+        shares.append(100.0 * float(np.min(np.maximum(high - low, 0.0) / span)))
     return shares[0], shares[0] - shares[1] + 0.1

@@ -22,7 +22,7 @@ import numpy as np
 
 from kinematics.designs import load_design
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
-from kinematics.five_rpur.inscribed import box, sphere, sphere_radius_coarse
+from kinematics.five_rpur.inscribed import box, sphere
 from kinematics.five_rpur.section import section, section_range
 from kinematics.five_rpur.slicing import acceleration
 from kinematics.five_rpur.slicing.cutter import Cutter
@@ -93,7 +93,6 @@ def sections() -> None:
     for name, call in (
         ("largest ball", lambda: sphere(design, 0.0, 0.0)),
         ("largest box", lambda: box(design, 0.0, 0.0)),
-        ("largest ball, coarse", lambda: sphere_radius_coarse(design, 0.0, 0.0)),
     ):
         took, _ = seconds(call, rounds=3)
         print(f"{name + ':':42} {1e3 * took:.0f} ms")

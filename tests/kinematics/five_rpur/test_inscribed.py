@@ -15,7 +15,7 @@ from kinematics.five_rpur import inverse
 from kinematics.five_rpur.clearance import Region
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.growing import concave_program
-from kinematics.five_rpur.inscribed import box, sphere, sphere_radius_coarse
+from kinematics.five_rpur.inscribed import box, sphere
 from kinematics.mechanism import Mechanism
 from kinematics.sections import Box, Sphere
 
@@ -368,7 +368,6 @@ def test_a_centre_outside_has_no_room_and_an_empty_workspace_nothing():
     for empty in ((apart, 0.0, 0.0, None), (design, 0.0, 0.0, ())):
         assert sphere(*empty) is None
         assert box(*empty) is None
-        assert sphere_radius_coarse(*empty) == (0.0, 0.0)
 
 
 def test_bad_input_is_told():
@@ -420,15 +419,6 @@ def test_one_vertex_space_of_any_measures(link, low, stroke, theta):
     assert ball is not None
     assert 0.0 < ball.radius <= min(link, max(stroke / 2, low + stroke if low == 0 else 0)) + 1e-5
     check_ball(case, ball)
-
-
-@pytest.mark.parametrize("seed", range(60, 74))
-def test_the_coarse_ball_is_inside_and_its_error_holds(seed):
-    case = random_case(seed)
-    radius, error = sphere_radius_coarse(*case)
-    ball = sphere(*case)
-    best = 0.0 if ball is None else ball.radius
-    assert best - error <= radius <= best * 1.01 + 1e-6
 
 
 def test_through_the_mechanism():

@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 from kinematics.errors import InputError
 from kinematics.five_rpur import inverse
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
-from kinematics.five_rpur.vertex_space import PARTS
 from kinematics.five_rpur.offsets import offset_points
+from kinematics.five_rpur.vertex_space import PARTS
 from kinematics.five_rpur.workspace import limb_part, workspace
 from kinematics.mechanism import RESOLUTIONS
 from kinematics.solids import encode
