@@ -22,7 +22,7 @@ from kinematics.five_rpur.slicing.cutter import Cuts, Cutter
 from kinematics.five_rpur.slicing.events import events
 from kinematics.five_rpur.slicing.quadrature import LONG, SHORT, Rule
 from kinematics.sections import Volume
-from kinematics.spatial import Array, rotation_y
+from kinematics.spatial import Array, finite, rotation_y
 
 MOST_SECTIONS = 60_000
 """No volume is worth more sections; what is reached by then is returned with its error."""
@@ -32,9 +32,11 @@ _WIDEST = 3.0  # panels, as a part of the range for each cube root of the error 
 _NARROW = 1e-7  # of the size: two places are one
 _UNSEEN = 1e-13  # of range x size²: what rounding may take
 # What a rule may be off by, as a part of its difference to the coarser ones: where all sections are
-# built alike the shorter rule, and the longer one by the root of the relative difference. Bounds of
-# what was seen on ten thousand panels of random machines.
-_ALIKE, _LONGER = 0.05, 30.0
+# built alike, less the smaller the relative difference is, in proportion to its root; and of the
+# shorter rule at least, and of the longer one at most. Bounds of what was seen on ten thousand
+# panels of random machines.
+_SHORTER, _SHORTER_LEAST, _SHORTER_MOST = 15.0, 0.05, 0.3
+_LONGER, _LONGER_MOST = 30.0, 0.05
 # Where a kink lies between two nodes all rules may see too little of it: of the change in area
 # between them times their distance, of the change in slope times the distance's square, and of the
 # panel's volume.
@@ -65,8 +67,8 @@ def volume(
         between: only what lies between these two x', mm.
 
     Raises:
-        InputError: an angle that is not finite, a mode that is not five signs, or an error
-            wanted that is not between 1e-12 and 1.
+        InputError: an angle or an end that is not finite, a mode that is not five signs, or an
+            error wanted that is not between 1e-12 and 1.
     """
     cutter = Cutter(design, phi, theta, modes)
     found = integrate(cutter, relative, between)
@@ -109,11 +111,14 @@ def integrate(
     """Integrals over x' of the sections' moments, until the volume's error is small enough.
 
     Raises:
-        InputError: the wanted error is not between 1e-12 and 1.
+        InputError: the wanted error is not between 1e-12 and 1, or ``between`` not two numbers.
     """
     if not 1e-12 <= relative <= 1.0:
         raise InputError(f"the wanted relative error must lie between 1e-12 and 1, got {relative}")
     acceleration.kernel(_USUAL)
+    if between is not None:
+        first, last = finite(between, name="between", last=2).tolist()
+        between = (first, last)
     return _Work(cutter, relative, between).run()
 
 
@@ -271,10 +276,14 @@ class _Work:
         end = np.searchsorted(self.known, right - _NARROW * self.cutter.size)
         alike = (marks == marks[:, :1]).all(axis=1) & (begin >= end)
         volume = np.maximum(np.abs(fine[:, 0]), 1e-300)
-        better = _ALIKE if rule is SHORT else np.minimum(_ALIKE, _LONGER * np.sqrt(apart / volume))
+        root = np.sqrt(apart / volume)
+        if rule is SHORT:
+            better = np.clip(_SHORTER * root, _SHORTER_LEAST, _SHORTER_MOST)
+        else:
+            better = np.minimum(_LONGER * root, _LONGER_MOST)
         changed = marks[:, 1:] != marks[:, :-1]
         gap, jump = np.diff(x, axis=1), np.diff(moments[:, :, 0], axis=1)
-        slope = jump / gap
+        slope = np.divide(jump, gap, out=np.zeros_like(gap), where=gap > 0.0)
         slope = np.concatenate([slope[:, :1], slope, slope[:, -1:]], axis=1)
         bend = np.abs(slope[:, 2:] - slope[:, :-2]) * gap
         unseen = (_JUMP * np.abs(jump) + _BEND * bend) * gap * changed
