@@ -58,7 +58,8 @@ def seconds(call, rounds=ROUNDS):
 def volumes() -> float:
     print("\nvolumes (median of rounds; without pieces), their stated and their true errors")
     print(
-        f"{'design':18} {'modes':6} {'wanted':>7} {'ms':>7} {'sections':>8} {'stated':>8} {'true':>8}"
+        f"{'design':18} {'modes':6} {'wanted':>7} {'ms':>7} {'sections':>8} "
+        f"{'stated':>8} {'true':>8}"
     )
     first = 0.0
     for case, design, modes in cases():
