@@ -6,7 +6,7 @@ import threading
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -56,8 +56,28 @@ class Ended:
     text: str
 
 
+class _Known:
+    """What is known of a map of one quantity."""
+
+    def __init__(self, request: MapRequest) -> None:
+        self.request = request
+        self.values: Array = np.full(request.shape, np.nan)
+        self.errors: Array = np.full(request.shape, np.nan)
+        self.done: NDArray[np.bool_] = np.zeros(request.shape, dtype=bool)
+
+    def take(self, indices: Ints, cells: MapCells) -> None:
+        self.values.flat[indices] = cells.values[:, 0]
+        self.errors.flat[indices] = cells.errors[:, 0]
+        self.done.flat[indices] = True
+
+    def map(self) -> Map:
+        return Map(
+            self.request, self.values[None].copy(), self.errors[None].copy(), self.done.copy()
+        )
+
+
 class Mapping:
-    """One map at a time, kept on display until the next one has something to show."""
+    """One map at a time is computed; those of the same workspaces are kept, newest last."""
 
     lanes: tuple[LaneName, ...] = ()
 
@@ -67,10 +87,7 @@ class Mapping:
         self._run = 0  # the number of the newest map
         self._running: MapRequest | None = None
         self._begun = 0.0
-        self._values: Array = np.empty((0, 0))
-        self._errors: Array = np.empty((0, 0))
-        self._done: NDArray[np.bool_] = np.empty((0, 0), dtype=bool)
-        self._shown: MapRequest | None = None
+        self._kept: list[_Known] = []
         self._trouble = ""
         self._late = False
         self._from = 0.0
@@ -97,7 +114,7 @@ class Mapping:
 
     def follow(self) -> None:
         if self._running is not None and not of(self._running, self._stage.view.review):
-            self._give_up("The map was given up: the design or its working modes changed.")
+            self._give_up("")
         self._late, self._from = True, 0.0
 
     def take(self, item: object) -> bool:
@@ -152,14 +169,10 @@ class Mapping:
 
     def _keep(self, indices: Ints, cells: MapCells) -> None:
         assert self._running is not None
-        if self._shown is not self._running:
-            self._shown = self._running
-            shape = self._running.shape
-            self._values, self._errors = np.full(shape, np.nan), np.full(shape, np.nan)
-            self._done = np.zeros(shape, dtype=bool)
-        self._values.flat[indices] = cells.values[:, 0]
-        self._errors.flat[indices] = cells.errors[:, 0]
-        self._done.flat[indices] = True
+        if not self._kept or self._kept[-1].request is not self._running:
+            self._kept = [known for known in self._kept if beside(known.request, self._running)]
+            self._kept.append(_Known(self._running))
+        self._kept[-1].take(indices, cells)
         self._late = True
 
     # --- showing
@@ -179,31 +192,38 @@ class Mapping:
         self._from = done + max(PAUSE, SHARE * (done - now))
 
     def _charted(self, now: float) -> Charted:
+        known, running = self._known(), self._running
+        newest = self._kept[-1] if self._kept else None
+        begun = newest is not None and newest.request is running
         return Charted(
-            self._map(),
-            self._shown is not None and not of(self._shown, self._stage.view.review),
-            self._running is not None,
-            float(self._done.mean()) if self._running is self._shown and self._running else 0.0,
+            self._blank() if known is None else known.map(),
+            None if known is None else known.request,
+            known is not None and not of(known.request, self._stage.view.review),
+            "" if running is None else running.quantities[0].title,
+            float(newest.done.mean()) if begun and newest is not None else 0.0,
             now - self._begun,
             self._trouble,
         )
 
-    def _map(self) -> Map | None:
-        """What is known of the newest map; a blank one while there is none, None if none can be."""
-        if self._shown is None:
-            try:
-                return blank(chart_request(self._stage.view.review))
-            except BohemiaError:
-                return None
-        return Map(
-            self._shown, self._values[None].copy(), self._errors[None].copy(), self._done.copy()
-        )
+    def _known(self) -> _Known | None:
+        """The map of the chosen quantity; while there is none, the newest one."""
+        wanted = self._stage.view.review.chart.quantity
+        chosen = [known for known in self._kept if known.request.quantities[0].key == wanted]
+        return next(iter([*chosen, *self._kept[-1:]]), None)
+
+    def _blank(self) -> Map | None:
+        """A map to come; None if there can be none."""
+        try:
+            return _Known(chart_request(self._stage.view.review)).map()
+        except BohemiaError:
+            return None
 
     def _save(self, kind: str, client: viser.ClientHandle | None) -> None:
-        found = self._map()
-        if found is None or not found.done.any():
+        known = self._known()
+        if known is None:
             self._stage.complain("There is no map to save; start one first.", client)
             return
+        found = known.map()
         self._stage.apart(client, lambda: self._stage.download(map_file(found, kind), client))
 
 
@@ -261,10 +281,11 @@ def chart_request(review: Review) -> MapRequest:
     )
 
 
-def blank(request: MapRequest) -> Map:
-    """A map of which nothing is known yet."""
-    unknown = np.full((len(request.quantities), *request.shape), np.nan)
-    return Map(request, unknown, unknown.copy(), np.zeros(request.shape, dtype=bool))
+def beside(old: MapRequest, new: MapRequest) -> bool:
+    """Whether a map is kept beside a new one: another quantity of the same workspaces."""
+    return old.quantities != new.quantities and (
+        replace(old, quantities=new.quantities, pose=new.pose) == new
+    )
 
 
 def values(span: Span) -> Array:

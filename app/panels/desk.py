@@ -149,15 +149,18 @@ class Charted:
     """The map as panels draw it.
 
     Attributes:
-        map: the newest one of which something is known.
+        map: of the chosen quantity, if something is known of it, else the newest one.
+        of: tells apart what maps are of.
         stale: it is of another design or of other working modes.
-        running: one is being computed; ``share`` of it is done after ``seconds``.
+        running: the title of what is being computed, "" for nothing; ``share`` of it is done
+            after ``seconds``.
         trouble: why the last one was given up.
     """
 
     map: Map | None
+    of: object
     stale: bool
-    running: bool
+    running: str
     share: float
     seconds: float
     trouble: str

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from typing import Any
 
@@ -27,7 +28,7 @@ from app.panels.desk import (
     put_prop,
     volume_text,
 )
-from app.panels.plots import STEPS, TURN, Axes, Figure, Plot, number, scales, ticks
+from app.panels.plots import STEPS, TURN, Axes, Figure, Plot, nearest, number, scales, ticks
 from app.requests import GoToBall, SaveMap, StartMap, StopMap
 from app.state import Chart, Place, SetChart, Span, checked_chart
 from kinematics.errors import InputError
@@ -37,7 +38,6 @@ from kinematics.sweeps import Map
 
 KINDS = ("CSV", "NPZ", "PNG", "SVG")
 SHADES = 48
-NICE = 1  # decimals to which a click is rounded, on the page
 
 HELP = """
 The **map** shows a measure of the constant-orientation workspace over the orientations (φ, θ), as
@@ -47,7 +47,8 @@ sections; the errors are bounds, not guesses. It is drawn coarse first and refin
 The **cross** is the machine's present orientation. **Point** at the map to read it; **click or
 drag** to turn the machine there: x, y and z stay, so the pose may be out of reach, and undo takes
 it back. A map is of one design and one choice of working modes (Workspace tab); when either
-changes it stays, faded, until the next one.
+changes it stays, faded, until the next one. What was computed over the same ranges is kept: choose
+it under Show to see it again. Save as saves what is shown.
 """
 
 
@@ -64,21 +65,17 @@ class MapPanel(Panel):
             return
         known = review.mechanism.pose_coordinates(review.design)
         self._axes = tuple(known[n] for n in self._spec.axes)
-        self._plot = Plot(desk, self._pointed)
-        self._drawn: object = None
-        self._state = gui.add_html("")
-        self._progress = gui.add_progress_bar(0.0, visible=False, animated=True)
         self._titles = {q.title: q.key for q in self._spec.quantities}
         self._quantity = gui.add_dropdown(
             "Show", tuple(self._titles), initial_value=self._title(review.chart.quantity)
         )
         answer(desk, self._quantity, self._choose)
+        # Text, because number boxes keep to themselves what is no number.
         self._spans = [
-            gui.add_vector3(
+            gui.add_text(
                 f"{c.symbol} from, to ({page_unit(c)}), values",
                 _shown(c, span),
-                step=1.0,
-                hint="Both ends are mapped; more values take longer",
+                hint="Three numbers; both ends are mapped, and more values take longer",
             )
             for c, span in zip(self._axes, _spans(review.chart), strict=True)
         ]
@@ -90,6 +87,11 @@ class MapPanel(Panel):
             desk, "Cancel", lambda _: desk.ask(StopMap()), icon=viser.Icon.PLAYER_STOP
         )
         self._stop.visible = False
+        self._state = gui.add_html("")
+        self._progress = gui.add_progress_bar(0.0, visible=False, animated=True)
+        self._plot = Plot(desk, self._pointed)
+        self._drawn: object = None
+        self._found: Map | None = None
         button(
             desk,
             "Platform into the workspace",
@@ -109,19 +111,22 @@ class MapPanel(Panel):
         put(self._desk, self._quantity, self._title(review.chart.quantity))
         if not self._wrong.visible:  # what is being typed stays until it can be used
             for handle, c, span in zip(self._spans, self._axes, _spans(review.chart), strict=True):
-                put(self._desk, handle, _shown(c, span))
+                if _read(c, handle.value) != span:  # "-60 60 31" stays as it was typed
+                    put(self._desk, handle, _shown(c, span))
         self._draw_cross()
 
     def draw_map(self, sheet: Sheet, charted: Charted) -> None:
         if self._spec is None:
             return
-        put_prop(self._progress, "visible", charted.running)
+        running = bool(charted.running)
+        put_prop(self._progress, "visible", running)
         put_prop(self._progress, "value", round(100.0 * charted.share, 1))
-        put_prop(self._start, "visible", not charted.running)
-        put_prop(self._stop, "visible", charted.running)
-        put_prop(self._state, "content", _state(charted))
-        found = charted.map
-        drawn = None if found is None else (found.request, int(found.done.sum()), charted.stale)
+        put_prop(self._start, "visible", not running)
+        put_prop(self._stop, "visible", running)
+        chosen = self._title(sheet.view.review.chart.quantity)
+        put_prop(self._state, "content", _state(charted, chosen))
+        found = self._found = charted.map
+        drawn = None if found is None else (charted.of, int(found.done.sum()), charted.stale)
         if drawn != self._drawn:
             self._drawn = drawn
             self._plot.draw(None if found is None else figure(found, stale=charted.stale))
@@ -156,23 +161,26 @@ class MapPanel(Panel):
             spans = [_span(c, h.value) for c, h in zip(self._axes, self._spans, strict=True)]
             chart = checked_chart(Chart(review.chart.quantity, *spans), review)
         except InputError as error:
-            put_prop(self._wrong, "content", _red(str(error)))
+            put_prop(self._wrong, "content", _red(_sentence(str(error))))
             put_prop(self._wrong, "visible", True)
             return
         put_prop(self._wrong, "visible", False)
         self._desk.send(SetChart(chart), client)
 
     def _begin(self, client: viser.ClientHandle | None) -> None:
-        if self._wrong.visible:
-            raise InputError("The ranges cannot be used as they are; see below them.")
-        self._desk.ask(StartMap(client))
+        if not self._wrong.visible:  # else it stands above the button what is wrong
+            self._desk.ask(StartMap(client))
 
     def _pointed(self, x: float, y: float, client: viser.ClientHandle | None) -> None:
         review = self._sheet.view.review
-        assert self._spec is not None
+        if self._spec is None or self._found is None:
+            return
+        request = self._found.request
         pose = list(review.pose)
-        for n, c, value in zip(self._spec.axes, self._axes, (x, y), strict=True):
-            pose[n] = min(max(from_page_units(c, round(value, NICE)), c.lower), c.upper)
+        for n, c, value, known in zip(
+            self._spec.axes, self._axes, (x, y), (request.first, request.second), strict=True
+        ):
+            pose[n] = nearest(known, from_page_units(c, value))  # that of the cell that is told
         self._desk.send(Place(tuple(pose), gesture="map"), client)
 
     def _saved(self, client: viser.ClientHandle | None) -> None:
@@ -183,35 +191,75 @@ def _spans(chart: Chart) -> tuple[Span, Span]:
     return chart.first, chart.second
 
 
-def _shown(c: Coordinate, span: Span) -> tuple[float, float, float]:
-    low, high = (round(in_page_units(c, v), 6) for v in (span.low, span.high))
-    return low, high, float(span.count)
+def _shown(c: Coordinate, span: Span) -> str:
+    low, high = (number(round(in_page_units(c, v), 6)) for v in (span.low, span.high))
+    return f"{low}, {high}, {span.count}"
 
 
-def _span(c: Coordinate, typed: tuple[float, float, float]) -> Span:
-    low, high, count = typed
+def _span(c: Coordinate, typed: str) -> Span:
+    """What a person typed: three numbers, with commas, semicolons or spaces between them."""
+    words = re.split(r"[\s,;…]+", typed.strip().replace("−", "-"))
+    try:
+        low, high, count = map(float, words)
+    except ValueError:
+        raise InputError(
+            f"{c.symbol} needs three numbers: from, to, and how many values, as {_shown(c, Span())}"
+        ) from None
     if not (math.isfinite(count) and count == round(count)):
         raise InputError(f"how many values of {c.symbol} is a whole number")
     return Span(from_page_units(c, low), from_page_units(c, high), int(count))
+
+
+def _read(c: Coordinate, typed: str) -> Span | None:
+    try:
+        return _span(c, typed)
+    except InputError:
+        return None
+
+
+def _sentence(text: str) -> str:
+    """With a capital and a full stop; a symbol at its head stays what it is."""
+    head = text[0].upper() if text[0].isascii() else text[0]
+    return head + text[1:].rstrip(".") + "."
 
 
 def _red(text: str) -> str:
     return box(f'<b style="color:{palette.BEYOND}">{esc(text)}</b>')
 
 
-def _state(charted: Charted) -> str:
+def _state(charted: Charted, chosen: str) -> str:
+    """What the plot shows, and what is going on; ``chosen`` is the title of what is wanted."""
     if charted.running:
         done = f"{100 * charted.share:.0f} %" if charted.share else "starting …"
-        return box(f"Computing: {done} · {charted.seconds:.0f} s")
+        what = "" if charted.running == chosen else f" {esc(charted.running)},"
+        return box(f"Computing:{what} {done} · {charted.seconds:.0f} s{_other(charted, chosen)}")
     if charted.trouble:
         return _red(charted.trouble)
     if charted.map is None or not charted.map.done.any():
         return box("Nothing is computed yet: choose what to show and start it.")
+    share = 100 * charted.map.done.mean()
     if charted.stale:
-        return box("<b>Of the design or working modes before.</b> Start it again for the present.")
+        part = "" if charted.map.complete else f" It was stopped at {share:.0f} %."
+        return box(
+            f"<b>Of the design or working modes before.</b>{part} Press Start for the present."
+        )
+    if other := _other(charted, chosen):
+        return box(f"{other} Press Start for {esc(_lower(chosen))}.")
     if not charted.map.complete:
-        return box(f"Cancelled after {100 * charted.map.done.mean():.0f} % of the map.")
+        return box(f"Stopped at {share:.0f} % of the map; press Start to compute it whole.")
     return ""
+
+
+def _other(charted: Charted, chosen: str) -> str:
+    """A sentence when the plot shows something else than what is chosen."""
+    if charted.map is None or not charted.map.done.any():
+        return ""
+    shown = charted.map.request.quantities[0].title
+    return "" if shown == chosen else f" <b>Shown: {esc(_lower(shown))}.</b>"
+
+
+def _lower(title: str) -> str:
+    return title[0].lower() + title[1:]
 
 
 # --- the drawing --------------------------------------------------------------------------
@@ -225,7 +273,7 @@ def figure(found: Map, *, stale: bool) -> Figure:
         np.array([in_page_units(c, v) for v in given])
         for c, given in ((first, found.request.first), (second, found.request.second))
     )
-    axes = Axes(400, 392, 46, 24, 74, 38, _ends(x), _ends(y))
+    axes = Axes(400, 342, 46, 24, 74, 38, _ends(x), _ends(y))
     values, errors = found.values[0], found.errors[0]
     known = np.isfinite(values)
     top = _top(quantity, values[known])

@@ -216,6 +216,11 @@ def scales(
     return "".join(parts)
 
 
+def nearest(values: Sequence[float], value: float) -> float:
+    """The one of the values that a person pointed at."""
+    return min(values, key=lambda known: abs(known - value))
+
+
 def number(value: float) -> str:
     """A tick's number, with a minus sign as wide as a digit."""
     return f"{value + 0.0:.6g}".replace("-", "−")

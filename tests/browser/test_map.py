@@ -40,12 +40,7 @@ def _place(plot: Locator, phi: float, theta: float) -> tuple[float, float]:
 
 def _set_spans(tab: Tab, low: float, high: float, count: int) -> None:
     for symbol in "φθ":
-        label = f"{symbol} from, to (°), values"
-        for n, value in enumerate((low, high, count)):
-            box = tab.field(label).nth(n)
-            box.fill(str(value))
-            box.press("Enter")
-            tab.page.wait_for_timeout(120)
+        tab.type_into(f"{symbol} from, to (°), values", f"{low}, {high}, {count}")
 
 
 def _run(tab: Tab, low: float, high: float, count: int) -> None:
@@ -81,7 +76,7 @@ def test_a_map_is_computed_read_and_steers_the_machine(tab: Tab, tmp_path: Path)
     # The machine goes where the map is clicked; x, y and z stay, and undo takes it back.
     plot = _plot(tab)
     before = plot.locator("xpath=ancestor::div[2]/following-sibling::div[1]").inner_html()
-    mouse.click(*_place(plot, 15.0, -22.0))
+    mouse.click(*_place(plot, 13.0, -27.0))  # in the cell of 15 and −30
     tab.wait(
         lambda: (
             plot.locator("xpath=ancestor::div[2]/following-sibling::div[1]").inner_html() != before
@@ -91,8 +86,8 @@ def test_a_map_is_computed_read_and_steers_the_machine(tab: Tab, tmp_path: Path)
     tab.shot("map")
     tab.open_tab("Move")
     x = tab.value("x (mm)")
-    tab.wait(lambda: abs(tab.value("φ (°)") - 15.0) < 0.5, "φ of the click")
-    assert tab.value("θ (°)") == pytest.approx(-22.0, abs=0.5)
+    tab.wait(lambda: tab.value("φ (°)") == 15.0, "φ of the cell")
+    assert tab.value("θ (°)") == -30.0
     tab.open_tab("Review")
     tab.page.get_by_role("button", name="Undo").click()
     tab.open_tab("Move")
@@ -116,18 +111,53 @@ def test_a_map_is_cancelled_at_once_and_what_came_stays(tab: Tab) -> None:
     tab.page.get_by_role("button", name="Start", exact=True).click()
     tab.wait(lambda: re.search(r"Computing: [\d.]+ %", tab.text()) is not None, "a first part")
     tab.page.get_by_role("button", name="Cancel", exact=True).locator("visible=true").last.click()
-    text = tab.wait_for_text(r"Cancelled after \d+ % of the map")
+    text = tab.wait_for_text(r"Stopped at \d+ % of the map")
     assert int(text.split()[2]) < 100
+
+
+def test_what_is_typed_after_undo_is_what_is_computed(tab: Tab) -> None:
+    """Down to a number that was there before: boxes of numbers once kept it to themselves."""
+    tab.open_tab("Map")
+    _set_spans(tab, -90, 90, 7)
+    tab.page.wait_for_timeout(1200)  # a step of its own in undo
+    _set_spans(tab, -90, 90, 41)
+    tab.page.wait_for_timeout(1200)
+    tab.open_tab("Review")
+    tab.page.get_by_role("button", name="Undo").click()
+    tab.open_tab("Map")
+    label = "φ from, to (°), values"
+    tab.wait(lambda: tab.field(label).last.input_value() == "−90, 90, 7", "undone")
+    _run(tab, -60, 60, 4)
+    told = _plot(tab).get_attribute("data-grid")
+    assert told == "4 4"
+    assert tab.field(label).last.input_value() == "-60, 60, 4"
+
+
+def test_maps_of_several_quantities_are_kept_and_told_apart(tab: Tab) -> None:
+    _run(tab, -20, 20, 3)
+    tab.field("Show").first.click()
+    tab.page.get_by_role("option", name="Number of pieces", exact=True).click()
+    tab.wait_for_text(r"Shown: volume\. Press Start for number of pieces\.")
+    tab.page.get_by_role("button", name="Start", exact=True).click()
+    pieces = tab.page.get_by_role("img", name="Map of Number of pieces")
+    pieces.wait_for(timeout=60_000)
+    tab.wait(lambda: "Computing: " not in tab.text(), "the whole map")
+    tab.field("Show").first.click()
+    tab.page.get_by_role("option", name="Volume", exact=True).click()
+    tab.page.get_by_role("img", name="Map of Volume").wait_for(timeout=60_000)
+    assert "Shown: " not in tab.text()
 
 
 def test_ranges_that_cannot_be_used_are_told_and_change_nothing(tab: Tab) -> None:
     tab.open_tab("Map")
-    box = tab.field("φ from, to (°), values").nth(1)
-    box.fill("-120")
-    box.press("Enter")
+    label = "φ from, to (°), values"
+    tab.type_into(label, "-90, -120, 5")
     tab.wait_for_text("φ must end above where it begins")
+    tab.type_into(label, "nan, 60, 5")
+    tab.wait_for_text("The ends of φ must be finite numbers")
+    tab.type_into(label, "-90,")
+    tab.wait_for_text("φ needs three numbers")
     tab.page.get_by_role("button", name="Start", exact=True).click()
-    tab.wait_for_text("The ranges cannot be used as they are")
-    box.fill("45")
-    box.press("Enter")
-    tab.wait(lambda: "must end above" not in tab.text(), "ranges that can be used")
+    tab.type_into(label, "-90 45 5")
+    tab.wait(lambda: "three numbers" not in tab.text(), "ranges that can be used")
+    assert "Computing: " not in tab.text()
