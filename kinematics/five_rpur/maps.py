@@ -55,7 +55,7 @@ def map_cells(
     for key in quantities:
         if key not in known:
             raise InputError(f"a map shows {', '.join(known)}, not {key!r}")
-    angles = finite(poses, name="poses").reshape(-1, 5)[:, 3:]
+    angles = finite(poses, name="poses", last=5).reshape(-1, 5)[:, 3:]
     values = np.empty((len(angles), len(quantities)))
     errors = np.empty_like(values)
     for n, (phi, theta) in enumerate(angles.tolist()):

@@ -4,7 +4,7 @@
 thousand sections in plain Python, loading what was compiled before as long as some dozens. So
 plain Python works until it would have taken as long as the other way: at worst that doubles the
 time, once. `prepare` compiles everything, for processes that nobody waits for; else only what is
-used is. What is compiled is kept in the user's cache folder, by the kernel's text.
+used is. What is compiled is kept in the user's cache folder, by the kernel's text and place.
 """
 
 from __future__ import annotations
@@ -148,8 +148,10 @@ def _folder() -> Path | None:
     from importlib.metadata import version
 
     digest = hashlib.sha256()
-    for module in _MODULES:
-        digest.update(Path(str(module.__file__)).read_bytes())
+    for module in _MODULES:  # numba goes by a file's place and date as well
+        file = Path(str(module.__file__))
+        digest.update(file.read_bytes())
+        digest.update(f"{file} {file.stat().st_mtime_ns}".encode())
     digest.update(f"{sys.version} {version('numba')} {version('numpy')}".encode())
     folder = platformdirs.user_cache_path("bohemia", appauthor=False) / "kernel"
     folder /= digest.hexdigest()[:16]

@@ -91,3 +91,25 @@ def test_an_empty_workspace_is_an_answer():
 def test_what_a_map_does_not_show_is_told():
     with pytest.raises(InputError, match=r"volume, pieces.*not 'area'"):
         map_cells(load_design("rpur-table1"), poses([(0.0, 0.0)]), None, ("area",))
+
+
+@pytest.mark.parametrize(
+    ("where", "told"),
+    [
+        ([[0, 0, 0, np.nan, 0]], "finite"),
+        ([[0.0, 0.0, 0.1, 0.2]] * 5, "5 numbers"),
+        ("here", "poses"),
+    ],
+)
+def test_poses_that_are_none_are_told(where, told):
+    with pytest.raises(InputError, match=told):
+        map_cells(load_design("rpur-table1"), where, None, ("volume",))
+
+
+def test_only_the_orientation_matters():
+    design = load_design("rpur-table1")
+    here = map_cells(design, [[0.0, 0.0, 0.0, 0.3, -0.4]], None, ("volume", "stroke"))
+    there = map_cells(design, [[900.0, -50.0, 1e4, 0.3, -0.4]], None, ("volume", "stroke"))
+    assert here.values.tolist() == there.values.tolist()
+    assert map_cells(design, np.empty((0, 5)), None, KEYS).values.shape == (0, len(KEYS))
+    assert not here.values.flags.writeable

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -69,6 +71,7 @@ cut = section(load_design("rpur-table1"), 0.0, 0.0, 50.0)
 print(json.dumps({"area": cut.area, "numba": "numba" in sys.modules}))
 """
     told = run(code, XDG_CACHE_HOME=str(tmp_path))
+    assert list(tmp_path.rglob("*.nb?")) == []
     assert told["area"] == pytest.approx(46_318.5898, rel=1e-8)
     assert not told["numba"]
 
@@ -80,5 +83,54 @@ def test_nothing_is_compiled_a_second_time_in_ordinary_use():
     volume(design, 0.1, 0.2, relative=1e-3)
     volume(design, 0.1, 0.2, ["+++++"], relative=1e-3, between=(0.0, 50.0))
     map_cells(design, [[0.0, 0.0, 0.0, 0.1, 0.2]], ("+++++",), ("volume", "pieces", "stroke"))
+    section(design, 0.1, 0.2, 1e6)
+    for modes in ((), ("+++++", "--+-+", "+-+++")):
+        volume(design, 0.1, 0.2, modes, relative=1e-3)
     for function in (kernel.measure, kernel.outline, kernel.describe, kernel.trace, kernel.strokes):
         assert len(function.signatures) == 1, function
+
+
+BROKEN = {
+    "at once": "def njit(function, **options): raise numba.NumbaError('no')",
+    "when called": """
+def njit(function, **options):
+    def call(*arguments): raise numba.NumbaError('no')
+    return call
+""",
+}
+
+
+@pytest.mark.parametrize("when", BROKEN)
+def test_a_numba_that_cannot_is_done_without(when, tmp_path):
+    code = f"""
+import json, numba
+{BROKEN[when]}
+numba.njit = njit
+from kinematics.designs import load_design
+from kinematics.five_rpur.section import section
+from kinematics.five_rpur.slicing import acceleration
+prepared = acceleration.prepare()
+cut = section(load_design("rpur-table1"), 0.0, 0.0, 50.0)
+print(json.dumps([prepared, acceleration.prepare(), acceleration.is_compiled(), cut.area]))
+"""
+    *compiled, area = run(code, XDG_CACHE_HOME=str(tmp_path))
+    assert compiled == [False, False, False]
+    assert area == pytest.approx(46_318.5898, rel=1e-8)
+
+
+def test_what_is_kept_is_told_apart_by_its_place(root, tmp_path):
+    """numba finds what it has compiled by the file's path and date: another copy has nothing."""
+    copy = tmp_path / "copy"
+    for name in ("kinematics", "assets"):
+        shutil.copytree(root / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
+    code = """
+import json, sys
+sys.path.insert(0, {!r})
+from kinematics.five_rpur.slicing import acceleration
+print(json.dumps(str(acceleration._folder())))
+"""
+    here, again, there = (
+        run(code.format(str(place)), XDG_CACHE_HOME=str(tmp_path)) for place in (root, root, copy)
+    )
+    assert here == again != there
+    assert Path(here).is_relative_to(tmp_path)
