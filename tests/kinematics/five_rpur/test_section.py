@@ -14,7 +14,7 @@ from kinematics.designs import load_design
 from kinematics.errors import InputError
 from kinematics.five_rpur import inverse
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
-from kinematics.five_rpur.offsets import aligned_offsets
+from kinematics.five_rpur.offsets import offset_points
 from kinematics.five_rpur.section import section, section_range, sections
 from kinematics.five_rpur.slicing.cutter import Cutter
 from kinematics.five_rpur.slicing.events import events
@@ -101,7 +101,7 @@ def check(design: FiveRPURDesign, phi, theta, at, modes=None) -> Section:
     size = size_of(design)
     check_loops(s, ROUNDING * size)
     if len(s.start):
-        check_curves(design, aligned_offsets(design, phi, theta), s, ROUNDING * size)
+        check_curves(design, offset_points(design, phi, theta), s, ROUNDING * size)
         check_sides(design, phi, theta, modes, s)
     check_moments(s, size)
     check_points(design, phi, theta, modes, s)
@@ -205,7 +205,7 @@ def check_moments(s: Section, size: float) -> None:
 def check_points(design: FiveRPURDesign, phi, theta, modes, s: Section) -> None:
     """Random points: inside by inverse kinematics if and only if inside the loops."""
     size = size_of(design)
-    corners = s.start if s.loops else aligned_offsets(design, phi, theta)[:, 1:]
+    corners = s.start if s.loops else offset_points(design, phi, theta)[:, 1:]
     low, high = corners.min(axis=0), corners.max(axis=0)
     spread = 0.2 * (high - low) + 0.02 * size
     points = np.random.default_rng(5).uniform(low - spread, high + spread, (300, 2))
@@ -539,7 +539,7 @@ def test_the_construction_holds_every_edge():
         assert low - 1e-9 <= s.start[k, 1] <= high + 1e-9
         assert low - 1e-9 <= s.end[k, 1] <= high + 1e-9
     # Two circles for each end of a stroke that reaches the plane.
-    apart = np.abs(60.0 - aligned_offsets(design, 0.2, 0.1)[:, 0])
+    apart = np.abs(60.0 - offset_points(design, 0.2, 0.1)[:, 0])
     for bound in (RHO_MIN, RHO_MAX):
         assert (made_by.circle_bound == bound).sum() == 2 * (apart < design.stroke[:, bound]).sum()
 
