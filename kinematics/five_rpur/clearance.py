@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from kinematics.five_rpur import inverse
 from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
-from kinematics.five_rpur.offsets import aligned_offsets
+from kinematics.five_rpur.offsets import SAME_SOLIDS, aligned_offsets
 from kinematics.spatial import Array, rotation_y
 
 Ints = NDArray[np.integer[Any]]
@@ -115,7 +115,7 @@ class Region:
         detail: int = 96,
         rounds: int = 8,
     ) -> Region:
-        offset = aligned_offsets(design, phi, theta)
+        offset = aligned_offsets(design, phi, theta, SAME_SOLIDS)
         turn = rotation_y(theta)
         offset = offset @ turn.T
         chosen = formula(None if modes is None else tuple(modes))

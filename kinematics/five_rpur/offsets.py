@@ -15,9 +15,10 @@ from kinematics.errors import InputError
 from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.spatial import Array, finite, rotation_x, rotation_y
 
-# Offsets that differ by less than this part of a limb's size are made equal: limbs that coincide
-# but for rounding would otherwise enclose films of air between them.
-_SAME = 1e-9
+SAME_SOLIDS = 1e-9
+"""Part of a limb's size: solids of limbs closer than that would enclose films of air."""
+SAME_NUMBERS = 4e-15
+"""Part of a limb's size: what differs by less does so by rounding alone."""
 
 
 def offset_points(design: FiveRPURDesign, phi: ArrayLike, theta: ArrayLike) -> Array:
@@ -31,8 +32,10 @@ def offset_points(design: FiveRPURDesign, phi: ArrayLike, theta: ArrayLike) -> A
     return np.asarray(base - platform)
 
 
-def aligned_offsets(design: FiveRPURDesign, phi: float, theta: float) -> Array:
-    """`offset_points` of one orientation, (5, 3) mm: coordinates that differ by rounding are equal.
+def aligned_offsets(design: FiveRPURDesign, phi: float, theta: float, same: float) -> Array:
+    """`offset_points` of one orientation, (5, 3) mm, with coordinates that are the same made equal.
+
+    ``same`` is the part of the smallest limb's size by which they may differ.
 
     Raises:
         InputError: not one finite number each.
@@ -40,7 +43,7 @@ def aligned_offsets(design: FiveRPURDesign, phi: float, theta: float) -> Array:
     offsets = offset_points(design, phi, theta)
     if offsets.shape != (LIMBS, 3):
         raise InputError("phi and theta must be one number each")
-    return _aligned(offsets, _SAME * float((design.link + design.stroke[:, 1]).min()))
+    return _aligned(offsets, same * float((design.link + design.stroke[:, 1]).min()))
 
 
 def _aligned(offsets: Array, step: float) -> Array:

@@ -16,7 +16,7 @@ import numpy as np
 
 from kinematics.errors import InputError
 from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
-from kinematics.five_rpur.offsets import aligned_offsets
+from kinematics.five_rpur.offsets import SAME_SOLIDS, aligned_offsets
 from kinematics.five_rpur.true_surface import true_surface
 from kinematics.five_rpur.vertex_space import Part, Surface, deviation, limb_solid, shear
 from kinematics.mechanism import SURFACES, Resolution, SurfaceKind
@@ -67,7 +67,7 @@ def workspace(
     """
     if surface not in SURFACES:
         raise InputError(f"there is no surface {surface!r}; use {' or '.join(SURFACES)}")
-    placed = aligned_offsets(design, phi, theta)
+    placed = aligned_offsets(design, phi, theta, SAME_SOLIDS)
     solids = []
     for choice in _products(modes):
         operands = [

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from kinematics.errors import InputError
 from kinematics.five_rpur.design import LIMBS, FiveRPURDesign, Limb
-from kinematics.five_rpur.offsets import aligned_offsets
+from kinematics.five_rpur.offsets import SAME_NUMBERS, aligned_offsets
 from kinematics.five_rpur.slicing import acceleration
 from kinematics.sections import Ints
 from kinematics.spatial import Array
@@ -73,7 +73,7 @@ class Cutter:
         theta: float,
         modes: Iterable[str] | None,
     ) -> None:
-        offsets = aligned_offsets(design, phi, theta)
+        offsets = aligned_offsets(design, phi, theta, SAME_NUMBERS)
         self.limbs = np.array([*offsets.T, design.link, *design.stroke.T])
         self.signs, self.table = _halves(None if modes is None else frozenset(modes))
         wx, wy, wz, link, _, high = self.limbs
