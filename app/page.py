@@ -93,6 +93,7 @@ class Page:
         self._busy: dict[str, Busy] = {}
         self._notes: tuple[str, ...] = ()
         self._dragging: set[int] = set()
+        self._grips = 0
         self._unsaved = False
         self._changed_at = 0.0
         self._kind = ""
@@ -410,12 +411,14 @@ class Page:
             self._dragging.discard(who)
             self.scene.release_handle()
             return True
+        if not self._dragging:
+            self._grips += 1
         self._dragging.add(who)
         if not np.isfinite(placed).all():
             return False
         review = self._history.present
         pose = review.mechanism.pose_from_transform(review.design, placed)
-        return self.apply(Place(pose), None)
+        return self.apply(Place(pose, held=self._grips), None)
 
     def _theme(self, review: Review) -> None:
         if review.options.dark == self._dark:

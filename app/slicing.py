@@ -13,7 +13,7 @@ from app import slicer
 from app.compute import reaching_mode
 from app.exporting import ExportedFile, solid_name
 from app.lane import Done, Job, Lane, Lost
-from app.panels.desk import Sections
+from app.panels.desk import DIGITS, Sections
 from app.parts import Stage
 from app.plane import Inside, Plane
 from app.requests import Forget, GoToBall, Inscribe, SaveSection
@@ -58,6 +58,7 @@ class Slicing:
         self._plane = Plane(stage.scene, self._moved)
         self._inside = Inside(stage.scene)
         self._dragging: set[int] = set()
+        self._grips = 0
         self._late = False
         self._region: Region | None = None
         self._wish: Wish | None = None
@@ -204,8 +205,10 @@ class Slicing:
             self._dragging.discard(who)
             self._place()
             return False
+        if not self._dragging:
+            self._grips += 1
         self._dragging.add(who)
-        return self._stage.apply(MoveCut(at), None)
+        return self._stage.apply(MoveCut(round(at, DIGITS), held=self._grips), None)
 
     # --- ball and box
 

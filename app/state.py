@@ -20,6 +20,7 @@ SORTS: tuple[Sort, ...] = ("distance", "condition", "height", "mode")
 SAME_MODE = "same"
 QUIET_GAP = 1.0  # s; a gesture that pauses longer than this becomes a step of its own in undo
 MAX_HISTORY = 300
+FAR = 1e4  # mm; a plane may stand this far off, where it cuts nothing
 MAX_CELLS = 91  # of a map along one axis
 
 
@@ -162,10 +163,14 @@ class Move:
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Set the whole pose, as when the platform is dragged."""
+    """Set the whole pose, as when the platform is dragged.
+
+    ``held`` numbers the grips of a hand: one grip is one step of undo, however long it pauses.
+    """
 
     pose: tuple[float, ...]
     gesture: str = "place"
+    held: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -291,10 +296,11 @@ class ShowCut:
 
 @dataclass(frozen=True, slots=True)
 class MoveCut:
-    """Set where the section's plane stands, mm."""
+    """Set where the section's plane stands, mm; ``held`` as in `Place`."""
 
     at: float
     gesture: str = "cut"
+    held: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -410,7 +416,7 @@ def within_reach(review: Review, at: float) -> tuple[float, str]:
         for c in review.mechanism.pose_coordinates(review.design)
         if c.unit == "mm"
     ]
-    far = float(math.ceil(math.hypot(*sides)))
+    far = max(FAR, float(math.ceil(math.hypot(*sides))))
     return _within(Coordinate("at", name, "mm", -far, far), at)
 
 
@@ -436,8 +442,8 @@ def checked_chart(chart: Chart, review: Review) -> Chart:
         if not 2 <= span.count <= MAX_CELLS:
             raise InputError(f"a map has from 2 to {MAX_CELLS} values of {symbol}")
         for end in (span.low, span.high):
-            if _within(coordinates[index], end)[1]:
-                raise InputError(_within(coordinates[index], end)[1])
+            if beyond := _within(coordinates[index], end)[1]:
+                raise InputError(beyond.replace("is kept", "must stay"))
     return chart
 
 
@@ -464,8 +470,8 @@ def _within(coordinate: Coordinate, value: float) -> tuple[float, str]:
         return kept, ""
     scale, unit = (1.0, "mm") if coordinate.unit == "mm" else (180.0 / math.pi, "°")
     return kept, (
-        f"{coordinate.symbol} is kept within {coordinate.lower * scale:g} … "
-        f"{coordinate.upper * scale:g} {unit}."
+        f"{coordinate.symbol} is kept within {coordinate.lower * scale:g} … ".replace("-", "−")
+        + f"{coordinate.upper * scale:g} {unit}."
     )
 
 
@@ -551,20 +557,22 @@ class History:
     future: tuple[Review, ...] = ()
     gesture: str = ""
     changed_at: float = -math.inf
+    held: int = 0
 
     def apply(self, what: Change, now: float) -> tuple[History, str]:
         """The history after a change; the steps of one drag become one step of undo."""
         present, note = change(self.present, what)
         if present == self.present:
             return self, note
+        held = what.held if isinstance(what, Place | MoveCut) else 0
         joined = (
             bool(what.gesture)
             and what.gesture == self.gesture
-            and now - self.changed_at < QUIET_GAP
+            and (now - self.changed_at < QUIET_GAP or 0 != held == self.held)
             and not self.future
         )
         past = self.past if joined else (*self.past, self.present)[-MAX_HISTORY:]
-        return History(present, past, (), what.gesture, now), note
+        return History(present, past, (), what.gesture, now, held), note
 
     def undo(self) -> History:
         if not self.past:

@@ -169,7 +169,7 @@ def test_sessions_from_before_there_were_sections_and_maps_still_open(review: Re
         ({"map": {"phi_deg": [0, 10, 2.5]}}, "from, to, how many"),
         ({"map": {"phi_deg": [0, "10", 3]}}, "finite number"),
         ({"map": {"theta_deg": [10, 0, 3]}}, "θ must end above"),
-        ({"map": {"theta_deg": [0, 999, 3]}}, "kept within"),
+        ({"map": {"theta_deg": [0, 999, 3]}}, "must stay within"),
     ],
 )
 def test_broken_sections_and_maps(review: Review, edit: dict, message: str) -> None:
