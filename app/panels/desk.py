@@ -263,11 +263,14 @@ class Slider:
         value: float,
         act: Callable[[float, viser.ClientHandle | None], None],
         hint: str | None = None,
+        digits: int = DIGITS,
     ) -> None:
         self._desk = desk
+        self._digits = digits
         self._handle = desk.gui.add_slider(
-            label, low, high, step, round(min(max(value, low), high), DIGITS), hint=hint
+            label, low, high, step, round(min(max(value, low), high), digits), hint=hint
         )
+        put_prop(self._handle, "precision", digits)
         answer(desk, self._handle, act)
 
     def draw(self, low: float, high: float, value: float) -> None:
@@ -278,7 +281,7 @@ class Slider:
         value = min(max(value, low), high)
         # What was typed stays as it was typed; what was computed shows the digits that fit.
         if not _close(self._handle.value, value):
-            put(self._desk, self._handle, round(value, DIGITS))
+            put(self._desk, self._handle, round(value, self._digits))
 
 
 def button(

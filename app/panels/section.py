@@ -8,7 +8,9 @@ import numpy as np
 import viser
 
 from app import palette
+from app.atlas import number as signed
 from app.panels.desk import (
+    DIGITS,
     Desk,
     Panel,
     Sections,
@@ -25,13 +27,15 @@ from app.panels.desk import (
     put,
     put_prop,
 )
-from app.panels.plots import Axes, Figure, Plot, number, scales, ticks
+from app.panels.plots import Axes, Figure, Plot, nearest, number, scales, ticks
 from app.requests import SaveSection
+from app.slicer import Drawn
 from app.state import MoveCut, ShowCut, point_in_section
 from kinematics.sections import Section, SectionSpec, Volume
 
 KINDS = ("SVG", "DXF", "CSV")
-COLUMNS = 120  # places along x′ of which the profile tells the area
+COLUMNS = 336  # places along x′ of which the profile tells the area, one a pixel
+TYPED = 4  # digits of x′ that can be typed
 MOST = 600  # points of the profile that are drawn
 WIDTH = 320  # px of the plot's own panel; workspaces are higher than wide
 
@@ -46,6 +50,26 @@ Drag the **plane's arrow** in the scene, the slider, or point at the lower plot:
 section against x′. Its ticks mark where arcs appear, touch or vanish; the area under it is the
 workspace's volume. The cross marks the platform, where it stands in the plane.
 """
+
+
+# A number box that is left without a number goes back to its last one: viser does not even report
+# what is none. Once for a page, in the browser.
+_BACK = """
+if(!window.boxesGoBack){window.boxesGoBack=1;
+const ok=(i)=>i.value.trim()!==''&&isFinite(+i.value),
+box=(e)=>e.target.closest&&e.target.closest('.mantine-NumberInput-root')?e.target:null,
+keep=(e)=>{const i=box(e);if(i&&ok(i))i.good=i.value;},
+back=(e)=>{const i=box(e);if(!i||ok(i)||i.good===undefined||e.key&&e.key!=='Enter')return;
+Object.getOwnPropertyDescriptor(HTMLInputElement.prototype,'value').set.call(i,i.good);
+i.dispatchEvent(new Event('input',{bubbles:true}));};
+for(const t of ['focusin','input'])document.addEventListener(t,keep,true);
+for(const t of ['focusout','keydown'])document.addEventListener(t,back,true);}
+"""
+GUARD = (
+    '<img alt="" style="display:none" src="data:image/gif;base64,'
+    'R0lGODlhAQABAIAAAAAAAP///yH5BAEAAAAALAAAAAABAAEAAAIBRAA7" '
+    f'onload="{esc(_BACK.replace(chr(10), " ").strip())}">'
+)
 
 
 class SectionPanel(Panel):
@@ -64,7 +88,10 @@ class SectionPanel(Panel):
         )
         answer(desk, self._on, lambda on, client: desk.send(ShowCut(on), client))
         at = review.cut.at
-        self._range = (at - 100.0, at + 100.0)
+        lengths = [c for c in review.mechanism.pose_coordinates(review.design) if c.unit == "mm"]
+        # Until it is known where the workspace lies.
+        self._range = (min(c.lower for c in lengths), max(c.upper for c in lengths))
+        gui.add_html(GUARD)
         self._at = Slider(
             desk,
             f"{self._spec.normal} (mm)",
@@ -72,6 +99,7 @@ class SectionPanel(Panel):
             0.1,
             at,
             lambda value, client: desk.send(MoveCut(value), client),
+            digits=TYPED,
         )
         self._through = button(desk, "Through the platform", self._go_through)
         self._window = gui.add_panel(visible=review.cut.on)
@@ -79,7 +107,8 @@ class SectionPanel(Panel):
         with self._window.add_tab(self._spec.title):
             self._plot = gui.add_html("")
         self._numbers = gui.add_html("")
-        self._profile = Plot(desk, lambda x, _, client: self._desk.send(MoveCut(x), client))
+        self._profile = Plot(desk, self._pointed)
+        self._known: Drawn | None = None
         self._profile_of: Volume | None = None
         self._save = gui.add_button_group("Save as", KINDS)
         clicked(desk, self._save, self._saved)
@@ -97,11 +126,14 @@ class SectionPanel(Panel):
         put_prop(self._window, "visible", cut.on)
         if not cut.on:
             put_prop(self._numbers, "content", _hint())
+        elif self._known is None:
+            put_prop(self._numbers, "content", _first())
 
     def draw_sections(self, sheet: Sheet, sections: Sections) -> None:
         if self._spec is None:
             return
         drawn, cut = sections.drawn, sheet.view.review.cut
+        self._known = drawn
         if cut.on and drawn is not None:
             put_prop(self._plot, "content", _fluid(drawn.svg))
             put_prop(
@@ -138,11 +170,22 @@ class SectionPanel(Panel):
             f'stroke-width="1.5"/><circle cx="{x:.1f}" cy="{y:.1f}" r="3.5" fill="currentColor"/>'
         )
 
+    def _pointed(self, x: float, _: float, client: viser.ClientHandle | None) -> None:
+        figure = self._profile.figure
+        if figure is not None:  # at what the drawing tells under the pointer
+            self._desk.send(MoveCut(nearest(profile_places(figure.axes).tolist(), x)), client)
+
     def _go_through(self, client: viser.ClientHandle | None) -> None:
         self._desk.send(MoveCut(point_in_section(self._sheet.view.review)[0]), client)
 
     def _saved(self, client: viser.ClientHandle | None) -> None:
         self._desk.ask(SaveSection(self._save.value.lower(), client))
+
+
+def _first() -> str:
+    return box(
+        "Computing the first section …<br>On the first start on a machine this takes a minute."
+    )
 
 
 def _hint() -> str:
@@ -180,11 +223,12 @@ def _numbers(
         for n in sorted(set(section.limb.tolist()))
     )
     rows = (
+        ("Cut at", f"{esc(spec.normal)} = {number(round(section.at, TYPED))} mm"),
         ("Area", f'<span title="{exact}">{area_text(section.area)}</span>'),
         ("Perimeter", f"{section.perimeter:.1f} mm"),
         (
             f"Centroid ({first}, {second})",
-            f"{section.centroid[0]:.1f}, {section.centroid[1]:.1f} mm",
+            f"{signed(section.centroid[0])}, {signed(section.centroid[1])} mm",
         ),
         ("In all", f"{section.pieces} piece{'s' if section.pieces > 1 else ''}, {loops}{inner}"),
         ("Bounded by", limbs),
@@ -194,9 +238,15 @@ def _numbers(
         f'<td style="font-variant-numeric:tabular-nums">{value}</td></tr>'
         for title, value in rows
     )
+    moments = "<br>".join(
+        f"I<sub>{name}</sub> = {moment:.6g}".replace("e-", "e−").replace("= -", "= −") + " mm⁴"
+        for name, moment in zip(
+            (2 * first, 2 * second, first + second), section.second_moments.tolist(), strict=True
+        )
+    )
     details = (
         f'<details style="opacity:.75"><summary>Exactly</summary>{exact}<br>second moments about '
-        f"the centroid: {', '.join(f'{m:.6g}' for m in section.second_moments)} mm⁴</details>"
+        f"the centroid (I<sub>{first}{first}</sub> = ∫{first}² dA):<br>{moments}</details>"
     )
     return box(f"<table>{body}</table>{details}")
 
@@ -219,6 +269,13 @@ def _curve(volume: Volume) -> tuple[np.ndarray, np.ndarray]:
         ends = (min(ends[0], volume.events[0]), max(ends[1], volume.events[-1]))
     x = np.concatenate([[ends[0]], volume.at, [ends[1]]])
     return x, np.concatenate([[0.0], volume.area, [0.0]])
+
+
+def profile_places(axes: Axes) -> np.ndarray:
+    """The x′ (N,) of which the profile tells the area, and to which a click goes."""
+    middles = (np.arange(COLUMNS) + 0.5) / COLUMNS
+    places: np.ndarray = np.round(axes.x[0] + middles * (axes.x[1] - axes.x[0]), DIGITS)
+    return places
 
 
 def profile(volume: Volume, spec: SectionSpec) -> Figure | None:
@@ -247,7 +304,7 @@ def profile(volume: Volume, spec: SectionSpec) -> Figure | None:
         f'fill-opacity=".4" stroke="{palette.WORKSPACE}" stroke-width="1.6"/>'
         f'<path d="{events}" stroke="currentColor" stroke-opacity=".7"/>'
     )
-    places = axes.x[0] + (np.arange(COLUMNS) + 0.5) / COLUMNS * (axes.x[1] - axes.x[0])
+    places = profile_places(axes)
     areas = np.interp(places, x, area)
     return Figure(
         axes,
