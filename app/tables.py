@@ -192,8 +192,7 @@ def surface_text(built: BuiltSolid) -> str:
         return "facets, right on the average"
     text = f"true: vertices within {max(built.residual, 1e-12):.0e} mm of the exact surfaces"
     if built.unplaced:
-        left = "vertex is" if built.unplaced == 1 else "vertices are"
-        text += f", {built.unplaced} {left} only near them"
+        text += f"; {built.unplaced} of them not on all that meet there"
     return text
 
 

@@ -7,6 +7,7 @@ from functools import partial
 import viser
 
 from app import palette
+from app.atlas import number as signed
 from app.modes import matching, page_mode
 from app.panels.desk import (
     Desk,
@@ -42,7 +43,8 @@ Each vertex space is its main body (Fig. 12) less the holes H₁, H₂ and H₃ 
 union of its two halves, one for each side of the U joint.
 
 Its solid is **made of** facets that are right on the average, or of the **true surface**: every
-vertex on the exact surfaces that meet there, chords between them.
+vertex on the exact surfaces that meet there, chords between them; it is inscribed where the
+surface bulges outwards, so its volume is a little smaller.
 
 While a slider moves the solid is coarse, when the hand rests it becomes fine. The first volume is
 that of the solid shown, with an estimate of its error; pieces are parts that do not touch. The
@@ -293,13 +295,14 @@ def _inscribed(sections: Sections) -> str:
     if sections.ball is not None:
         x, y, z = sections.ball.center
         lines.append(
-            f"Ball: radius <b>{sections.ball.radius:.2f} mm</b> about {x:.1f}, {y:.1f}, {z:.1f} mm"
+            f"Ball: radius <b>{sections.ball.radius:.2f} mm</b> about "
+            f"{signed(x)}, {signed(y)}, {signed(z)} mm"
         )
     if sections.box is not None:
         sides = " × ".join(f"{v:.1f}" for v in sections.box.high - sections.box.low)
         x, y, z = 0.5 * (sections.box.low + sections.box.high)
         lines.append(
-            f"Box: <b>{sides} mm</b> about {x:.1f}, {y:.1f}, {z:.1f} mm, "
+            f"Box: <b>{sides} mm</b> about {signed(x)}, {signed(y)}, {signed(z)} mm, "
             f"{volume_text(sections.box.volume)}"
         )
     return box("<br>".join(lines)) if lines else ""
