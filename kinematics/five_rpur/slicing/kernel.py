@@ -214,8 +214,11 @@ def without_points(
     y, z = ends[total - 1, 0], ends[total - 1, 1]
     for e in range(start, total):
         far = abs(ends[e, 0] - y) + abs(ends[e, 1] - z) > POINT * size
+        before = edges[kept - 1, 0] if kept > start else edges[total - 1, 0]
+        after = edges[e + 1, 0] if e + 1 < total else edges[start, 0]
+        between = before < 0 and after < 0 and ends[e, 0] != y  # two lines that are not one
         y, z = ends[e, 0], ends[e, 1]
-        if not far:
+        if not (far or between):
             continue
         if kept > start and edges[e, 0] == edges[kept - 1, 0] and edges[e, 1] == edges[kept - 1, 1]:
             kept -= 1
