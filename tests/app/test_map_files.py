@@ -106,7 +106,7 @@ def test_a_figure_names_its_axes_units_design_and_modes() -> None:
     svg = map_bytes(found, "svg").decode()
     texts = set(re.findall(r"<text[^>]*>([^<]*)</text>", svg))
     assert {"φ (degrees)", "θ (degrees)", "Volume (10⁶ mm³)", "Number of pieces"} <= texts
-    assert "Share of the stroke used (%)" in texts
+    assert "Share of the stroke used, least of the limbs (%)" in texts
     assert {"General 5-RPUR, Table 1 (journal)", "working mode +−+−+"} <= texts
 
 
