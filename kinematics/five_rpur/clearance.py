@@ -33,6 +33,8 @@ from kinematics.spatial import Array, rotation_y
 Ints = NDArray[np.integer[Any]]
 Mask = NDArray[np.bool_]
 
+_DETAIL = 96  # points along each tube; four times as many where curves are sought
+_ROUNDS = 8  # each makes what is found between points eight times as sharp
 SETS = 2 * LIMBS
 """Set 2 i is limb i + 1 in mode +, set 2 i + 1 the same limb in mode −."""
 SIGN = np.array([1.0, -1.0] * LIMBS)
@@ -93,8 +95,6 @@ class Region:
         stroke: (5, 2).
         lean: (2,) the z' axis in the x-z plane.
         formula: what makes a point inside.
-        detail: points along each tube; four times as many where curves are sought.
-        rounds: each makes what is found between points eight times as sharp.
     """
 
     offset: Array
@@ -102,8 +102,6 @@ class Region:
     stroke: Array
     lean: Array
     formula: Formula
-    detail: int
-    rounds: int
 
     @classmethod
     def at(
@@ -112,14 +110,12 @@ class Region:
         phi: float,
         theta: float,
         modes: tuple[str, ...] | None,
-        detail: int = 96,
-        rounds: int = 8,
     ) -> Region:
         offset = aligned_offsets(design, phi, theta, SAME_SOLIDS)
         turn = rotation_y(theta)
         offset = offset @ turn.T
         chosen = formula(None if modes is None else tuple(modes))
-        return cls(offset, design.link, design.stroke, turn[[0, 2], 2], chosen, detail, rounds)
+        return cls(offset, design.link, design.stroke, turn[[0, 2], 2], chosen)
 
     @cached_property
     def size(self) -> float:
@@ -227,10 +223,10 @@ class Region:
 
     @cached_property
     def angles(self) -> Array:
-        """β (5, detail) at which a limb's tubes are sampled: those within `span`."""
+        """β (5, D) at which a limb's tubes are sampled: those within `span`."""
         inner = np.clip((np.array(self.span) - self.offset[:, 1:2]) / self.link[:, None], -1, 1)
         ends = np.arccos(inner)
-        return ends[:, 1:] + (ends[:, :1] - ends[:, 1:]) * np.linspace(0.0, 1.0, self.detail)
+        return ends[:, 1:] + (ends[:, :1] - ends[:, 1:]) * np.linspace(0.0, 1.0, _DETAIL)
 
     # --- curves where two tubes meet
 
@@ -275,7 +271,7 @@ class Curves:
         everywhere = np.tile([0.0, np.pi], (len(table), 1))
         pair = table[:, :2].astype(np.intp)
         all_ = cls(region, pair, table[:, 2:4], table[:, 4], everywhere)
-        count = 4 * region.detail
+        count = 4 * _DETAIL
         evenly = np.linspace(0.0, np.pi, count)
         turn = np.broadcast_to(evenly, (len(table), count))
         kept = all_._kept(np.arange(len(table)), turn)
@@ -294,7 +290,7 @@ class Curves:
     def _end(self, which: Ints, kept: Array, lost: Array) -> Array:
         """Where a curve stops being kept between a parameter that is and one that is not."""
         split = np.linspace(0.0, 1.0, 17)
-        for _ in range(self.region.rounds + 2):
+        for _ in range(_ROUNDS + 2):
             t = kept[:, None] + (lost - kept)[:, None] * split
             ok = self._kept(which, t)
             ok[:, 0] = True
@@ -353,7 +349,7 @@ class Curves:
     @cached_property
     def points(self) -> Array:
         """Samples (P, N, 3), s evenly spaced."""
-        s = np.linspace(0.0, np.pi, self.region.detail)
+        s = np.linspace(0.0, np.pi, _DETAIL)
         which = np.arange(len(self.pair))
         return self.at(which[:, None], np.broadcast_to(s, (len(which), len(s))))
 
@@ -424,13 +420,13 @@ def contacts(region: Region, probe: Probe, band: float) -> Contacts:
     slack = region.link[_LIMB[sets[probe.tube]]] * (evenly[:, 1] - evenly[:, 0])
     limit = float(on_curves.min(initial=np.inf)) + band
     which, sample = _minima(on_tubes - slack[:, None], limit)
-    value, at, point = _polished(on_tube, probe, which, beta[which], sample, region.rounds)
+    value, at, point = _polished(on_tube, probe, which, beta[which], sample)
     bound = np.flatnonzero(np.isfinite(value))
     bound = bound[region.uncovered(point[bound], 1 << sets[probe.tube[which[bound]]])]
     limit = min(limit, float(value[bound].min(initial=np.inf)) + band)
     piece, sample = _minima(on_curves - curves.gaps[:, None], limit)
-    grid = np.broadcast_to(np.linspace(0.0, np.pi, region.detail), (len(piece), region.detail))
-    value_c, at_c, point_c = _polished(curves.at, probe, piece, grid, sample, region.rounds)
+    grid = np.broadcast_to(np.linspace(0.0, np.pi, _DETAIL), (len(piece), _DETAIL))
+    value_c, at_c, point_c = _polished(curves.at, probe, piece, grid, sample)
 
     values = np.concatenate([value[bound], value_c])
     order = np.argsort(values, kind="stable")
@@ -460,7 +456,6 @@ def _polished(
     which: Ints,
     grid: Array,
     sample: Ints,
-    rounds: int,
 ) -> tuple[Array, Array, Array]:
     """Local minima between the neighbours of samples: values, parameters and points."""
     if not which.size:
@@ -470,7 +465,7 @@ def _polished(
     high = grid[rows, np.minimum(sample + 1, grid.shape[1] - 1)]
     value, at, point = grid[rows, sample], grid[rows, sample], np.empty((len(which), 3))
     split = np.linspace(0.0, 1.0, 17)
-    for _ in range(rounds):
+    for _ in range(_ROUNDS):
         t = low[:, None] + (high - low)[:, None] * split
         points = curve(which[:, None], t)
         values = probe.measure(points)
