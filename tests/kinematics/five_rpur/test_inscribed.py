@@ -121,7 +121,7 @@ def check_box(case, found: Box) -> None:
 # --- against inverse kinematics ------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(4))
 def test_all_of_the_ball_is_inside_and_no_grid_point_has_more_room(seed):
     case = random_case(seed)
     ball = sphere(*case)
@@ -142,7 +142,7 @@ def test_all_of_the_ball_is_inside_and_no_grid_point_has_more_room(seed):
         assert not inside(*case, node + larger * directions(2000)).all()
 
 
-@pytest.mark.parametrize("seed", range(20, 24))
+@pytest.mark.parametrize("seed", range(20, 22))
 def test_what_lies_just_beyond_a_ball_is_outside(seed):
     case = case_with_room(seed)
     ball = sphere(*case)
@@ -155,7 +155,7 @@ def test_what_lies_just_beyond_a_ball_is_outside(seed):
     assert nearest_outside(case, about) < 2e-3 * about.radius
 
 
-@pytest.mark.parametrize("seed", range(40, 46))
+@pytest.mark.parametrize("seed", range(40, 43))
 def test_all_of_the_box_is_inside_and_it_cannot_grow(seed):
     case = case_with_room(seed)
     found = box(*case)

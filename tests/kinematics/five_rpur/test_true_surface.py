@@ -204,7 +204,7 @@ def test_presets(number, name, placed):
     check(placed, load_design(name), *ANGLES[number % 2], None, "normal")
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(4))
 def test_random_designs(seed, placed):
     design = random_design(seed)
     phi, theta = np.random.default_rng(seed).uniform(-0.8, 0.8, 2)
