@@ -98,3 +98,20 @@ def chromium() -> str:
     if os.environ.get("BOHEMIA_REQUIRE_BROWSER") == "1":
         pytest.fail(f"BOHEMIA_REQUIRE_BROWSER=1, and {reason}")
     pytest.skip(reason)
+
+
+def refused(done: Finished, code: int = 2) -> str:
+    """The one sentence of a refusal, and nothing else anywhere."""
+    assert done.code == code, (done.stdout, done.stderr)
+    assert done.stdout == ""
+    assert done.stderr.startswith("bohemia: ")
+    assert done.stderr.count("\n") == 1
+    assert "Traceback" not in done.stderr
+    return done.stderr.removeprefix("bohemia: ").strip()
+
+
+def answered(done: Finished) -> dict[str, Any]:
+    """The JSON of a command that went well and had nothing to add."""
+    assert done.code == 0, done.stderr
+    assert done.stderr == ""
+    return done.json

@@ -23,29 +23,12 @@ import trimesh
 from app import cli
 from kinematics.designs import load_design
 from kinematics.mechanism import mechanism
-from tests.conftest import ROOT, Finished, command_environment
+from tests.conftest import ROOT, Finished, answered, command_environment, refused
 
 Run = Callable[..., Finished]
 
 POSE = "-10,100,450,5,-3"  # within reach of Table 1
 JOINTS = "320,360,345,305,375"  # within its strokes
-
-
-def refused(done: Finished, code: int = 2) -> str:
-    """The one sentence of a refusal, and nothing else anywhere."""
-    assert done.code == code, (done.stdout, done.stderr)
-    assert done.stdout == ""
-    assert done.stderr.startswith("bohemia: ")
-    assert done.stderr.count("\n") == 1
-    assert "Traceback" not in done.stderr
-    return done.stderr.removeprefix("bohemia: ").strip()
-
-
-def answered(done: Finished) -> dict[str, Any]:
-    """The JSON of a command that went well and had nothing to add."""
-    assert done.code == 0, done.stderr
-    assert done.stderr == ""
-    return done.json
 
 
 @pytest.fixture

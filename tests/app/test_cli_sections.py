@@ -23,7 +23,7 @@ from kinematics import sweeps
 from kinematics.designs import load_design
 from kinematics.mechanism import mechanism
 from tests.app.made_sections import area_by_edge
-from tests.conftest import Finished, command_environment
+from tests.conftest import Finished, answered, command_environment, refused
 
 Run = Callable[..., Finished]
 
@@ -31,22 +31,6 @@ DESIGN = load_design("rpur-table1")
 MACHINE = mechanism(DESIGN.mechanism)
 VOLUME = 24_501_399.0  # mm³ at φ = θ = 0, by quadrature over closed-form slice areas
 ALL = ("volume_mm3", "pieces", "largest_piece_mm3", "sphere_mm", "stroke_percent")
-
-
-def refused(done: Finished, code: int = 2) -> str:
-    """The one sentence of a refusal, and nothing else anywhere."""
-    assert done.code == code, (done.stdout, done.stderr)
-    assert done.stdout == ""
-    assert done.stderr.startswith("bohemia: ")
-    assert done.stderr.count("\n") == 1
-    return done.stderr.removeprefix("bohemia: ").strip()
-
-
-def answered(done: Finished) -> dict[str, Any]:
-    """The JSON of a command that went well and had nothing to add."""
-    assert done.code == 0, done.stderr
-    assert done.stderr == ""
-    return done.json
 
 
 @pytest.fixture
