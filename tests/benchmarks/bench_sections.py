@@ -9,19 +9,17 @@ is left out. Everything is measured in this run: read the ratios rather than the
 from __future__ import annotations
 
 import importlib.util
-import json
 import os
 import sys
 import time
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
-from pathlib import Path
 from statistics import median
 
 import numpy as np
+from bench_solids import cases
 
 from kinematics.designs import load_design
-from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.inscribed import box, sphere
 from kinematics.five_rpur.section import section, section_range
 from kinematics.five_rpur.slicing import acceleration
@@ -29,20 +27,7 @@ from kinematics.five_rpur.slicing.cutter import Cutter
 from kinematics.five_rpur.volume import integrate, volume
 from kinematics.sweeps import map_request, sweep
 
-ROOT = Path(__file__).resolve().parents[2]
 ROUNDS = 9
-
-
-def cases():
-    stored = json.loads((ROOT / "tests/reference/volumes.json").read_text(encoding="utf-8"))
-    for case in stored["cases"]:
-        rows = zip(case["r"], case["s"], case["l"], case["rho_min"], case["rho_max"], strict=True)
-        design = FiveRPURDesign(
-            tuple(Limb(tuple(r), tuple(s), link, (a, b)) for r, s, link, a, b in rows)
-        )
-        signs = case["modes"]
-        modes = None if signs is None else ("".join("+" if s > 0 else "-" for s in signs),)
-        yield case, design, modes
 
 
 def seconds(call, rounds=ROUNDS):
