@@ -15,7 +15,16 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 from numpy.typing import ArrayLike
 
 from kinematics.errors import InputError
+from kinematics.motion import Motion, Statics, WrenchSystem
 from kinematics.sections import Box, MapCells, MapSpec, Section, SectionSpec, Sphere, Volume
+from kinematics.singularities import (
+    Clearance,
+    LocusCurves,
+    LocusSpec,
+    Measure,
+    Remedy,
+    Singularity,
+)
 from kinematics.solutions import (
     Finding,
     Fold,
@@ -76,7 +85,11 @@ class DesignField:
 
 @dataclass(frozen=True, slots=True)
 class SolidSpec:
-    """A solid that a mechanism can show: "workspace", "limb1/whole", "limb1/H2", …"""
+    """A solid that a mechanism can show: "workspace", "aspects", "limb1/whole", "limb1/H2", …
+
+    It may depend on the chosen set of modes (``uses_modes``), or on the present mode alone
+    (``of_present_mode``), which is then all that `solid_request` is handed.
+    """
 
     key: str
     title: str
@@ -84,6 +97,7 @@ class SolidSpec:
     limb: int | None = None
     figure: str = ""
     uses_modes: bool = False
+    of_present_mode: bool = False
     surfaces: tuple[SurfaceKind, ...] = ("facets",)
 
 
@@ -164,6 +178,8 @@ class Mechanism(Protocol):
     def title(self) -> str: ...
     @property
     def modes(self) -> tuple[str, ...]: ...
+    @property
+    def mode_noun(self) -> str: ...  # "working mode", "operation mode"; "" where there is one only
 
     # designs
     def read_design(self, table: Mapping[str, Any], *, origin: str, name: str) -> Design: ...
@@ -175,6 +191,9 @@ class Mechanism(Protocol):
     # coordinates
     def pose_coordinates(self, design: Any) -> tuple[Coordinate, ...]: ...
     def joint_coordinates(self, design: Any) -> tuple[Coordinate, ...]: ...
+    def complete_pose(
+        self, design: Any, pose: Sequence[float], mode: str, moved: int | None = None
+    ) -> tuple[float, ...]: ...
 
     # kinematics
     def home(self, design: Any) -> Posture: ...
@@ -192,6 +211,45 @@ class Mechanism(Protocol):
     def transform(self, design: Any, poses: ArrayLike) -> Array: ...
     def pose_from_transform(self, design: Any, transform: ArrayLike) -> tuple[float, ...]: ...
     def drawing(self, design: Any, posture: Posture) -> Drawing: ...
+
+    # motion and statics; one mode for all poses
+    def characteristic_length(self, design: Any) -> float: ...
+    def inverse_motion(
+        self,
+        design: Any,
+        poses: ArrayLike,
+        mode: str,
+        pose_rates: ArrayLike,
+        pose_accelerations: ArrayLike | None = None,
+    ) -> Motion: ...
+    def forward_motion(
+        self,
+        design: Any,
+        poses: ArrayLike,
+        mode: str,
+        joint_rates: ArrayLike,
+        joint_accelerations: ArrayLike | None = None,
+    ) -> Motion: ...
+    def wrench_system(self, design: Any, poses: ArrayLike, mode: str) -> WrenchSystem: ...
+    def statics(self, design: Any, poses: ArrayLike, mode: str, loads: ArrayLike) -> Statics: ...
+
+    # how well a posture is held, and where it is not
+    def measures(self, design: Any) -> tuple[Measure, ...]: ...
+    def measure(
+        self,
+        design: Any,
+        poses: ArrayLike,
+        mode: str,
+        key: str,
+        load: Sequence[float] | None = None,
+    ) -> Array: ...
+    def singularities(self, design: Any, posture: Posture) -> tuple[Singularity, ...]: ...
+    def clearances(self, design: Any, posture: Posture) -> tuple[Clearance, ...]: ...
+    def remedy(self, design: Any, posture: Posture) -> Remedy: ...
+    def locus_specs(self, design: Any) -> tuple[LocusSpec, ...]: ...
+    def locus(
+        self, design: Any, key: str, pose: Sequence[float], mode: str, at: float | None = None
+    ) -> LocusCurves: ...
 
     # solids
     def solids(self, design: Any) -> tuple[SolidSpec, ...]: ...
@@ -253,6 +311,126 @@ class Mechanism(Protocol):
         *,
         relative: float = 1e-4,
     ) -> MapCells: ...
+
+
+class Bare:
+    """What a mechanism answers where it has nothing of the kind; to be inherited, overridden."""
+
+    mode_noun = "working mode"
+
+    def complete_pose(
+        self, design: Any, pose: Sequence[float], mode: str, moved: int | None = None
+    ) -> tuple[float, ...]:
+        """The pose with its dependent coordinates made true, where a mechanism has such.
+
+        Args:
+            pose: one coordinate may be NaN: that one is solved for. Else, where ``moved`` was just
+                set by hand, another one gives way.
+
+        Raises:
+            InputError: there is no such pose, or the mechanism has no dependent coordinate.
+        """
+        if any(value != value for value in pose):
+            raise InputError("every coordinate of the pose must be given")
+        return tuple(pose)
+
+    def prepare(self) -> None:
+        pass
+
+    def solids(self, design: Any) -> tuple[SolidSpec, ...]:
+        return ()
+
+    def solid_request(
+        self,
+        design: Any,
+        key: str,
+        pose: Sequence[float],
+        modes: tuple[str, ...] | None,
+        resolution: Resolution,
+        surface: SurfaceKind = "facets",
+    ) -> SolidRequest:
+        raise InputError(f"this mechanism has no solid {key!r}")
+
+    def solid_placement(self, design: Any, key: str, pose: Sequence[float]) -> Array:
+        raise InputError(f"this mechanism has no solid {key!r}")
+
+    def build_solid(self, request: SolidRequest) -> BuiltSolid:
+        raise InputError("this mechanism has no solids")
+
+    def section_spec(self, design: Any) -> SectionSpec | None:
+        return None
+
+    def section_frame(self, design: Any, pose: Sequence[float]) -> Array:
+        raise InputError(_NO_SECTIONS)
+
+    def section_range(
+        self, design: Any, pose: Sequence[float], modes: tuple[str, ...] | None
+    ) -> tuple[float, float] | None:
+        return None
+
+    def section(
+        self, design: Any, pose: Sequence[float], modes: tuple[str, ...] | None, at: float
+    ) -> Section:
+        raise InputError(_NO_SECTIONS)
+
+    def volume(
+        self,
+        design: Any,
+        pose: Sequence[float],
+        modes: tuple[str, ...] | None,
+        *,
+        relative: float = 1e-6,
+    ) -> Volume:
+        raise InputError(_NO_SECTIONS)
+
+    def sphere(
+        self,
+        design: Any,
+        pose: Sequence[float],
+        modes: tuple[str, ...] | None,
+        center: Sequence[float] | None = None,
+    ) -> Sphere | None:
+        raise InputError(_NO_SECTIONS)
+
+    def box(
+        self,
+        design: Any,
+        pose: Sequence[float],
+        modes: tuple[str, ...] | None,
+        center: Sequence[float] | None = None,
+    ) -> Box | None:
+        raise InputError(_NO_SECTIONS)
+
+    def map_spec(self, design: Any) -> MapSpec | None:
+        return None
+
+    def map_cells(
+        self,
+        design: Any,
+        poses: ArrayLike,
+        modes: tuple[str, ...] | None,
+        quantities: Sequence[str],
+        *,
+        relative: float = 1e-4,
+    ) -> MapCells:
+        raise InputError("this mechanism has no map")
+
+    def fold_ahead(self, design: Any, posture: Posture, joints: Sequence[float]) -> Fold | None:
+        return None
+
+    def forward_is_quick(self, design: Any, *, mixed_modes: bool = False) -> bool:
+        return True
+
+    def locus_specs(self, design: Any) -> tuple[LocusSpec, ...]:
+        return ()
+
+    def locus(
+        self, design: Any, key: str, pose: Sequence[float], mode: str, at: float | None = None
+    ) -> LocusCurves:
+        raise InputError(f"this mechanism has no loci {key!r}")
+
+
+_NO_SECTIONS = "this mechanism has no solid workspace to cut or to measure"
 
 
 _MODULES = {"five_rpur": "kinematics.five_rpur"}

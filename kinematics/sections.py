@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.spatial import Array
+from kinematics.spatial import Array, Frozen
 
 Ints = NDArray[np.int64]
 EdgeBound = Literal["rho_min", "rho_max", "link"]
@@ -22,21 +22,8 @@ BOUNDS: tuple[EdgeBound, ...] = ("rho_min", "rho_max", "link")
 """What an edge is due to: an end of the stroke, or the reach |y| = l of the second link."""
 
 
-class _Frozen:
-    """Arrays of a result are read-only, also after unpickling."""
-
-    def __post_init__(self) -> None:
-        for value in self.__dict__.values():
-            if isinstance(value, np.ndarray):
-                value.setflags(write=False)
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self.__post_init__()
-
-
 @dataclass(frozen=True, eq=False)
-class Construction(_Frozen):
+class Construction(Frozen):
     """The circles and lines of which a section's edges are parts (Tale Masouleh 2011, Fig. 17).
 
     Attributes:
@@ -57,7 +44,7 @@ class Construction(_Frozen):
 
 
 @dataclass(frozen=True, eq=False)
-class Section(_Frozen):
+class Section(Frozen):
     """The exact section of a workspace by a plane; all arrays read-only.
 
     Edge k runs from ``start[k]`` to ``end[k]``; ``loop_start[n]`` to ``loop_start[n + 1]`` are the
@@ -145,7 +132,7 @@ class Section(_Frozen):
 
 
 @dataclass(frozen=True, eq=False)
-class Volume(_Frozen):
+class Volume(Frozen):
     """A volume as the integral of exact section areas.
 
     Attributes:
@@ -170,7 +157,7 @@ class Volume(_Frozen):
 
 
 @dataclass(frozen=True, eq=False)
-class Sphere(_Frozen):
+class Sphere(Frozen):
     """A ball inside the workspace: centre (3,) and radius, mm, base frame.
 
     ``error``: mm by which the largest ball about this centre may differ from ``radius``.
@@ -182,7 +169,7 @@ class Sphere(_Frozen):
 
 
 @dataclass(frozen=True, eq=False)
-class Box(_Frozen):
+class Box(Frozen):
     """A box inside the workspace, its edges along x, y, z of the base frame.
 
     ``low`` and ``high`` (3,) mm are its corners; ``error``: mm by which a face may stand out.
@@ -227,7 +214,7 @@ class MapSpec:
 
 
 @dataclass(frozen=True, eq=False)
-class MapCells(_Frozen):
+class MapCells(Frozen):
     """Points of a map: the wanted quantities and their errors, in their units.
 
     Attributes:

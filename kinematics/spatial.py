@@ -12,6 +12,19 @@ from kinematics.errors import InputError
 Array = NDArray[np.float64]
 
 
+class Frozen:
+    """Base of results: their arrays are read-only, also after unpickling."""
+
+    def __post_init__(self) -> None:
+        for value in self.__dict__.values():
+            if isinstance(value, np.ndarray):
+                value.setflags(write=False)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.__post_init__()
+
+
 def rotation_x(angle: ArrayLike) -> Array:
     """Rotation about x. ``angle`` (...,) rad; returns (..., 3, 3)."""
     return _rotation(angle, 1, 2)

@@ -27,6 +27,7 @@ from kinematics.five_rpur.forward import assembly, carrying
 from kinematics.five_rpur.slicing import acceleration
 from kinematics.mechanism import (
     SURFACES,
+    Bare,
     Coordinate,
     DesignField,
     Drawing,
@@ -61,7 +62,7 @@ _PARTS = {
 }
 
 
-class FiveRPUR:
+class FiveRPUR(Bare):
     """Tale Masouleh et al. (2011): x, y, z, φ, θ moved by five actuators ρ₁ … ρ₅."""
 
     kind = "five_rpur"

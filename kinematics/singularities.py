@@ -1,0 +1,153 @@
+"""Where control is lost, how far that is, and why a pose cannot be reached: plain results.
+
+Serial (type 1): a limb is at the end of its reach and its two solutions meet. Parallel (type 2):
+the wrenches no longer hold the platform with all actuators locked. Constraint: the constraint
+wrenches alone are dependent. Lengths mm, angles rad, base frame. Arrays are read-only.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from kinematics.sections import Ints
+from kinematics.solutions import Posture
+from kinematics.spatial import Array, Frozen
+
+SingularityKind = Literal["serial", "parallel", "constraint", "self-motion", "architectural"]
+
+
+@dataclass(frozen=True, slots=True)
+class Singularity:
+    """One way in which the machine has lost control at a posture.
+
+    Attributes:
+        kind: which.
+        limbs: those whose wrenches take part, from 1.
+        cause: the geometry in the field's words, as "the lines of limbs 1, 2 and 4 lie in a plane
+            and meet in a point".
+        text: one sentence for the user: what is lost.
+        measure: how exactly it holds: 0 at the singularity (smallest singular value of the wrench
+            matrix with unit rows and moments by the characteristic length, or its like).
+        motion: d(pose) of the motion that is free, of unit length with angles times the
+            characteristic length; None where none is (serial).
+        twist: (6,) the same as [ω, v], None likewise.
+    """
+
+    kind: SingularityKind
+    limbs: tuple[int, ...]
+    cause: str
+    text: str
+    measure: float
+    motion: tuple[float, ...] | None = None
+    twist: tuple[float, ...] | None = None
+
+
+ClearanceKind = Literal["parallel", "constraint", "boundary", "stroke", "mode"]
+
+
+@dataclass(frozen=True, slots=True)
+class Clearance:
+    """How far the platform may move, at its orientation, until something happens.
+
+    Attributes:
+        kind: a parallel or constraint singularity; the boundary of the workspace; an end of a
+            limb's stroke; the change of a limb's working mode (its serial singularity).
+        distance: mm.
+        point: (x, y, z) of O′ there.
+        text: one sentence for the user.
+        limb: from 1, of strokes and modes.
+        bound: "rho_min", "rho_max" or "link", likewise.
+        error: mm, an estimate from above of the error of ``distance``.
+    """
+
+    kind: ClearanceKind
+    distance: float
+    point: tuple[float, float, float]
+    text: str
+    limb: int | None = None
+    bound: str = ""
+    error: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class DesignChange:
+    """A change of one number of the design; ``path`` as in `mechanism.DesignField`."""
+
+    path: tuple[str | int, ...]
+    label: str
+    before: float
+    after: float
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Remedy:
+    """The ways out of a pose that cannot be held.
+
+    Attributes:
+        nearest: the nearest posture that can be held, at the same orientation and mode if there is
+            one; None where there is none.
+        distance: mm from the pose to there.
+        changes: for each way, the smallest changes of the design that together would allow the
+            pose; the smallest first. Empty where none would.
+        text: one sentence for the user.
+    """
+
+    nearest: Posture | None
+    distance: float
+    changes: tuple[tuple[DesignChange, ...], ...]
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class LocusSpec:
+    """A chart of singularity loci that a mechanism can draw: two coordinates, all else held.
+
+    ``axes`` are symbols. A polar chart's are radius and azimuth (rad). The chart "section" is in
+    the plane of `mechanism.SectionSpec` that stands at ``at``.
+    """
+
+    key: str
+    title: str
+    axes: tuple[str, str]
+    units: tuple[Literal["mm", "rad"], Literal["mm", "rad"]]
+    polar: bool = False
+    figure: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class LocusCurves(Frozen):
+    """Curves of a `LocusSpec` chart, in its two coordinates.
+
+    Attributes:
+        points: (N, 2) mm or rad, all curves one after another.
+        start: (C + 1,) curve c is points[start[c]:start[c + 1]]; closed if its ends are equal.
+        kinds: of each curve.
+        limb: (C,) whose serial singularity it is, from 1; 0 of others.
+        residual: (N,) what the defining function leaves at each point, as a distance in the
+            chart's first unit (|f| / |grad f|).
+        bounds: (2, 2) lowest and highest of both coordinates that were searched.
+    """
+
+    points: Array
+    start: Ints
+    kinds: tuple[SingularityKind, ...]
+    limb: Ints
+    residual: Array
+    bounds: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Measure:
+    """A number that tells how well a posture is held: "conditioning", "manipulability", …
+
+    ``better`` says which way is good; ``limits`` are its least and largest value where it has such.
+    """
+
+    key: str
+    title: str
+    unit: str
+    better: Literal["high", "low"]
+    limits: tuple[float | None, float | None] = (None, None)
+    needs_load: bool = False
