@@ -10,10 +10,11 @@ import time
 from collections.abc import Callable
 
 from app.atlas import Atlas, Known, atlas, mixes
+from app.changes import Visit
 from app.compute import View
 from app.folds import Ahead, nearest_first
+from app.history import QUIET_GAP
 from app.solver import Foreseen, Solved, Solver, Unsolved, Wish, solve
-from app.state import QUIET_GAP, Visit
 from app.worker import Busy
 from kinematics.errors import BohemiaError
 

@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from app.changes import Change
 from app.executors import Workers, local_workers
 from app.exporting import ExportedFile, solid_name
 from app.map_files import map_bytes
 from app.panels.desk import Charted
 from app.parts import Stage
 from app.requests import SaveMap, StartMap, StopMap
-from app.state import Change, Review, Span
+from app.state import Review, Span
 from app.worker import LaneName
 from kinematics.errors import BohemiaError, ComputationError
 from kinematics.sections import Ints, MapCells

@@ -21,7 +21,9 @@ import numpy as np
 import viser
 
 from app import compute, session
+from app.changes import Change, Place, Visit
 from app.exporting import ExportedFile, build_file, solid_name
+from app.history import History
 from app.mapping import Mapping
 from app.morph import Morph
 from app.panels.design import DesignPanel
@@ -39,7 +41,7 @@ from app.requests import Request
 from app.scene import FIELD_OF_VIEW, Scene, machine_bounds
 from app.slicing import Slicing
 from app.solving import Solving
-from app.state import Change, History, Place, Review, Visit
+from app.state import Review
 from app.worker import Built, Busy, Event, Failed, Worker
 from kinematics.errors import InputError
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
+from app.changes import Change
 from app.compute import View
 from app.exporting import ExportedFile
 from app.scene import Scene
-from app.state import Change
 from app.worker import LaneName
 
 if TYPE_CHECKING:

@@ -10,6 +10,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from app import slicer
+from app.changes import Change, MoveCut, Visit
 from app.compute import reaching_mode
 from app.exporting import ExportedFile, solid_name
 from app.lane import Done, Job, Lane, Lost
@@ -19,7 +20,6 @@ from app.plane import Inside, Plane
 from app.requests import Forget, GoToBall, Inscribe, SaveSection
 from app.section_files import section_bytes
 from app.slicer import Drawn, Region, Wish
-from app.state import Change, MoveCut, Visit
 from app.worker import LaneName, Process, give_way
 from kinematics.errors import BohemiaError
 from kinematics.mechanism import mechanism

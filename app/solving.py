@@ -5,13 +5,13 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING
 
+from app.changes import Change, Drive
 from app.explorer import Explorer
 from app.ghosts import Ghosts
 from app.panels.desk import Solutions
 from app.parts import Stage
 from app.requests import ChooseFold, FindAgain, RedrawSolutions, VisitSolution
 from app.solver import Foreseen, Solved, Unsolved
-from app.state import Change, Drive
 from app.worker import LaneName
 from kinematics.errors import BohemiaError
 

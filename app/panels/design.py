@@ -9,6 +9,7 @@ from typing import Any
 import viser
 
 from app import palette
+from app.changes import EditDesign, UseDesign
 from app.exporting import design_file
 from app.panels.desk import (
     QUIET,
@@ -25,7 +26,6 @@ from app.panels.desk import (
     safely,
     tone,
 )
-from app.state import EditDesign, UseDesign
 from kinematics.designs import MAX_BYTES, load_design, presets, read_design
 from kinematics.errors import InputError
 from kinematics.mechanism import DesignField

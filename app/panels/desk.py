@@ -14,12 +14,12 @@ import viser
 
 from app import palette
 from app.atlas import Atlas, Known
+from app.changes import Change
 from app.compute import View
 from app.exporting import ExportedFile
 from app.folds import Ahead
 from app.requests import Request
 from app.slicer import Drawn, Region
-from app.state import Change
 from app.worker import Built
 from kinematics.errors import BohemiaError
 from kinematics.sections import Box, Sphere, Volume

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from app.changes import GoHome, SetAtlas, SetOption, Show, ShowCut
 from app.panels.desk import Desk, safely
-from app.state import GoHome, Review, SetAtlas, SetOption, Show, ShowCut
+from app.state import Review
 
 
 def add_hotkeys(desk: Desk, present: Callable[[], Review]) -> None:

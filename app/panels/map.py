@@ -12,6 +12,7 @@ import viser
 from scipy.ndimage import distance_transform_edt
 
 from app import palette
+from app.changes import Place, SetChart
 from app.compute import from_page_units, in_page_units, page_unit
 from app.panels.desk import (
     Charted,
@@ -30,7 +31,7 @@ from app.panels.desk import (
 )
 from app.panels.plots import STEPS, TURN, Axes, Figure, Plot, nearest, number, scales, ticks
 from app.requests import GoToBall, SaveMap, StartMap, StopMap
-from app.state import Chart, Place, SetChart, Span, checked_chart
+from app.state import Chart, Span, checked_chart
 from kinematics.errors import InputError
 from kinematics.mechanism import Coordinate
 from kinematics.sections import Quantity

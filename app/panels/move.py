@@ -7,6 +7,7 @@ from functools import partial
 import viser
 
 from app import palette
+from app.changes import Drive, Flip, GoHome, Move
 from app.compute import (
     JointRow,
     from_page_units,
@@ -29,7 +30,6 @@ from app.panels.desk import (
     put_prop,
     tone,
 )
-from app.state import Drive, Flip, GoHome, Move
 from kinematics.mechanism import Coordinate
 
 STEP = {"mm": 0.1, "rad": 0.1}  # on the page: mm and degrees

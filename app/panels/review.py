@@ -9,6 +9,7 @@ from typing import Any
 import viser
 
 from app import session
+from app.changes import Restore, SetOption
 from app.exporting import FORMATS, ExportedFile, sanitized
 from app.panels.desk import (
     QUIET,
@@ -25,7 +26,7 @@ from app.panels.desk import (
     put_prop,
     safely,
 )
-from app.state import Options, Restore, SetOption
+from app.state import Options
 from kinematics.errors import InputError
 from kinematics.mechanism import RESOLUTIONS
 

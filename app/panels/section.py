@@ -9,6 +9,7 @@ import viser
 
 from app import palette
 from app.atlas import number as signed
+from app.changes import MoveCut, ShowCut
 from app.panels.desk import (
     DIGITS,
     Desk,
@@ -30,7 +31,7 @@ from app.panels.desk import (
 from app.panels.plots import Axes, Figure, Plot, nearest, number, scales, ticks
 from app.requests import SaveSection
 from app.slicer import Drawn
-from app.state import MoveCut, ShowCut, point_in_section
+from app.state import point_in_section
 from kinematics.sections import Section, SectionSpec, Volume
 
 KINDS = ("SVG", "DXF", "CSV")

@@ -10,6 +10,7 @@ import viser
 
 from app import palette
 from app.atlas import Atlas, Row
+from app.changes import Drive, SetAtlas, Visit
 from app.folds import Ahead, title, words
 from app.modes import matching, page_mode
 from app.panels.desk import (
@@ -29,7 +30,7 @@ from app.panels.desk import (
 )
 from app.panels.glyphs import key_html, row_html, strokes_html, style
 from app.requests import ChooseFold, FindAgain, RedrawSolutions, VisitSolution
-from app.state import SAME_MODE, Drive, SetAtlas, Sort, Visit
+from app.state import SAME_MODE, Sort
 
 SORTED: dict[Sort, str] = {
     "distance": "Distance from here",

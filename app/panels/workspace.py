@@ -8,6 +8,7 @@ import viser
 
 from app import palette
 from app.atlas import number as signed
+from app.changes import ChooseModes, ChooseSurface, Fade, Show
 from app.modes import matching, page_mode
 from app.panels.desk import (
     Desk,
@@ -26,7 +27,6 @@ from app.panels.desk import (
     volume_text,
 )
 from app.requests import Forget, GoToBall, Inscribe
-from app.state import ChooseModes, ChooseSurface, Fade, Show
 from app.tables import surface_text
 from app.worker import Built
 from kinematics.mechanism import SolidSpec, SurfaceKind

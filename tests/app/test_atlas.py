@@ -10,7 +10,8 @@ import pytest
 
 from app import compute
 from app.atlas import HERE, Known, atlas, mixes, number, offers_mixed, pose_text
-from app.state import SAME_MODE, Move, Review, SetAtlas, Visit, change, new_review
+from app.changes import Move, SetAtlas, Visit, change
+from app.state import SAME_MODE, Review, new_review
 from kinematics.designs import load_design
 from kinematics.mechanism import mechanism
 from kinematics.solutions import ForwardSolutions, Merged, Refreshed

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from app import compute
-from app.state import ChooseModes, Flip, Move, Review, Show, change, new_review
+from app.changes import ChooseModes, Flip, Move, Show, change
+from app.state import Review, new_review
 from kinematics.designs import load_design, presets
 
 

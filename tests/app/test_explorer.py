@@ -10,9 +10,10 @@ from typing import Any
 import pytest
 
 from app import compute
+from app.changes import Drive, EditDesign, Move, SetAtlas, UseDesign, change
 from app.explorer import Explorer
 from app.solver import Foreseen, Solved, Unsolved
-from app.state import Drive, EditDesign, Move, Review, SetAtlas, UseDesign, change, new_review
+from app.state import Review, new_review
 from kinematics.designs import load_design
 from kinematics.errors import BohemiaError
 

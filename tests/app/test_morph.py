@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from app import compute
+from app.changes import Place, Visit, change
 from app.morph import DURATION, Morph, between
-from app.state import Place, Review, Visit, change, new_review
+from app.state import Review, new_review
 from kinematics.designs import load_design
 
 

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from app import slicer
-from app.state import ChooseModes, Flip, Move, MoveCut, Review, change, new_review
+from app.changes import ChooseModes, Flip, Move, MoveCut, change
+from app.state import Review, new_review
 from kinematics.designs import load_design
 from kinematics.sections import Section
 from tests.app.made_sections import LENS, RING, TWO

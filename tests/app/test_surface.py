@@ -9,7 +9,9 @@ import json
 import pytest
 
 from app import compute, session
-from app.state import ChooseSurface, History, UseDesign, change, new_review
+from app.changes import ChooseSurface, UseDesign, change
+from app.history import History
+from app.state import new_review
 from app.tables import surface_text
 from kinematics.designs import load_design
 from kinematics.errors import InputError

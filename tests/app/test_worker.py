@@ -12,7 +12,8 @@ from dataclasses import replace
 import pytest
 
 from app import compute
-from app.state import Move, Review, Show, change, new_review
+from app.changes import Move, Show, change
+from app.state import Review, new_review
 from app.worker import Built, Busy, Event, Failed, Worker
 from kinematics.designs import load_design
 from kinematics.errors import BohemiaError

@@ -18,9 +18,10 @@ from pathlib import Path
 import viser
 from websockets.sync.client import connect
 
+from app.changes import Move
 from app.page import Page
 from app.server import make_server
-from app.state import Move, new_review
+from app.state import new_review
 from app.worker import Built
 from kinematics.designs import load_design
 

@@ -8,32 +8,27 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.state import (
-    Atlas,
-    Chart,
+from app.changes import (
     ChooseModes,
     Drive,
     EditDesign,
     Fade,
     Flip,
     GoHome,
-    History,
     Move,
     MoveCut,
     Place,
-    Review,
     SetAtlas,
     SetChart,
     SetOption,
     Show,
     ShowCut,
-    Span,
     UseDesign,
     Visit,
     change,
-    new_review,
-    point_in_section,
 )
+from app.history import History
+from app.state import Atlas, Chart, Review, Span, new_review, point_in_section
 from kinematics.designs import load_design
 from kinematics.errors import InputError
 
