@@ -131,7 +131,7 @@ def joint_rows(kind: Mechanism, design: Design, posture: Posture) -> tuple[Joint
             note = (
                 "cannot close"
                 if reason.bound == "link"
-                else f"{reason.amount:.1f} {page_unit(c)} beyond"
+                else f"{amount_text(reason.amount, reason.unit)} beyond"
             )
         elif margin < NEAR * (c.upper - c.lower):
             level, note = "near", "near its end"
@@ -150,6 +150,11 @@ def joint_rows(kind: Mechanism, design: Design, posture: Posture) -> tuple[Joint
     return tuple(rows)
 
 
+def amount_text(amount: float, unit: str) -> str:
+    """A distance to a bound in the page's units: "12.3 mm", "4.1°"."""
+    return f"{amount:.1f} mm" if unit == "mm" else f"{math.degrees(amount):.1f}°"
+
+
 _BOUNDS = {"rho_min": "ρ min", "rho_max": "ρ max", "link": "link"}
 
 
@@ -157,25 +162,39 @@ def _bound(margin: Margin) -> str:
     return f"limb {margin.limb}, {_BOUNDS.get(margin.bound, margin.bound)}"
 
 
+def mode_text(kind: Mechanism, mode: str) -> str:
+    """ "mode ++−+−", "operation mode 1"; "" for a mechanism that has but one."""
+    if not kind.mode_noun:
+        return ""
+    noun = "mode" if kind.mode_noun == "working mode" else kind.mode_noun
+    return f"{noun} {page_mode(mode)}"
+
+
 def status(review: Review, posture: Posture) -> Status:
     """Reachable or not, in which mode, how far from the nearest limit; and the way out."""
-    mode = f"mode {page_mode(posture.mode)}"
+    mode = mode_text(review.mechanism, posture.mode)
     if posture.reachable:
         nearest = posture.nearest
-        text = (
-            f"Reachable · {mode} · {nearest.amount:.1f} mm to the nearest limit ({_bound(nearest)})"
+        limit = (
+            ""
+            if nearest is None
+            else f"{amount_text(nearest.amount, nearest.unit)} to the nearest limit "
+            f"({_bound(nearest)})"
         )
-        stroke = min(
-            (m.amount for m in posture.margins if m.bound != "link"), default=nearest.amount
-        )
+        strokes = [m.amount for m in posture.margins if m.bound != "link"]
         span = min(c.upper - c.lower for c in review.mechanism.joint_coordinates(review.design))
-        return Status("near" if stroke < NEAR * span else "good", text)
+        near = bool(strokes) and min(strokes) < NEAR * span
+        return Status("near" if near else "good", _joined("Reachable", mode, limit))
     worst = max(posture.reasons, key=lambda r: r.amount)
     more = len(posture.reasons) - 1
-    text = f"Not reachable · {mode} · {worst.text}"
+    text = _joined("Not reachable", mode, worst.text)
     if more:
         text += f" · and {more} more limit{'s' if more > 1 else ''} exceeded"
     return Status("bad", text, _other_mode(review, posture))
+
+
+def _joined(*parts: str) -> str:
+    return " · ".join(filter(None, parts))
 
 
 def reaching_mode(review: Review, pose: Sequence[float]) -> str | None:
@@ -190,10 +209,11 @@ def reaching_mode(review: Review, pose: Sequence[float]) -> str | None:
 
 
 def _other_mode(review: Review, posture: Posture) -> str:
+    noun = review.mechanism.mode_noun
     nearest = reaching_mode(review, posture.pose)
     if nearest is None:
-        return "No working mode reaches this pose."
-    return f"Within reach in mode {page_mode(nearest)}."
+        return f"No {noun} reaches this pose." if noun else ""
+    return f"Within reach in {mode_text(review.mechanism, nearest)}."
 
 
 def wishes(review: Review) -> tuple[SolidWish, ...]:

@@ -12,6 +12,11 @@ def page_mode(mode: str) -> str:
     return mode.replace("-", "−")
 
 
+def signed(known: tuple[str, ...]) -> bool:
+    """Whether a mechanism's modes are signs, one a limb."""
+    return any(known) and set("".join(known)) <= {"+", "-"}
+
+
 def matching(text: str, known: tuple[str, ...]) -> tuple[str, ...]:
     """The modes of a mechanism that fit what was typed, in the mechanism's order.
 
@@ -40,7 +45,7 @@ def _fits(mode: str, pattern: str) -> bool:
 
 
 def _wanted(known: tuple[str, ...]) -> str:
-    if not set("".join(known)) <= {"+", "-"}:
+    if not signed(known):
         return f"it is one of {', '.join(known)}"
     return (
         f"write one sign (+, - or ? for either) for each of the {len(known[0])} limbs, "

@@ -53,7 +53,7 @@ FRAME = 0.02  # s, the same while the machine glides to another solution
 SETTLED = 0.8  # s without a change before the session is saved
 PANEL_WIDTH = 400  # px
 
-TABS: tuple[tuple[str, Callable[..., Panel]], ...] = (
+TABS: tuple[tuple[str, type[Panel]], ...] = (
     ("Move", MovePanel),
     ("Solutions", SolutionsPanel),
     ("Workspace", WorkspacePanel),
@@ -394,8 +394,9 @@ class Page:
         tabs = self.gui.add_tab_group()
         self.panels = []
         for title, panel in TABS:
-            with tabs.add_tab(title):
-                self.panels.append(panel(self, sheet))
+            if panel.serves(review.mechanism, review.design):
+                with tabs.add_tab(title):
+                    self.panels.append(panel(self, sheet))
         handle = self.scene.handle
         assert handle is not None
 

@@ -127,7 +127,12 @@ def new_review(design: Design) -> Review:
     """A review of ``design`` at its home posture."""
     home = mechanism(design.mechanism).home(design)
     review = Review(design, home.pose, home.mode)
-    return replace(review, cut=Cut(at=point_in_section(review)[0]))
+    known = {spec.key for spec in review.mechanism.solids(design)}
+    return replace(
+        review,
+        solids=tuple(s for s in review.solids if s.key in known),
+        cut=Cut(at=point_in_section(review)[0]),
+    )
 
 
 def point_in_section(review: Review) -> tuple[float, float, float]:

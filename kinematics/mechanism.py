@@ -180,6 +180,7 @@ class Mechanism(Protocol):
     def modes(self) -> tuple[str, ...]: ...
     @property
     def mode_noun(self) -> str: ...  # "working mode", "operation mode"; "" where there is one only
+    def about(self, topic: str) -> str: ...  # what a page says of the "move", "solutions", … of it
 
     # designs
     def read_design(self, table: Mapping[str, Any], *, origin: str, name: str) -> Design: ...
@@ -317,6 +318,14 @@ class Bare:
     """What a mechanism answers where it has nothing of the kind; to be inherited, overridden."""
 
     mode_noun = "working mode"
+
+    def about(self, topic: str) -> str:
+        """Markdown about a topic of this mechanism: what it is, its paper's figures and equations.
+
+        Topics: "move", "mode" (one phrase: what + says of a limb), "solutions", "workspace",
+        "section", "singularities", "map", "trajectory", "design". "" where nothing is to be said.
+        """
+        return ""
 
     def complete_pose(
         self, design: Any, pose: Sequence[float], mode: str, moved: int | None = None

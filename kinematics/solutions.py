@@ -14,28 +14,32 @@ import numpy as np
 from kinematics.spatial import Array
 
 Bound = Literal["rho_min", "rho_max", "link"]
+Unit = Literal["mm", "rad"]
 
 
 @dataclass(frozen=True, slots=True)
 class Reason:
     """Why a pose cannot be held: one limb beyond one bound.
 
-    ``limb`` counts from 1; ``amount`` is how far beyond the bound it is, mm, > 0.
+    ``limb`` counts from 1; ``amount`` is how far beyond the bound it is, mm (or rad, see
+    ``unit``), > 0.
     """
 
     limb: int
     bound: Bound
     amount: float
     text: str
+    unit: Unit = "mm"
 
 
 @dataclass(frozen=True, slots=True)
 class Margin:
-    """How far one limb is from one of its bounds, mm; negative beyond it."""
+    """How far one limb is from one of its bounds, in ``unit``; negative beyond it."""
 
     limb: int
     bound: Bound
     amount: float
+    unit: Unit = "mm"
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,9 +73,10 @@ class Posture:
         return all(np.isfinite(self.joints))
 
     @property
-    def nearest(self) -> Margin:
-        """The smallest margin: the limit that is met first."""
-        return min(self.margins, key=lambda m: m.amount)
+    def nearest(self) -> Margin | None:
+        """The smallest margin: the limit that is met first; None where nothing limits."""
+        # A machine has strokes of lengths or of angles, hardly of both; links are lengths.
+        return min(self.margins, key=lambda m: m.amount, default=None)
 
 
 @dataclass(frozen=True, slots=True)

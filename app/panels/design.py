@@ -33,13 +33,8 @@ from kinematics.mechanism import DesignField
 OWN = "(a design of your own)"
 
 HELP = """
-A **design** is five limbs: base point rᵢ, platform point s′ᵢ, link length lᵢ and stroke
-ρ min … ρ max. Change any number and everything follows at once; undo takes it back.
-
-Pairs of limbs whose base points share y, whose platform points lie on a line along e₂ and whose
-links are equal form the arrangements A₁, A₂, A₃ (and M_p for a third limb) of the paper's
-section 3; designs made of them have simpler forward kinematics, and some combinations cannot be
-controlled at all. What was found in this design stands above.
+Change any number and everything follows at once; undo takes it back. What was found in this design
+stands above.
 """
 
 
@@ -70,7 +65,7 @@ class DesignPanel(Panel):
             with gui.add_folder(group, expand_by_default=False):
                 for stem, fields in rows:
                     self._field(stem, fields)
-        explain(gui, HELP)
+        explain(gui, sheet.view.review.mechanism.about("design"), HELP)
         self._design = sheet.view.review.design
 
     def draw(self, sheet: Sheet) -> None:

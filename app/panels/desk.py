@@ -22,6 +22,7 @@ from app.requests import Request
 from app.slicer import Drawn, Region
 from app.worker import Built
 from kinematics.errors import BohemiaError
+from kinematics.mechanism import Design, Mechanism
 from kinematics.sections import Box, Sphere, Volume
 from kinematics.sweeps import Map
 
@@ -166,23 +167,31 @@ class Charted:
     trouble: str
 
 
-class Panel(Protocol):
-    """One tab: made once for a mechanism, then redrawn."""
+class Panel:
+    """One tab: made once for a mechanism, then redrawn. What a tab shows nothing of it ignores."""
+
+    def __init__(self, desk: Desk, sheet: Sheet) -> None:
+        raise NotImplementedError
+
+    @staticmethod
+    def serves(kind: Mechanism, design: Design) -> bool:
+        """Whether a mechanism has any use for this tab; others do not show it."""
+        return True
 
     def draw(self, sheet: Sheet) -> None:
         """Bring every widget to the view."""
 
     def draw_solids(self, sheet: Sheet) -> None:
-        """Only solids came since the last `draw`; most tabs show nothing of them."""
+        """Only solids came since the last `draw`."""
 
     def draw_solutions(self, sheet: Sheet, solutions: Solutions) -> None:
-        """The solutions changed, or their distances from here; most tabs show nothing of them."""
+        """The solutions changed, or their distances from here."""
 
     def draw_sections(self, sheet: Sheet, sections: Sections) -> None:
-        """A section, a volume, a ball or a box came; most tabs show nothing of them."""
+        """A section, a volume, a ball or a box came."""
 
     def draw_map(self, sheet: Sheet, charted: Charted) -> None:
-        """More of the map came, or it began or ended; most tabs show nothing of it."""
+        """More of the map came, or it began or ended."""
 
 
 def answer(desk: Desk, handle: Any, act: Callable[[Any, viser.ClientHandle | None], None]) -> None:
@@ -298,10 +307,10 @@ def button(
     return made
 
 
-def explain(gui: viser.GuiApi, text: str) -> None:
-    """The "What am I looking at?" at the foot of a tab."""
+def explain(gui: viser.GuiApi, *texts: str) -> None:
+    """The "What am I looking at?" at the foot of a tab: of the mechanism, then of the page."""
     with gui.add_folder("What am I looking at?", expand_by_default=False):
-        gui.add_markdown(text)
+        gui.add_markdown("\n\n".join(text.strip() for text in texts if text.strip()))
 
 
 # --- small pieces of HTML. Only text that passed `esc` goes in ---------------------------

@@ -33,7 +33,7 @@ from app.panels.plots import STEPS, TURN, Axes, Figure, Plot, nearest, number, s
 from app.requests import GoToBall, SaveMap, StartMap, StopMap
 from app.state import Chart, Span, checked_chart
 from kinematics.errors import InputError
-from kinematics.mechanism import Coordinate
+from kinematics.mechanism import Coordinate, Design, Mechanism
 from kinematics.sections import Quantity
 from kinematics.sweeps import Map
 
@@ -41,8 +41,7 @@ KINDS = ("CSV", "NPZ", "PNG", "SVG")
 SHADES = 48
 
 HELP = """
-The **map** shows a measure of the constant-orientation workspace over the orientations (φ, θ), as
-Figs. 20 and 21 of Tale Masouleh et al. 2011 show its volume. Each cell is computed from exact
+Each cell is computed from exact
 sections; the errors are bounds, not guesses. It is drawn coarse first and refined cell by cell.
 
 The **cross** is the machine's present orientation. **Point** at the map to read it; **click or
@@ -60,10 +59,9 @@ class MapPanel(Panel):
         gui, review = desk.gui, sheet.view.review
         self._desk = desk
         self._sheet = sheet
-        self._spec = review.mechanism.map_spec(review.design)
-        if self._spec is None:
-            gui.add_html(box("There is no map of this mechanism's workspace yet."))
-            return
+        spec = review.mechanism.map_spec(review.design)
+        assert spec is not None
+        self._spec = spec
         known = review.mechanism.pose_coordinates(review.design)
         self._axes = tuple(known[n] for n in self._spec.axes)
         self._titles = {q.title: q.key for q in self._spec.quantities}
@@ -102,12 +100,14 @@ class MapPanel(Panel):
         )
         self._save = gui.add_button_group("Save as", KINDS)
         clicked(desk, self._save, self._saved)
-        explain(gui, HELP)
+        explain(gui, review.mechanism.about("map"), HELP)
+
+    @staticmethod
+    def serves(kind: Mechanism, design: Design) -> bool:
+        return kind.map_spec(design) is not None
 
     def draw(self, sheet: Sheet) -> None:
         self._sheet = sheet
-        if self._spec is None:
-            return
         review = sheet.view.review
         put(self._desk, self._quantity, self._title(review.chart.quantity))
         if not self._wrong.visible:  # what is being typed stays until it can be used
@@ -117,8 +117,6 @@ class MapPanel(Panel):
         self._draw_cross()
 
     def draw_map(self, sheet: Sheet, charted: Charted) -> None:
-        if self._spec is None:
-            return
         running = bool(charted.running)
         put_prop(self._progress, "visible", running)
         put_prop(self._progress, "value", round(100.0 * charted.share, 1))
@@ -135,7 +133,6 @@ class MapPanel(Panel):
 
     def _draw_cross(self) -> None:
         axes = None if self._plot.figure is None else self._plot.figure.axes
-        assert self._spec is not None
         pose = self._sheet.view.review.pose
         x, y = (in_page_units(c, pose[n]) for c, n in zip(self._axes, self._spec.axes, strict=True))
         if axes is None or not (axes.x[0] <= x <= axes.x[1] and axes.y[0] <= y <= axes.y[1]):
@@ -174,7 +171,7 @@ class MapPanel(Panel):
 
     def _pointed(self, x: float, y: float, client: viser.ClientHandle | None) -> None:
         review = self._sheet.view.review
-        if self._spec is None or self._found is None:
+        if self._found is None:
             return
         request = self._found.request
         pose = list(review.pose)

@@ -14,7 +14,7 @@ from app.compute import (
     in_page_units,
     page_unit,
 )
-from app.modes import page_mode
+from app.modes import page_mode, signed
 from app.panels.desk import (
     Desk,
     Panel,
@@ -30,21 +30,18 @@ from app.panels.desk import (
     put_prop,
     tone,
 )
-from kinematics.mechanism import Coordinate
+from kinematics.mechanism import Coordinate, Mechanism
 
 STEP = {"mm": 0.1, "rad": 0.1}  # on the page: mm and degrees
 
 HELP = """
 The mechanism at one pose. **Drag the coloured handle** on the platform, or move the **pose**
-sliders: the inverse kinematics gives the five lengths at once. Move an **actuator** slider and the
+sliders: the inverse kinematics gives the actuators at once. Move an **actuator** slider and the
 platform follows along its present assembly mode; at a parallel singularity or at the end of a
 stroke it stops and says so. It never jumps to another branch.
 
-The **working mode** is the side of the U joint Bᵢ on which the second link stands (the sign of
-σᵢ = C − B along z′). A cylinder's rod turns yellow near the end of its stroke and red-orange
-beyond it; a red-orange bar shows by how much a limb fails to reach its platform point.
-
-Tale Masouleh et al. 2011, Figs. 1 and 2.
+A limb's rod turns yellow near the end of its stroke and red-orange beyond it; a red-orange bar
+shows by how much a limb fails to reach its platform point.
 """
 
 
@@ -71,26 +68,34 @@ class MovePanel(Panel):
             ]
             self._table = gui.add_html(_table(view.joints))
             self._residual = gui.add_html(_residual(sheet))
-        with gui.add_folder("Working mode"):
-            self._modes = [
-                gui.add_checkbox(
-                    f"Limb {n + 1} on +",
-                    sign == "+",
-                    hint="On: the second link stands on the +z′ side of its U joint",
-                )
-                for n, sign in enumerate(view.posture.mode)
-            ]
-            for n, switch in enumerate(self._modes):
-                answer(desk, switch, partial(self._flip, desk, n))
-            self._other = gui.add_html(_other_modes(sheet))
+        self._modes: list[viser.GuiCheckboxHandle] = []
+        self._choice: viser.GuiDropdownHandle[str] | None = None
+        if kind.mode_noun:
+            with gui.add_folder(kind.mode_noun.capitalize()):
+                self._offer_modes(desk, kind, view.posture.mode)
+                self._other = gui.add_html(_other_modes(sheet))
         button(
             desk,
             "Home position",
             lambda client: desk.send(GoHome(), client),
             hint="Back to the design's home pose (hotkey H)",
         )
-        explain(gui, HELP)
+        explain(gui, kind.about("move"), HELP)
         self._mode = view.posture.mode
+
+    def _offer_modes(self, desk: Desk, kind: Mechanism, mode: str) -> None:
+        """A switch for each limb where modes are signs of limbs, else a list."""
+        if not signed(kind.modes):
+            self._choice = desk.gui.add_dropdown("Mode", kind.modes, initial_value=mode)
+            answer(desk, self._choice, lambda chosen, client: desk.send(Flip(chosen), client))
+            return
+        hint = kind.about("mode")
+        self._modes = [
+            desk.gui.add_checkbox(f"Limb {n + 1} on +", sign == "+", hint=hint or None)
+            for n, sign in enumerate(mode)
+        ]
+        for n, switch in enumerate(self._modes):
+            answer(desk, switch, partial(self._flip, desk, n))
 
     def draw(self, sheet: Sheet) -> None:
         view = sheet.view
@@ -104,11 +109,14 @@ class MovePanel(Panel):
         for slider, row in zip(self._joints, view.joints, strict=True):
             slider.draw(row.low, row.high, row.value)
         self._mode = view.posture.mode
-        for switch, sign in zip(self._modes, self._mode, strict=True):
+        if self._choice is not None:
+            put(self._desk, self._choice, self._mode)
+        for switch, sign in zip(self._modes, self._mode, strict=bool(self._modes)):
             put(self._desk, switch, sign == "+")
         put_prop(self._table, "content", _table(view.joints))
         put_prop(self._residual, "content", _residual(sheet))
-        put_prop(self._other, "content", _other_modes(sheet))
+        if kind.mode_noun:
+            put_prop(self._other, "content", _other_modes(sheet))
 
     @staticmethod
     def _slider(desk: Desk, c: Coordinate, act: object, value: float) -> Slider:
@@ -180,7 +188,8 @@ def _other_modes(sheet: Sheet) -> str:
     view = sheet.view
     answered = view.review.mechanism.inverse(view.review.design, view.posture.pose)
     able = [m for m, ok in zip(answered.modes, answered.within_stroke, strict=True) if ok]
+    noun = view.review.mechanism.mode_noun
     if not able:
-        return box("No working mode reaches this pose within the strokes.")
+        return box(f"No {noun} reaches this pose within the strokes.")
     some = ", ".join(page_mode(m) for m in able[:6]) + (" …" if len(able) > 6 else "")
-    return box(f"{len(able)} of {len(answered.modes)} working modes reach this pose: {some}")
+    return box(f"{len(able)} of {len(answered.modes)} {noun}s reach this pose: {some}")

@@ -32,6 +32,7 @@ from app.panels.plots import Axes, Figure, Plot, nearest, number, scales, ticks
 from app.requests import SaveSection
 from app.slicer import Drawn
 from app.state import point_in_section
+from kinematics.mechanism import Design, Mechanism
 from kinematics.sections import Section, SectionSpec, Volume
 
 KINDS = ("SVG", "DXF", "CSV")
@@ -41,11 +42,9 @@ MOST = 600  # points of the profile that are drawn
 WIDTH = 320  # px of the plot's own panel; workspaces are higher than wide
 
 HELP = """
-The **exact section** of the constant-orientation workspace by the plane x′ = const, in the frame
-x′y′z′ that θ turns about the y axis (Fig. 17 and eqs. 26 to 43 of Tale Masouleh et al. 2011). Every
-limb bounds it by circles of radius lᵢ and by lines |y′| = lᵢ; **strong edges** in a limb's colour
-are what is left of them, **faint** ones were cut away. A full line is the longest stroke ρ max, a
-dashed one the shortest ρ min, a dotted one the reach of the second link.
+**Strong edges** in a limb's colour are what is left of its bounds, **faint** ones were cut away. A
+full line is the longest stroke ρ max, a dashed one the shortest ρ min, a dotted one the reach of
+the second link.
 
 Drag the **plane's arrow** in the scene, the slider, or point at the lower plot: the **area** of the
 section against x′. Its ticks mark where arcs appear, touch or vanish; the area under it is the
@@ -80,10 +79,9 @@ class SectionPanel(Panel):
         gui, review = desk.gui, sheet.view.review
         self._desk = desk
         self._sheet = sheet
-        self._spec = review.mechanism.section_spec(review.design)
-        if self._spec is None:
-            gui.add_html(box("There are no sections of this mechanism's workspace yet."))
-            return
+        spec = review.mechanism.section_spec(review.design)
+        assert spec is not None
+        self._spec = spec
         self._on = gui.add_checkbox(
             "Show the section", review.cut.on, hint="In the scene and as a plot (hotkey X)"
         )
@@ -113,12 +111,14 @@ class SectionPanel(Panel):
         self._profile_of: Volume | None = None
         self._save = gui.add_button_group("Save as", KINDS)
         clicked(desk, self._save, self._saved)
-        explain(gui, HELP)
+        explain(gui, review.mechanism.about("section"), HELP)
+
+    @staticmethod
+    def serves(kind: Mechanism, design: Design) -> bool:
+        return kind.section_spec(design) is not None
 
     def draw(self, sheet: Sheet) -> None:
         self._sheet = sheet
-        if self._spec is None:
-            return
         cut = sheet.view.review.cut
         put(self._desk, self._on, cut.on)
         low, high = min(self._range[0], cut.at), max(self._range[1], cut.at)
@@ -131,8 +131,6 @@ class SectionPanel(Panel):
             put_prop(self._numbers, "content", _first())
 
     def draw_sections(self, sheet: Sheet, sections: Sections) -> None:
-        if self._spec is None:
-            return
         drawn, cut = sections.drawn, sheet.view.review.cut
         self._known = drawn
         if cut.on and drawn is not None:
@@ -156,7 +154,7 @@ class SectionPanel(Panel):
         self.draw(sheet)
 
     def _draw_mark(self) -> None:
-        if self._profile_of is None or self._spec is None:
+        if self._profile_of is None:
             return
         figure = profile_axes(self._profile_of)
         at = self._sheet.view.review.cut.at

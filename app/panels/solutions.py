@@ -12,7 +12,7 @@ from app import palette
 from app.atlas import Atlas, Row
 from app.changes import Drive, SetAtlas, Visit
 from app.folds import Ahead, title, words
-from app.modes import matching, page_mode
+from app.modes import matching, page_mode, signed
 from app.panels.desk import (
     Desk,
     Panel,
@@ -53,10 +53,6 @@ The **distance** of a solution is how far the platform's farthest point would go
 **condition** number means that a singularity is near. As an actuator moves, solutions appear and
 merge in pairs, always at a parallel singularity: a **fold**. *Fold ahead* shows for each actuator,
 driven alone, how far it can go either way until this assembly mode ends.
-
-A simplified design has its solutions in closed form where the two limbs of each arrangement stand
-in the same working mode; those in mixed modes are found by the general method. Tale Masouleh et
-al. 2011, section 3.
 """
 
 
@@ -132,9 +128,9 @@ class SolutionsPanel(Panel):
             self._partner = button(desk, "Go to the solution it merges with", self._go_to_partner)
         self._fold: Ahead | None = None
         self._folds: dict[str, Ahead] = {}
-        limbs = len(self._known[0]) if has_modes and set("".join(self._known)) <= {*"+-"} else 0
+        limbs = len(self._known[0]) if signed(self._known) else 0
         gui.add_html(box(f'<div style="opacity:0.75">{key_html(self._axes, limbs)}</div>'))
-        explain(gui, HELP)
+        explain(gui, HELP, kind.about("solutions"))
 
     def draw(self, sheet: Sheet) -> None:
         review = sheet.view.review

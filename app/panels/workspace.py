@@ -29,19 +29,13 @@ from app.panels.desk import (
 from app.requests import Forget, GoToBall, Inscribe
 from app.tables import surface_text
 from app.worker import Built
-from kinematics.mechanism import SolidSpec, SurfaceKind
+from kinematics.mechanism import Design, Mechanism, SolidSpec, SurfaceKind
 from kinematics.sections import Volume
 
 ALL, CURRENT, CHOSEN = "All working modes together", "The current working mode", "A chosen set"
 MADE_OF: dict[SurfaceKind, str] = {"facets": "Facets", "true": "The true surface"}
 
 HELP = """
-The **constant-orientation workspace**: every place the platform's origin O′ can reach while φ and θ
-stay as they are. It is the intersection of the five limbs' **vertex spaces**, Bohemian domes given
-thickness by the actuators' strokes and offset by −sᵢ (Figs. 9 to 15 of Tale Masouleh et al. 2011).
-Each vertex space is its main body (Fig. 12) less the holes H₁, H₂ and H₃ (Figs. 9 to 11), or the
-union of its two halves, one for each side of the U joint.
-
 Its solid is **made of** facets that are right on the average, or of the **true surface**: every
 vertex on the exact surfaces that meet there, chords between them; it is inscribed where the
 surface bulges outwards, so its volume is a little smaller.
@@ -71,7 +65,11 @@ class WorkspacePanel(Panel):
             self._switch(spec, "Show", sheet)
         self._opacity(tuple(s.key for s in alone), "Opacity", 0.35)
         self._choice = gui.add_dropdown(
-            "Of", (ALL, CURRENT, CHOSEN), initial_value=_choice(sheet), hint="Working modes"
+            "Of",
+            (ALL, CURRENT, CHOSEN),
+            initial_value=_choice(sheet),
+            hint="Working modes",
+            visible=any(spec.uses_modes for spec in alone) and len(self._known) > 1,
         )
         answer(desk, self._choice, self._choose)
         self._set = gui.add_text(
@@ -108,7 +106,11 @@ class WorkspacePanel(Panel):
                     self._switch(spec, title[:1].upper() + title[1:] + figure, sheet)
                 self._opacity(tuple(s.key for s in own), "Opacity", 0.25)
         self._parts = gui.add_html(_parts(sheet))
-        explain(gui, HELP)
+        explain(gui, review.mechanism.about("workspace"), HELP)
+
+    @staticmethod
+    def serves(kind: Mechanism, design: Design) -> bool:
+        return bool(kind.solids(design))
 
     def draw(self, sheet: Sheet) -> None:
         review = sheet.view.review

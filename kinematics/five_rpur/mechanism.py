@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from kinematics.errors import InputError
 from kinematics.five_rpur import (
+    about,
     arrangements,
     drawing,
     home,
@@ -68,6 +69,9 @@ class FiveRPUR(Bare):
     kind = "five_rpur"
     title = "5-RPUR (3T2R)"
     modes = inverse.MODES
+
+    def about(self, topic: str) -> str:
+        return about.ABOUT.get(topic, "")
 
     # --- designs
 
