@@ -11,11 +11,13 @@ from dataclasses import dataclass, replace
 from app.state import (
     Atlas,
     Chart,
+    Control,
     ModeChoice,
     Review,
     Shown,
     checked,
     checked_chart,
+    checked_control,
     new_review,
     within,
     within_reach,
@@ -189,6 +191,18 @@ class SetChart:
 
 
 @dataclass(frozen=True, slots=True)
+class SetControl:
+    """Set one thing of what is shown of control; the value is of the kind that `Control` has."""
+
+    name: str
+    value: bool | str | tuple[float, ...]
+
+    @property
+    def gesture(self) -> str:
+        return f"control {self.name}" if isinstance(self.value, tuple) else ""
+
+
+@dataclass(frozen=True, slots=True)
 class Restore:
     """Open a saved review."""
 
@@ -214,6 +228,7 @@ Change = (
     | ShowCut
     | MoveCut
     | SetChart
+    | SetControl
     | Restore
 )
 
@@ -276,6 +291,9 @@ def change(review: Review, what: Change) -> tuple[Review, str]:
             return replace(review, cut=replace(review.cut, at=at)), note
         case SetChart(chart):
             return replace(review, chart=checked_chart(chart, review)), ""
+        case SetControl(name, value):
+            control = replace(review.control, **{name: value})  # type: ignore[arg-type]
+            return replace(review, control=checked_control(control, review)), ""
         case Restore(saved):
             return saved, ""
 
@@ -312,6 +330,7 @@ def _use_design(review: Review, design: Design) -> Review:
         cut=replace(fresh.cut, on=review.cut.on),
         chart=_chart_for(fresh, review.chart),
         surface=review.surface,
+        control=_control_for(fresh, review.control),
     )
 
 
@@ -327,6 +346,13 @@ def _chart_for(review: Review, chart: Chart) -> Chart:
         return checked_chart(chart, review)
     except InputError:
         return review.chart
+
+
+def _control_for(review: Review, control: Control) -> Control:
+    try:
+        return checked_control(control, review)
+    except InputError:  # a measure or a chart that the other mechanism has not
+        return replace(control, shade="", chart="")
 
 
 def _edit(

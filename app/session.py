@@ -12,6 +12,7 @@ from typing import Any
 from app.state import (
     Atlas,
     Chart,
+    Control,
     Cut,
     Options,
     Review,
@@ -19,6 +20,7 @@ from app.state import (
     Span,
     checked,
     checked_chart,
+    checked_control,
     new_review,
     within_reach,
 )
@@ -46,6 +48,7 @@ def to_text(review: Review) -> str:
         "options": {f.name: getattr(review.options, f.name) for f in fields(Options)},
         "solutions": {f.name: getattr(review.atlas, f.name) for f in fields(Atlas)},
         "section": {"on": review.cut.on, "at": review.cut.at},
+        "control": {f.name: getattr(review.control, f.name) for f in fields(Control)},
     }
     axes = _map_axes(review)
     if axes:
@@ -108,6 +111,7 @@ def from_text(text: str, *, origin: str) -> Review:
         _cut(content, review, origin),
         _chart(content, review, origin),
         _surface(content, origin),
+        _control(content, review, origin),
     )
 
 
@@ -165,6 +169,25 @@ def _atlas(content: dict[str, Any], review: Review, origin: str) -> Atlas:
         return checked(Atlas(**values), review.mechanism)
     except InputError as error:
         raise InputError(f"{origin}: solutions: {error}") from None
+
+
+def _control(content: dict[str, Any], review: Review, origin: str) -> Control:
+    """What is shown of control; sessions saved before there was any have nothing of it."""
+    given = content.get("control", {})
+    if not isinstance(given, dict):
+        raise InputError(f"{origin}: 'control' is not of the right kind")
+    values: dict[str, Any] = {}
+    for f in fields(Control):
+        value = given.get(f.name, f.default)
+        if isinstance(value, list):
+            value = tuple(_number(v, f"control: {f.name}", origin) for v in value)
+        if not isinstance(value, type(f.default)):
+            raise InputError(f"{origin}: control: {f.name} is not of the right kind")
+        values[f.name] = value
+    try:
+        return checked_control(Control(**values), review)
+    except InputError as error:
+        raise InputError(f"{origin}: control: {error}") from None
 
 
 def _surface(content: dict[str, Any], origin: str) -> SurfaceKind:

@@ -86,6 +86,27 @@ class Chart:
 
 
 @dataclass(frozen=True, slots=True)
+class Control:
+    """What is shown of how well the platform is held.
+
+    Attributes:
+        wrenches: the lines along which the limbs push, and the constraints.
+        clearances: the ways to whatever is nearest.
+        locus: the singular surface, in the aspects' solid and in the section.
+        chart: a key of the mechanism's `LocusSpec`s, whose curves are drawn; "" for none.
+        shade: a key of the mechanism's `Measure`s, by which aspects and section are coloured.
+        load: [F, T] on the platform at O′, N and N·mm, base frame.
+    """
+
+    wrenches: bool = False
+    clearances: bool = False
+    locus: bool = True
+    chart: str = ""
+    shade: str = ""
+    load: tuple[float, ...] = (0.0, 0.0, -100.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
 class Review:
     """Everything a review consists of; equal reviews look the same.
 
@@ -103,6 +124,7 @@ class Review:
     cut: Cut = Cut()
     chart: Chart = Chart()
     surface: SurfaceKind = "facets"
+    control: Control = Control()
 
     @property
     def mechanism(self) -> Mechanism:
@@ -191,6 +213,25 @@ def checked_chart(chart: Chart, review: Review) -> Chart:
             if beyond := within(coordinates[index], end)[1]:
                 raise InputError(beyond.replace("is kept", "must stay"))
     return chart
+
+
+def checked_control(control: Control, review: Review) -> Control:
+    """The same, once it is known to be sound.
+
+    Raises:
+        InputError: the mechanism has no such measure or chart, or the load is not six finite
+            numbers.
+    """
+    kind, design = review.mechanism, review.design
+    measures = [measure.key for measure in kind.measures(design)]
+    if control.shade and control.shade not in measures:
+        raise InputError(f"colour shows {', '.join(measures)}, not {control.shade!r}")
+    charts = [spec.key for spec in kind.locus_specs(design)]
+    if control.chart and control.chart not in charts:
+        raise InputError(f"a chart of loci is one of {', '.join(charts)}, not {control.chart!r}")
+    if len(control.load) != 6 or not all(map(math.isfinite, control.load)):
+        raise InputError("a load is six finite numbers: three forces (N), three moments (N·mm)")
+    return control
 
 
 def checked(atlas: Atlas, kind: Mechanism) -> Atlas:

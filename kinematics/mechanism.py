@@ -430,6 +430,9 @@ class Bare:
     def forward_is_quick(self, design: Any, *, mixed_modes: bool = False) -> bool:
         return True
 
+    def measures(self, design: Any) -> tuple[Measure, ...]:
+        return ()
+
     def locus_specs(self, design: Any) -> tuple[LocusSpec, ...]:
         return ()
 

@@ -1,0 +1,129 @@
+"""What is computed of control in a process of its own: pure functions and plain results."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinematics.errors import BohemiaError
+from kinematics.mechanism import Design, Mechanism, mechanism
+from kinematics.motion import Statics, WrenchSystem
+from kinematics.sections import Sphere
+from kinematics.singularities import (
+    Clearance,
+    LocusCurves,
+    Measure,
+    Passed,
+    Remedy,
+    Singularity,
+)
+from kinematics.solutions import Posture
+from kinematics.spatial import Array
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A posture, and the load that it is to hold ([F, T] at O′, N and N·mm)."""
+
+    design: Design
+    pose: tuple[float, ...]
+    mode: str
+    load: tuple[float, ...]
+
+    @property
+    def kind(self) -> Mechanism:
+        return mechanism(self.design.mechanism)
+
+    @property
+    def posture(self) -> Posture:
+        return self.kind.posture(self.design, self.pose, self.mode)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Here:
+    """What is known of control at a place.
+
+    Attributes:
+        singular: the ways in which control is lost; none as a rule.
+        measures: each with its value; NaN where it has none.
+        wrenches, statics: at this one posture; None where the machine does not close.
+        clearances: sorted, the nearest first.
+        remedy: the ways out; None where the pose can be held.
+    """
+
+    place: Place
+    singular: tuple[Singularity, ...]
+    measures: tuple[tuple[Measure, float], ...]
+    wrenches: WrenchSystem | None
+    statics: Statics | None
+    clearances: tuple[Clearance, ...]
+    remedy: Remedy | None
+
+    def nearest(self, *kinds: str) -> Clearance | None:
+        """The nearest of what is of one of these kinds."""
+        return next((c for c in self.clearances if c.kind in kinds), None)
+
+
+def look(place: Place) -> Here:
+    """What is known of control at a place."""
+    kind, design, posture = place.kind, place.design, place.posture
+    closes = posture.closes
+    measures = tuple(
+        (m, _value(place, m) if closes else math.nan) for m in kind.measures(design)
+    )
+    return Here(
+        place,
+        kind.singularities(design, posture) if closes else (),
+        measures,
+        kind.wrench_system(design, place.pose, place.mode) if closes else None,
+        kind.statics(design, place.pose, place.mode, place.load) if closes else None,
+        kind.clearances(design, posture),
+        None if posture.reachable else kind.remedy(design, posture),
+    )
+
+
+def _value(place: Place, measure: Measure) -> float:
+    load = place.load if measure.needs_load else None
+    value = place.kind.measure(place.design, place.pose, place.mode, measure.key, load)
+    return float(np.asarray(value))
+
+
+def ball(place: Place, here: bool) -> Sphere | None:
+    """The largest ball without a singularity, about the place or anywhere."""
+    kind, design = place.kind, place.design
+    center = kind.transform(design, place.pose)[:3, 3] if here else None
+    return kind.singularity_free_ball(design, place.pose, place.mode, center)
+
+
+def curves(place: Place, chart: str) -> LocusCurves:
+    """The loci of a chart, all but its two coordinates held."""
+    return place.kind.locus(place.design, chart, place.pose, place.mode)
+
+
+def passed(before: Place, pose: tuple[float, ...]) -> tuple[Passed, ...]:
+    """What the way to another pose passes, in the same mode."""
+    kind, design = before.kind, before.design
+    return kind.passed(design, before.posture, kind.posture(design, pose, before.mode))
+
+
+def field(place: Place, key: str, points: Array) -> Array:
+    """A measure (N,) with O′ at points (N, 3), base frame; NaN where the machine does not close."""
+    kind, design = place.kind, place.design
+    measure = next(m for m in kind.measures(design) if m.key == key)
+    poses = placed(kind, design, place.pose, points)
+    load = place.load if measure.needs_load else None
+    return np.asarray(kind.measure(design, poses, place.mode, key, load))
+
+
+def placed(kind: Mechanism, design: Design, pose: Sequence[float], points: Array) -> Array:
+    """The pose with O′ at points (N, 3), all else held: (N, P)."""
+    poses = np.tile(np.asarray(pose, dtype=float), (len(points), 1))
+    for n, c in enumerate(kind.pose_coordinates(design)):
+        if c.key in ("x", "y", "z"):
+            poses[:, n] = points[:, "xyz".index(c.key)]
+    return poses
+
+
