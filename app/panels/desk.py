@@ -326,6 +326,11 @@ def box(content: str) -> str:
     return f'<div style="padding:0.3em 0.75em;font-size:0.82em;line-height:1.45">{content}</div>'
 
 
+def red(text: str) -> str:
+    """A block that tells what is wrong."""
+    return box(f'<b style="color:{palette.BEYOND}">{esc(text)}</b>')
+
+
 def chip(color: str) -> str:
     """A small square of a colour."""
     return (
