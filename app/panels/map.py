@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import Any
 
@@ -28,6 +27,7 @@ from app.panels.desk import (
     put_prop,
     red,
     volume_text,
+    with_error,
 )
 from app.panels.plots import STEPS, TURN, Axes, Figure, Plot, nearest, number, scales, ticks
 from app.requests import GoToBall, SaveMap, StartMap, StopMap
@@ -281,9 +281,7 @@ def told(quantity: Quantity, value: float, error: float) -> str:
         return f"{value:.0f}"
     if error <= 0.0:
         return f"{value:.4g} {quantity.unit}"
-    decimals = min(max(0, math.ceil(-math.log10(error))), 6)
-    shown = math.ceil(error * 10**decimals) / 10**decimals  # never less than it is
-    return f"{value:.{decimals}f} ± {shown:.{decimals}f} {quantity.unit}"
+    return f"{with_error(value, error, 6)} {quantity.unit}"
 
 
 def _places(value: float) -> str:
