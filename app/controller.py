@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinematics.errors import BohemiaError
 from kinematics.mechanism import Design, Mechanism, mechanism
 from kinematics.motion import Statics, WrenchSystem
 from kinematics.sections import Sphere
@@ -71,9 +70,7 @@ def look(place: Place) -> Here:
     """What is known of control at a place."""
     kind, design, posture = place.kind, place.design, place.posture
     closes = posture.closes
-    measures = tuple(
-        (m, _value(place, m) if closes else math.nan) for m in kind.measures(design)
-    )
+    measures = tuple((m, _value(place, m) if closes else math.nan) for m in kind.measures(design))
     return Here(
         place,
         kind.singularities(design, posture) if closes else (),
@@ -125,5 +122,3 @@ def placed(kind: Mechanism, design: Design, pose: Sequence[float], points: Array
         if c.key in ("x", "y", "z"):
             poses[:, n] = points[:, "xyz".index(c.key)]
     return poses
-
-

@@ -1,7 +1,7 @@
 """What is known of the solutions while a review changes: found anew, gone on from, looked ahead of.
 
-Called from the page's loop alone. Quick designs are solved right there, the others by the
-`Solver`'s process once the hand rests; until then the last set stays, and its view says so.
+Called from the page's loop alone. Quick designs are solved right there, the others in a process of
+their own once the hand rests; until then the last set stays, and its view says so.
 """
 
 from __future__ import annotations
@@ -14,18 +14,18 @@ from app.changes import Visit
 from app.compute import View
 from app.folds import Ahead, nearest_first
 from app.history import QUIET_GAP
-from app.solver import Foreseen, Solved, Solver, Unsolved, Wish, solve
+from app.lane import Done, Job, Lane, Lost
+from app.solver import Wish, job, solve
 from app.worker import Busy
 from kinematics.errors import BohemiaError
-
-Found = Solved | Foreseen | Unsolved
+from kinematics.solutions import Posture, Refreshed
 
 
 class Explorer:
     """Holds the last set of solutions and the folds ahead, and sees that they become true."""
 
-    def __init__(self, on_event: Callable[[Found | Busy], None]) -> None:
-        self.solver = Solver(on_event)
+    def __init__(self, on_event: Callable[[Done | Lost | Busy], None]) -> None:
+        self.lane = Lane("solutions", on_event)
         self.known: Known | None = None
         self.trouble = ""
         self.fold_trouble = ""
@@ -60,7 +60,7 @@ class Explorer:
             elif self._ahead_of != _of(view):
                 wish = Wish(review.design, posture.joints, mixes(review), posture=posture)
         self._asked = key
-        self.solver.want(wish)
+        self.lane.want(() if wish is None else (job(wish),))
 
     def catch_up(self, view: View) -> None:
         """Solve a quick design for the present actuators, at once."""
@@ -74,27 +74,24 @@ class Explorer:
         except BohemiaError as error:
             self.trouble = str(error)
         else:
-            self._keep(Solved(wish, found))
+            self._keep(wish, found)
         self._asked = None  # the folds ahead can be looked for now
         self.look(view)
 
-    def take(self, event: Found, view: View) -> None:
-        """The solver found something; what is of another design or other modes is dropped."""
+    def take(self, event: Done | Lost, view: View) -> None:
+        """A wish was worked on; what is of another design or other modes is dropped."""
         match event:
-            case Solved(wish):
+            case Done(Job(Wish() as wish), Refreshed() as refreshed):
                 if wish.design == view.review.design and wish.mixed == mixes(view.review):
-                    self._keep(event)
+                    self._keep(wish, refreshed)
                     self._asked = None
-            case Foreseen(wish, ahead):
-                assert wish.posture is not None
+            case Done(Job(Wish(design, posture=Posture() as posture)), ahead):
                 self._ahead, self.fold_trouble = ahead, ""
-                self._ahead_of = (wish.design, wish.posture.pose, wish.posture.mode)
-            case Unsolved(wish, text):
-                self._awaited = None
-                if wish.posture is None:
-                    self.trouble = text
-                else:
-                    self.fold_trouble = text
+                self._ahead_of = (design, posture.pose, posture.mode)
+            case Lost(Job(Wish(posture=None)), text):
+                self._awaited, self.trouble = None, text
+            case Lost(_, text):
+                self._awaited, self.fold_trouble = None, text
         self.look(view)
 
     def find_again(self, view: View) -> None:
@@ -103,12 +100,11 @@ class Explorer:
         self.trouble = ""
         self.look(view)
 
-    def _keep(self, solved: Solved) -> None:
-        wish = solved.wish
+    def _keep(self, wish: Wish, refreshed: Refreshed) -> None:
         if wish.before is not None and self.known is not None:
-            self.known = self.known.after(solved.refreshed, rested=self._rested)
+            self.known = self.known.after(refreshed, rested=self._rested)
         else:
-            self.known = Known(wish.design, wish.mixed, solved.refreshed.solutions)
+            self.known = Known(wish.design, wish.mixed, refreshed.solutions)
         self._rested = False
         self.trouble = ""
 

@@ -1,7 +1,7 @@
 """A process for one kind of work: the newest jobs win, and what is found comes in order.
 
-The process is started when it is first needed and gives way to those that build solids. Its death
-costs only the job at work.
+The process is started when it is first needed and gives way to those that build solids. It keeps
+nothing that a job needs of another, so its death costs only the job at work.
 """
 
 from __future__ import annotations

@@ -186,10 +186,10 @@ class Slicing:
             self._volumes.popitem(last=False)
 
     def _lost(self, job: Job, text: str) -> None:
-        self._late = True
         if job.key in (self._wish, self._region):
-            self._trouble = text
+            self._trouble, self._late = text, True
         elif job in self._asked.values():
+            self._late = True
             self._asked = {what: asked for what, asked in self._asked.items() if asked is not job}
             self._going = None
             if text:

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 from app.changes import Change, Drive
 from app.explorer import Explorer
 from app.ghosts import Ghosts
+from app.lane import Done, Job, Lost
 from app.panels.desk import Solutions
 from app.parts import Stage
 from app.requests import ChooseFold, FindAgain, RedrawSolutions, VisitSolution
-from app.solver import Foreseen, Solved, Unsolved
+from app.solver import Wish
 from app.worker import LaneName
 from kinematics.errors import BohemiaError
 
@@ -41,13 +42,13 @@ class Solving:
         return self._late
 
     def start(self) -> None:
-        self._explorer.solver.start()
+        self._explorer.lane.start()
 
     def stop(self) -> None:
-        self._explorer.solver.stop()
+        self._explorer.lane.stop()
 
     def cancel(self, lane: LaneName) -> None:
-        self._explorer.solver.cancel()
+        self._explorer.lane.cancel()
 
     def prepare(self) -> None:
         self._ghosts.prepare()
@@ -61,7 +62,7 @@ class Solving:
 
     def take(self, item: object) -> bool:
         match item:
-            case Solved() | Foreseen() | Unsolved():
+            case Done(Job(Wish())) | Lost(Job(Wish())):
                 self._explorer.take(item, self._stage.view)
                 self._redraw()
                 return self._visit(None)

@@ -335,6 +335,11 @@ def box(content: str) -> str:
     return f'<div style="padding:0.3em 0.75em;font-size:0.82em;line-height:1.45">{content}</div>'
 
 
+def red(text: str) -> str:
+    """A block that tells what is wrong."""
+    return box(f'<b style="color:{palette.BEYOND}">{esc(text)}</b>')
+
+
 def chip(color: str) -> str:
     """A small square of a colour."""
     return (
@@ -349,9 +354,14 @@ def volume_text(mm3: float, error: float | None = None) -> str:
     value = mm3 * scale
     if error is None or error <= 0:
         return f"{value:.4g} {unit}" if abs(value) < 1000 else f"{value:,.0f} {unit}"
-    decimals = min(max(0, math.ceil(-math.log10(error * scale))), 9)
-    shown = math.ceil(error * scale * 10**decimals) / 10**decimals  # never less than it is
-    return f"{value:,.{decimals}f} ± {shown:.{decimals}f} {unit}"
+    return f"{with_error(value, error * scale, 9)} {unit}"
+
+
+def with_error(value: float, error: float, most: int) -> str:
+    """A number to the digits that its error leaves, ``most`` at the most, and that error."""
+    decimals = min(max(0, math.ceil(-math.log10(error))), most)
+    shown = math.ceil(error * 10**decimals) / 10**decimals  # never less than it is
+    return f"{value:,.{decimals}f} ± {shown:.{decimals}f}"
 
 
 def area_text(mm2: float) -> str:

@@ -6,6 +6,7 @@ import time
 
 from app import palette
 from app.compute import View
+from app.panels.boxes import NUMBERS_GO_BACK
 from app.panels.desk import Desk, Sheet, box, chip, clicked, esc, put_prop, tone
 from app.worker import Busy
 
@@ -17,6 +18,7 @@ class Header:
 
     def __init__(self, desk: Desk, sheet: Sheet) -> None:
         gui = desk.gui
+        gui.add_html(NUMBERS_GO_BACK)
         self._status = gui.add_html(_status(sheet))
         self._legend = gui.add_html(_legend(sheet.view))
         self._doing = gui.add_html(_doing("", 0.0))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import re
 from dataclasses import replace
 from typing import Any
 
@@ -14,6 +12,7 @@ from scipy.ndimage import distance_transform_edt
 from app import palette
 from app.changes import Place, SetChart
 from app.compute import from_page_units, in_page_units, page_unit
+from app.panels.boxes import SpanBox
 from app.panels.desk import (
     Charted,
     Desk,
@@ -27,7 +26,9 @@ from app.panels.desk import (
     explain,
     put,
     put_prop,
+    red,
     volume_text,
+    with_error,
 )
 from app.panels.plots import STEPS, TURN, Axes, Figure, Plot, nearest, number, scales, ticks
 from app.requests import GoToBall, SaveMap, StartMap, StopMap
@@ -69,17 +70,10 @@ class MapPanel(Panel):
             "Show", tuple(self._titles), initial_value=self._title(review.chart.quantity)
         )
         answer(desk, self._quantity, self._choose)
-        # Text, because number boxes keep to themselves what is no number.
         self._spans = [
-            gui.add_text(
-                f"{c.symbol} from, to ({page_unit(c)}), values",
-                _shown(c, span),
-                hint="Three numbers; both ends are mapped, and more values take longer",
-            )
+            SpanBox(desk, c, span, self._edit)
             for c, span in zip(self._axes, _spans(review.chart), strict=True)
         ]
-        for handle in self._spans:
-            answer(desk, handle, self._edit)
         self._wrong = gui.add_html("", visible=False)
         self._start = button(desk, "Start", self._begin, icon=viser.Icon.PLAYER_PLAY)
         self._stop = button(
@@ -111,9 +105,8 @@ class MapPanel(Panel):
         review = sheet.view.review
         put(self._desk, self._quantity, self._title(review.chart.quantity))
         if not self._wrong.visible:  # what is being typed stays until it can be used
-            for handle, c, span in zip(self._spans, self._axes, _spans(review.chart), strict=True):
-                if _read(c, handle.value) != span:  # "-60 60 31" stays as it was typed
-                    put(self._desk, handle, _shown(c, span))
+            for typed, span in zip(self._spans, _spans(review.chart), strict=True):
+                typed.draw(span)
         self._draw_cross()
 
     def draw_map(self, sheet: Sheet, charted: Charted) -> None:
@@ -156,10 +149,10 @@ class MapPanel(Panel):
         """Take the spans as soon as they can be used; until then say what is wrong with them."""
         review = self._sheet.view.review
         try:
-            spans = [_span(c, h.value) for c, h in zip(self._axes, self._spans, strict=True)]
-            chart = checked_chart(Chart(review.chart.quantity, *spans), review)
+            first, second = (typed.read() for typed in self._spans)
+            chart = checked_chart(Chart(review.chart.quantity, first, second), review)
         except InputError as error:
-            put_prop(self._wrong, "content", _red(_sentence(str(error))))
+            put_prop(self._wrong, "content", red(_sentence(str(error))))
             put_prop(self._wrong, "visible", True)
             return
         put_prop(self._wrong, "visible", False)
@@ -189,40 +182,10 @@ def _spans(chart: Chart) -> tuple[Span, Span]:
     return chart.first, chart.second
 
 
-def _shown(c: Coordinate, span: Span) -> str:
-    low, high = (number(round(in_page_units(c, v), 6)) for v in (span.low, span.high))
-    return f"{low}, {high}, {span.count}"
-
-
-def _span(c: Coordinate, typed: str) -> Span:
-    """What a person typed: three numbers, with commas, semicolons or spaces between them."""
-    words = re.split(r"[\s,;…]+", typed.strip().replace("−", "-"))
-    try:
-        low, high, count = map(float, words)
-    except ValueError:
-        raise InputError(
-            f"{c.symbol} needs three numbers: from, to, and how many values, as {_shown(c, Span())}"
-        ) from None
-    if not (math.isfinite(count) and count == round(count)):
-        raise InputError(f"how many values of {c.symbol} is a whole number")
-    return Span(from_page_units(c, low), from_page_units(c, high), int(count))
-
-
-def _read(c: Coordinate, typed: str) -> Span | None:
-    try:
-        return _span(c, typed)
-    except InputError:
-        return None
-
-
 def _sentence(text: str) -> str:
     """With a capital and a full stop; a symbol at its head stays what it is."""
     head = text[0].upper() if text[0].isascii() else text[0]
     return head + text[1:].rstrip(".") + "."
-
-
-def _red(text: str) -> str:
-    return box(f'<b style="color:{palette.BEYOND}">{esc(text)}</b>')
 
 
 def _state(charted: Charted, chosen: str) -> str:
@@ -232,7 +195,7 @@ def _state(charted: Charted, chosen: str) -> str:
         what = "" if charted.running == chosen else f" {esc(charted.running)},"
         return box(f"Computing:{what} {done} · {charted.seconds:.0f} s{_other(charted, chosen)}")
     if charted.trouble:
-        return _red(charted.trouble)
+        return red(charted.trouble)
     if charted.map is None or not charted.map.done.any():
         return box("Nothing is computed yet: choose what to show and start it.")
     share = 100 * charted.map.done.mean()
@@ -316,9 +279,7 @@ def told(quantity: Quantity, value: float, error: float) -> str:
         return f"{value:.0f}"
     if error <= 0.0:
         return f"{value:.4g} {quantity.unit}"
-    decimals = min(max(0, math.ceil(-math.log10(error))), 6)
-    shown = math.ceil(error * 10**decimals) / 10**decimals  # never less than it is
-    return f"{value:.{decimals}f} ± {shown:.{decimals}f} {quantity.unit}"
+    return f"{with_error(value, error, 6)} {quantity.unit}"
 
 
 def _places(value: float) -> str:

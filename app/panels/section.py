@@ -27,6 +27,7 @@ from app.panels.desk import (
     explain,
     put,
     put_prop,
+    red,
 )
 from app.panels.plots import Axes, Figure, Plot, nearest, number, scales, ticks
 from app.requests import SaveSection
@@ -52,26 +53,6 @@ workspace's volume. The cross marks the platform, where it stands in the plane.
 """
 
 
-# A number box that is left without a number goes back to its last one: viser does not even report
-# what is none. Once for a page, in the browser.
-_BACK = """
-if(!window.boxesGoBack){window.boxesGoBack=1;
-const ok=(i)=>i.value.trim()!==''&&isFinite(+i.value),
-box=(e)=>e.target.closest&&e.target.closest('.mantine-NumberInput-root')?e.target:null,
-keep=(e)=>{const i=box(e);if(i&&ok(i))i.good=i.value;},
-back=(e)=>{const i=box(e);if(!i||ok(i)||i.good===undefined||e.key&&e.key!=='Enter')return;
-Object.getOwnPropertyDescriptor(HTMLInputElement.prototype,'value').set.call(i,i.good);
-i.dispatchEvent(new Event('input',{bubbles:true}));};
-for(const t of ['focusin','input'])document.addEventListener(t,keep,true);
-for(const t of ['focusout','keydown'])document.addEventListener(t,back,true);}
-"""
-GUARD = (
-    '<img alt="" style="display:none" src="data:image/gif;base64,'
-    'R0lGODlhAQABAIAAAAAAAP///yH5BAEAAAAALAAAAAABAAEAAAIBRAA7" '
-    f'onload="{esc(_BACK.replace(chr(10), " ").strip())}">'
-)
-
-
 class SectionPanel(Panel):
     """Where the plane stands, the section as a plot and in numbers, its area along the way."""
 
@@ -90,7 +71,6 @@ class SectionPanel(Panel):
         lengths = [c for c in review.mechanism.pose_coordinates(review.design) if c.unit == "mm"]
         # Until it is known where the workspace lies.
         self._range = (min(c.lower for c in lengths), max(c.upper for c in lengths))
-        gui.add_html(GUARD)
         self._at = Slider(
             desk,
             f"{self._spec.normal} (mm)",
@@ -141,7 +121,7 @@ class SectionPanel(Panel):
                 _numbers(drawn.section, self._spec, drawn.extent.along, sections.trouble),
             )
         elif sections.trouble:
-            put_prop(self._numbers, "content", _trouble(sections.trouble))
+            put_prop(self._numbers, "content", red(sections.trouble))
         volume = sections.volume
         if volume is not self._profile_of:
             self._profile_of = volume
@@ -191,10 +171,6 @@ def _hint() -> str:
     return box("Show the section to see it in the scene and as a plot.")
 
 
-def _trouble(text: str) -> str:
-    return box(f'<b style="color:{palette.BEYOND}">{esc(text)}</b>')
-
-
 def _fluid(svg: str) -> str:
     """The plot as wide as its panel, in proportion."""
     return svg.replace("<svg ", '<svg style="display:block;width:100%;height:auto" ', 1)
@@ -204,7 +180,7 @@ def _numbers(
     section: Section, spec: SectionSpec, along: tuple[float, float] | None, trouble: str
 ) -> str:
     if trouble:
-        return _trouble(trouble)
+        return red(trouble)
     if not section.loops:
         if along is None:
             return box("At this orientation the workspace is empty.")

@@ -26,6 +26,7 @@ from app.panels.desk import (
     explain,
     put,
     put_prop,
+    red,
     tone,
 )
 from app.panels.glyphs import key_html, row_html, strokes_html, style
@@ -288,7 +289,7 @@ def _quiet(text: str) -> str:
 
 def _count(atlas: Atlas, trouble: str) -> str:
     if trouble:
-        return box(f'<b style="color:{palette.BEYOND}">{esc(trouble)}</b>')
+        return red(trouble)
     if not atlas.count:
         return box("<b>Finding all solutions …</b>" if atlas.stale else "<b>No solutions</b>")
     color = tone("good" if atlas.complete else "near")

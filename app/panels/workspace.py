@@ -23,6 +23,7 @@ from app.panels.desk import (
     explain,
     put,
     put_prop,
+    red,
     tone,
     volume_text,
 )
@@ -261,7 +262,7 @@ def _exact(sheet: Sheet, sections: Sections) -> str:
     """The volume by exact sections, beside that of the solid."""
     volume = sections.volume
     if sections.trouble:
-        return box(f'<b style="color:{palette.BEYOND}">{esc(sections.trouble)}</b>')
+        return red(sections.trouble)
     if volume is None:
         return box("The exact volume is on its way …")
     if not sections.current:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import queue
+import signal
 import time
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -12,8 +14,9 @@ import pytest
 from app import compute
 from app.changes import Drive, EditDesign, Move, SetAtlas, UseDesign, change
 from app.explorer import Explorer
-from app.solver import Foreseen, Solved, Unsolved
+from app.lane import Done, Lost
 from app.state import Review, new_review
+from app.worker import Busy
 from kinematics.designs import load_design
 from kinematics.errors import BohemiaError
 
@@ -26,7 +29,7 @@ class Loop:
     def __init__(self) -> None:
         self.events: queue.Queue[Any] = queue.Queue()
         self.explorer = Explorer(self.events.put)
-        self.explorer.solver.start()
+        self.explorer.lane.start()
 
     def show(self, review: Review) -> compute.View:
         view = compute.view(review)
@@ -38,7 +41,7 @@ class Loop:
         end = time.monotonic() + PATIENCE
         while not holds():
             event = self.events.get(timeout=max(0.01, end - time.monotonic()))
-            if isinstance(event, Solved | Foreseen | Unsolved):
+            if isinstance(event, Done | Lost):
                 self.explorer.take(event, view)
 
     def settle(self, view: compute.View) -> None:
@@ -51,7 +54,7 @@ class Loop:
 def loop() -> Iterator[Loop]:
     made = Loop()
     yield made
-    made.explorer.solver.stop()
+    made.explorer.lane.stop()
 
 
 def test_a_quick_design_is_solved_in_the_same_turn(loop: Loop) -> None:
@@ -171,6 +174,30 @@ def test_mixed_modes_are_found_apart(loop: Loop) -> None:
     known = loop.explorer.known
     assert known is not None
     assert known.solutions.complex_count == 192
+
+
+@pytest.mark.parametrize("how", ["cancelled", "killed"])
+def test_a_search_that_was_given_up_says_why_and_the_next_one_works(loop: Loop, how: str) -> None:
+    review = new_review(load_design("rpur-a3a3"))
+    mixed, _ = change(review, SetAtlas("mixed", True))
+    view, lane = loop.show(mixed), loop.explorer.lane
+    while not isinstance(event := loop.events.get(timeout=PATIENCE), Busy) or event.title is None:
+        pass
+    time.sleep(0.05)
+    if how == "cancelled":
+        lane.cancel()
+    else:
+        assert lane.pid is not None
+        os.kill(lane.pid, signal.SIGKILL)
+    while not isinstance(event := loop.events.get(timeout=PATIENCE), Lost):
+        pass
+    loop.explorer.take(event, view)
+    assert loop.explorer.known is None
+    assert ("all solutions stopped" in loop.explorer.trouble) == (how == "killed")
+    assert (loop.explorer.trouble == "") == (how == "cancelled")
+    loop.explorer.find_again(view)
+    loop.until(view, lambda: loop.explorer.is_current(view))
+    assert loop.explorer.trouble == ""
 
 
 def test_all_can_be_found_from_scratch(loop: Loop) -> None:

@@ -4,63 +4,26 @@ from __future__ import annotations
 
 import operator
 import os
-import queue
 import signal
 import time
 from collections.abc import Iterator
-from typing import Any
 
 import pytest
 
-from app.lane import Done, Job, Lane, Lost
-from app.worker import Busy
-
-PATIENCE = 60.0  # s; only a hang is caught by it
-
-
-class Desk:
-    """A lane and what it reported."""
-
-    def __init__(self) -> None:
-        self.events: queue.Queue[Any] = queue.Queue()
-        self.lane = Lane("sections", self.events.put)
-        self.lane.start()
-
-    def until(self, kind: type) -> Any:
-        """The next event of a kind; what passes on the way is lost."""
-        end = time.monotonic() + PATIENCE
-        while True:
-            event = self.events.get(timeout=max(0.01, end - time.monotonic()))
-            if isinstance(event, kind):
-                return event
-
-    def begun(self, title: str) -> None:
-        """Wait until the job with this title is at work."""
-        while self.until(Busy).title != title:
-            pass
-
-    def results(self, last: object) -> list[Any]:
-        """What was done until the job with this key was."""
-        found = []
-        while True:
-            done = self.until(Done)
-            found.append(done.result)
-            if done.job.key == last:
-                return found
+from app.lane import Done, Job, Lost
+from tests.app import lanes
+from tests.app.lanes import Desk
 
 
 @pytest.fixture(scope="module")
 def shared() -> Iterator[Desk]:
-    made = Desk()
-    yield made
-    made.lane.stop()
+    with lanes.desk("sections") as made:
+        yield made
 
 
 @pytest.fixture
 def desk(shared: Desk) -> Desk:
-    shared.lane.want(())
-    while not shared.events.empty():
-        shared.events.get()
+    shared.clear()
     return shared
 
 
@@ -87,6 +50,13 @@ def test_what_was_wanted_last_is_what_comes(desk: Desk) -> None:
 def test_a_job_that_must_rest_gives_way_to_others(desk: Desk) -> None:
     desk.lane.want((add(1, rest=0.4), add(2)))
     assert desk.results(("add", 1)) == [3, 2]
+
+
+def test_a_job_taken_back_before_its_time_is_not_begun(desk: Desk) -> None:
+    desk.lane.want((add(1, rest=0.15),))
+    desk.lane.want(())
+    time.sleep(0.4)
+    assert desk.events.empty()
 
 
 def test_a_job_given_up_and_wanted_again_is_done_again(desk: Desk) -> None:
@@ -124,4 +94,16 @@ def test_the_death_of_the_process_is_told_and_survived(desk: Desk) -> None:
     assert "a long rest stopped" in desk.until(Lost).text
     desk.lane.want((add(9),))
     assert desk.until(Done).result == 10
+    assert desk.lane.pid != pid
+
+
+def test_a_process_that_died_at_rest_is_started_again(desk: Desk) -> None:
+    desk.lane.want((add(1),))
+    desk.until(Done)
+    pid = desk.lane.pid
+    assert pid is not None
+    os.kill(pid, signal.SIGKILL)
+    time.sleep(0.2)
+    desk.lane.want((add(2),))
+    assert desk.until(Done).result == 3
     assert desk.lane.pid != pid
