@@ -110,7 +110,7 @@ class Mapping:
     def prepare(self) -> None:
         pass
 
-    def applied(self, change: Change) -> None:
+    def applied(self, change: Change, before: Review, note: str) -> None:
         pass
 
     def follow(self) -> None:

@@ -34,8 +34,17 @@ JOINT = "#4B525C"
 BASE = "#B9BFC8"
 PLATFORM = "#5D6B7E"
 GHOST = "#7C8FA8"  # the platform in another assembly mode
+FREE = "#A9B7C6"  # a ball without a singularity
 INK = "#2E343C"
 INK_DARK = "#D8DEE6"  # ink on a dark page
+
+# Aspects: cool where the determinant of the wrenches is positive, warm where it is negative, the
+# largest first; too grey to be taken for limbs.
+ASPECTS = {
+    1: ("#6E87A3", "#8FA3B8", "#57708C", "#AEBDCC", "#455C75"),
+    -1: ("#A3937B", "#B8AB97", "#8A7A62", "#CCC2B2", "#71634E"),
+    0: ("#8B9097", "#A4A9AF", "#747A82", "#BDC1C6", "#5F656D"),
+}
 
 # Parts of one limb's vertex space: its colour mixed with white (> 0) or black (< 0).
 _PART_TINT = {"body": 0.45, "plus": 0.2, "minus": -0.25, "H1": 0.3, "H2": -0.35, "H3": -0.15}
@@ -78,6 +87,12 @@ def solid_color(spec: SolidSpec) -> str:
     if spec.limb is None:
         return WORKSPACE
     return mixed(limb_color(spec.limb), _PART_TINT.get(spec.key.partition("/")[2], 0.0))
+
+
+def aspect_color(sign: int, rank: int) -> str:
+    """The colour of an aspect: the sign of its determinant, and which one of those it is."""
+    shades = ASPECTS[sign]
+    return shades[rank % len(shades)]
 
 
 def mixed(code: str, tint: float) -> str:

@@ -9,6 +9,7 @@ from app.changes import Change
 from app.compute import View
 from app.exporting import ExportedFile
 from app.scene import Scene
+from app.state import Review
 from app.worker import LaneName
 
 if TYPE_CHECKING:
@@ -60,8 +61,8 @@ class Part(Protocol):
     def follow(self) -> None:
         """The review may have changed, and everything else has been brought to it."""
 
-    def applied(self, change: Change) -> None:
-        """A person's change was taken."""
+    def applied(self, change: Change, before: Review, note: str) -> None:
+        """A person's change was taken, with this to say; the review was ``before``."""
 
     def take(self, item: Any) -> bool:
         """Something from the inbox, perhaps not of this part; true when the page has to change."""

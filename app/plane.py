@@ -20,7 +20,6 @@ from kinematics.spatial import Array
 
 LIMBS = 8  # nodes of edges; more than any mechanism has
 ROOM = 0.06  # of the region's size around it in the outline of the plane
-INSIDE = palette.mixed(palette.WORKSPACE, -0.2)
 _NO_LINE = np.zeros((1, 2, 3), dtype=np.float32)
 
 
@@ -130,80 +129,3 @@ class Plane:
                 node.visible = bool(len(own))
             if len(own):
                 node.points = own.astype(np.float32)
-
-
-class Inside:
-    """Scene nodes of the largest ball and of the largest box."""
-
-    def __init__(self, scene: Scene) -> None:
-        self._scene = scene
-        self._ball: Any = None
-        self._box: Any = None
-        self._labels: tuple[Any, Any] = (None, None)
-
-    def prepare(self) -> None:
-        """Make the nodes, with nothing to see."""
-        scene = self._scene.server.scene
-        vertices, faces = _BALL
-        self._ball = scene.add_mesh_simple(
-            "/inside/ball",
-            vertices.astype(np.float32),
-            faces,
-            color=palette.rgb(INSIDE),
-            cast_shadow=False,
-            receive_shadow=False,
-            visible=False,
-        )
-        self._box = scene.add_line_segments(
-            "/inside/box",
-            _NO_LINE,
-            palette.rgb(palette.mixed(INSIDE, -0.4)),
-            thickness=3.0,
-            thickness_units="screen",
-            visible=False,
-        )
-        ball, box = (
-            scene.add_label(f"/labels/{name}", "", anchor="bottom-center", visible=False)
-            for name in ("largest ball", "largest box")
-        )
-        self._labels = ball, box
-
-    def show(self, ball: Sphere | None, box: Box | None) -> None:
-        """Bring them to these; None hides one."""
-        of_ball, of_box = self._labels
-        for node in (self._ball, of_ball):
-            node.visible = ball is not None
-        for node in (self._box, of_box):
-            node.visible = box is not None
-        if ball is not None:
-            self._ball.position, self._ball.scale = tuple(ball.center), ball.radius
-            of_ball.text = f"radius {ball.radius:.1f} mm"
-            of_ball.position = tuple(ball.center + np.array([0.0, 0.0, ball.radius]))
-        if box is not None:
-            corners = np.where(_CORNERS, box.high, box.low)
-            self._box.points = corners[_BOX_EDGES].astype(np.float32)
-            size = " × ".join(f"{side:.1f}" for side in box.high - box.low)
-            of_box.text = f"{size} mm"
-            middle = 0.5 * (box.low + box.high)
-            of_box.position = (float(middle[0]), float(middle[1]), float(box.high[2]))
-
-
-def _sphere(rings: int = 24, sides: int = 48) -> tuple[Array, np.ndarray]:
-    """A unit sphere: vertices (V, 3) and faces (F, 3) turned outwards."""
-    polar, around = np.meshgrid(
-        np.pi * np.arange(rings + 1) / rings,
-        2 * np.pi * np.arange(sides) / sides,
-        indexing="ij",
-    )
-    vertices = np.stack(
-        [np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar)], axis=-1
-    ).reshape(-1, 3)
-    ring, side = np.meshgrid(np.arange(rings), np.arange(sides), indexing="ij")
-    a, b = ring * sides + side, ring * sides + (side + 1) % sides
-    faces = np.stack([a, a + sides, b, b, a + sides, b + sides], axis=-1).reshape(-1, 3)
-    return vertices, faces.astype(np.uint32)
-
-
-_BALL = _sphere()
-_CORNERS = np.array([[n & 1, n >> 1 & 1, n >> 2 & 1] for n in range(8)], dtype=bool)
-_BOX_EDGES = np.array([[n, n | 1 << k] for n in range(8) for k in range(3) if not n >> k & 1])

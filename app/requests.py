@@ -86,6 +86,56 @@ class SaveMap:
     client: viser.ClientHandle | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class FindFree:
+    """Find the largest ball without a singularity, about the platform or anywhere; None: hide it."""
+
+    here: bool | None
+    client: viser.ClientHandle | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class GoToFree:
+    """Put the platform into the middle of that ball."""
+
+    client: viser.ClientHandle | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Escape:
+    """Go to the nearest posture that can be held."""
+
+    client: viser.ClientHandle | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ChangeDesign:
+    """Change the design so that the pose can be held, in the way of this number."""
+
+    way: int
+    client: viser.ClientHandle | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Swing:
+    """Show the free motion of the singularity of this number."""
+
+    which: int
+
+
+@dataclass(frozen=True, slots=True)
+class SaveLoci:
+    """Save the chart's curves as a file of this kind."""
+
+    kind: str
+    client: viser.ClientHandle | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ClearLog:
+    """Forget what happened on the way."""
+
+
 Request = (
     VisitSolution
     | FindAgain
@@ -98,4 +148,11 @@ Request = (
     | StartMap
     | StopMap
     | SaveMap
+    | FindFree
+    | GoToFree
+    | Escape
+    | ChangeDesign
+    | Swing
+    | SaveLoci
+    | ClearLog
 )

@@ -13,9 +13,10 @@ import viser
 import viser.transforms as tf
 from scipy.spatial import ConvexHull
 
-from app import palette
+from app import painting, palette
 from app.compute import SolidWish, View
 from app.creases import crease_lines
+from app.painting import Coat
 from kinematics.mechanism import Bar, Body, Drawing, Mark, SolidSpec
 from kinematics.spatial import Array
 
@@ -24,7 +25,8 @@ if TYPE_CHECKING:
 
 # Solids are created from the inside out: with equal origins the browser draws in this order, and
 # a transparent outer solid drawn first would hide the inner one.
-_DRAW_ORDER = ("workspace", "H1", "H2", "H3", "plus", "minus", "whole", "body")
+_DRAW_ORDER = ("aspects", "workspace", "H1", "H2", "H3", "plus", "minus", "whole", "body")
+COATS = max(painting.STEPS + 1, painting.PIECES + 1)
 _NOTHING = np.zeros((3, 3), dtype=np.float32)  # a mesh of no area where there is no solid
 _ONE_FACE = np.array([[0, 1, 2]], dtype=np.uint32)
 _NO_EDGE = np.zeros((1, 2, 3), dtype=np.float32)
@@ -40,6 +42,8 @@ class Scene:
     _nodes: dict[str, Any] = field(default_factory=dict)
     _shape: dict[str, tuple[object, ...]] = field(default_factory=dict)
     _solids: dict[str, viser.MeshHandle] = field(default_factory=dict)
+    _coats: dict[str, list[viser.MeshHandle]] = field(default_factory=dict)
+    _painted: dict[str, tuple[Coat, ...]] = field(default_factory=dict)
     _edges: dict[str, viser.LineSegmentsHandle] = field(default_factory=dict)
     _slots: dict[str, int] = field(default_factory=dict)
     _lines: dict[str, tuple[BuiltSolid, np.ndarray]] = field(default_factory=dict)
@@ -62,23 +66,22 @@ class Scene:
             "/lights/sun", intensity=2.2, cast_shadow=False, position=(0.5, -0.8, 1.0)
         )
         for node in self._solids.values():
+            self._forget(node.name)
             node.remove()
+        for coat in (coat for coats in self._coats.values() for coat in coats):
+            self._forget(coat.name)
         self._solids.clear()
+        self._coats.clear()
+        self._painted.clear()
         self._edges.clear()
         self._solid_on.clear()
-        ordered = sorted(specs, key=lambda s: _DRAW_ORDER.index(s.key.partition("/")[2] or s.key))
-        for spec in ordered:
-            self._solids[spec.key] = scene.add_mesh_simple(
-                f"/solids/{spec.key}",
-                _NOTHING,
-                _ONE_FACE,
-                color=palette.rgb(palette.solid_color(spec)),
-                opacity=0.3,
-                side="double",
-                cast_shadow=False,
-                receive_shadow=False,
-                visible=False,
-            )
+        for spec in sorted(specs, key=_draw_order):
+            color = palette.solid_color(spec)
+            self._solids[spec.key] = self._mesh(f"/solids/{spec.key}", color)
+            if spec.limb is None:
+                self._coats[spec.key] = [
+                    self._mesh(f"/solids/{spec.key}/coat{n}", color) for n in range(COATS)
+                ]
             self._edges[spec.key] = scene.add_line_segments(
                 f"/solids/{spec.key}/edges",
                 _NO_EDGE,
@@ -88,6 +91,20 @@ class Scene:
             )
         self.handle = scene.add_transform_controls(
             "/handle", scale=0.42 * size, line_width=3.0, depth_test=False, opacity=0.85
+        )
+
+    def _mesh(self, name: str, color: str) -> viser.MeshHandle:
+        """A mesh with nothing to see."""
+        return self.server.scene.add_mesh_simple(
+            name,
+            _NOTHING,
+            _ONE_FACE,
+            color=palette.rgb(color),
+            opacity=0.3,
+            side="double",
+            cast_shadow=False,
+            receive_shadow=False,
+            visible=False,
         )
 
     # --- the machine
@@ -256,31 +273,39 @@ class Scene:
 
     # --- solids
 
-    def show_solid(self, wish: SolidWish, solid: BuiltSolid) -> None:
-        """Put a solid on display, at the place of ``wish``."""
-        node, edges = self._solids[wish.spec.key], self._edges[wish.spec.key]
+    def show_solid(self, wish: SolidWish, solid: BuiltSolid, coats: tuple[Coat, ...]) -> None:
+        """Put a solid on display, at the place of ``wish``, painted with ``coats``."""
+        key = wish.spec.key
+        node, edges = self._solids[key], self._edges[key]
         rotation, offset = wish.placement[:3, :3], wish.placement[:3, 3]
-        if solid.triangles:
-            # All solids keep their origin at zero, so that the drawing order above holds.
-            shift = (rotation.T @ offset).astype(np.float32)
-            vertices = solid.shaded.vertices.astype(np.float32, copy=False) + shift
-            node.vertices = vertices
-            if self._solid_on.get(wish.spec.key, (0,))[0] != id(solid):
-                node.faces = solid.shaded.faces.astype(np.uint32, copy=False)
-            lines = self._creases(wish.spec.key, solid)
-            edges.points = lines + shift if len(lines) else _NO_EDGE
-        else:
-            node.vertices, node.faces = _NOTHING, _ONE_FACE
-            edges.points = _NO_EDGE
-        name = node.name
-        self._set(
-            name,
-            node,
-            wxyz=wxyz(rotation),
-            opacity=wish.opacity,
-            visible=bool(solid.triangles),
-        )
-        self._solid_on[wish.spec.key] = (id(solid), wish.placement.tobytes())
+        # All solids keep their origin at zero, so that the drawing order above holds.
+        shift = (rotation.T @ offset).astype(np.float32)
+        lines = self._creases(key, solid) if solid.triangles else _NO_EDGE[:0]
+        edges.points = lines + shift if len(lines) else _NO_EDGE
+        # One coat is the solid's own mesh; several have a mesh each, and it has none.
+        single = len(coats) == 1
+        self._coat(node, coats[0] if single else None, shift)
+        for n, other in enumerate(self._coats.get(key, ())):
+            coat = coats[n] if not single and n < len(coats) else None
+            if coat is not None:
+                self._coat(other, coat, shift)
+            self._set(other.name, other, visible=coat is not None)
+        self._set(node.name, node, wxyz=wxyz(rotation), visible=bool(solid.triangles))
+        self._solid_on[key] = (id(solid), wish.placement.tobytes(), id(coats))
+        self._painted[key] = coats
+        self.fade_solid(wish)
+
+    def _coat(self, node: viser.MeshHandle, coat: Coat | None, shift: np.ndarray) -> None:
+        slot = f"{node.name}#faces"
+        if coat is None or not len(coat.faces):
+            if self._shape.pop(slot, None) is not None:
+                node.vertices, node.faces = _NOTHING, _ONE_FACE
+            return
+        node.vertices = coat.vertices + shift
+        if self._shape.get(slot) != (id(coat.faces),):  # the same solid elsewhere keeps them
+            node.faces = coat.faces
+            self._shape[slot] = (id(coat.faces),)
+        self._set(node.name, node, color=palette.rgb(coat.color))
 
     def _creases(self, key: str, solid: BuiltSolid) -> np.ndarray:
         """The crease lines of a solid where it was built; found once, then only moved."""
@@ -292,8 +317,14 @@ class Scene:
 
     def fade_solid(self, wish: SolidWish) -> None:
         """Only the opacity of a solid changed."""
-        node = self._solids[wish.spec.key]
+        key = wish.spec.key
+        coats = self._painted.get(key, ())
+        node = self._solids[key]
         self._set(node.name, node, opacity=wish.opacity)
+        if len(coats) > 1:
+            for coat, other in zip(coats, self._coats[key], strict=False):
+                opacity = min(coat.opaque * wish.opacity, 1.0)
+                self._set(other.name, other, opacity=opacity)
 
     def hide_solid(self, key: str) -> None:
         """Take a solid off display."""
@@ -301,9 +332,10 @@ class Scene:
         self._set(node.name, node, visible=False)
         self._solid_on.pop(key, None)
 
-    def shows(self, wish: SolidWish, solid: BuiltSolid) -> bool:
-        """Whether this very solid stands at this very place already."""
-        return self._solid_on.get(wish.spec.key) == (id(solid), wish.placement.tobytes())
+    def shows(self, wish: SolidWish, solid: BuiltSolid, coats: tuple[Coat, ...]) -> bool:
+        """Whether this very solid stands at this very place already, painted like this."""
+        shown = id(solid), wish.placement.tobytes(), id(coats)
+        return self._solid_on.get(wish.spec.key) == shown
 
     # --- in-place updates that change nothing send nothing
 
@@ -334,6 +366,11 @@ class Scene:
         toward = np.array([0.62, -0.95, 0.42])
         distance = 1.02 * radius / math.sin(0.5 * FIELD_OF_VIEW)
         return centre + distance * toward / np.linalg.norm(toward), centre
+
+
+def _draw_order(spec: SolidSpec) -> int:
+    part = spec.key.partition("/")[2] or spec.key
+    return _DRAW_ORDER.index(part) if part in _DRAW_ORDER else len(_DRAW_ORDER)
 
 
 def machine_bounds(drawing: Drawing) -> tuple[Array, Array]:

@@ -16,7 +16,8 @@ from app.exporting import ExportedFile, solid_name
 from app.lane import Done, Job, Lane, Lost
 from app.panels.desk import DIGITS, Sections
 from app.parts import Stage
-from app.plane import Inside, Plane
+from app.inside import Inside
+from app.plane import Plane
 from app.requests import Forget, GoToBall, Inscribe, SaveSection
 from app.section_files import section_bytes
 from app.slicer import Drawn, Region, Wish
@@ -146,7 +147,7 @@ class Slicing:
             dragging=bool(self._dragging),
         )
 
-    def applied(self, change: Change) -> None:
+    def applied(self, change: Change, before: Review, note: str) -> None:
         pass
 
     # --- what comes

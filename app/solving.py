@@ -56,7 +56,7 @@ class Solving:
     def follow(self) -> None:
         self._late = True
 
-    def applied(self, change: Change) -> None:
+    def applied(self, change: Change, before: Review, note: str) -> None:
         if isinstance(change, Drive):
             self._explorer.drove(change.index)
 

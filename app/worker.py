@@ -33,7 +33,7 @@ CACHE = 48  # solids kept, over all resolutions
 
 T = TypeVar("T")
 
-LaneName = Literal["coarse", "fine", "solutions", "sections", "measures"]
+LaneName = Literal["coarse", "fine", "solutions", "sections", "measures", "control", "loci"]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -1,0 +1,425 @@
+"""Control on the page: what holds the platform here, what is near, where control is lost."""
+
+from __future__ import annotations
+
+import time
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from app import controller, painting, palette
+from app.changes import Change, EditDesign, Place, Visit
+from app.compute import SolidWish, View
+from app.controller import Here
+from app.controller import Place as Spot
+from app.exporting import ExportedFile, solid_name
+from app.held import Held
+from app.lane import Done, Job, Lane, Lost
+from app.locus_files import locus_bytes
+from app.painting import Coat, Scale
+from app.panels.desk import Controlled, Logged
+from app.parts import Stage
+from app.requests import (
+    ChangeDesign,
+    ClearLog,
+    Escape,
+    FindFree,
+    GoToFree,
+    SaveLoci,
+    Swing,
+)
+from app.state import Review
+from app.worker import Built, LaneName
+from kinematics.mechanism import Design
+from kinematics.sections import Sphere
+from kinematics.singularities import LocusCurves
+from kinematics.spatial import Array
+
+if TYPE_CHECKING:
+    import viser
+
+REST = 0.2  # s for which a place must stay before curves are traced about it
+KEPT = 60  # lines of the log
+MEDIA_TYPES = {"svg": "image/svg+xml", "csv": "text/csv"}
+
+
+class Controlling:
+    """Keeps what is told of control true to the machine."""
+
+    lanes: tuple[LaneName, ...] = ("control", "loci")
+
+    def __init__(self, stage: Stage) -> None:
+        self._stage = stage
+        self._quick = Lane("control", stage.put)
+        self._slow = Lane("loci", stage.put)
+        self._held = Held(stage.scene)
+        self._late = False
+        self._here: Here | None = None
+        self._curves: tuple[object, LocusCurves] | None = None
+        self._asked: Job | None = None  # for a ball
+        self._ball: Sphere | None = None
+        self._ball_of: object = None
+        self._painter = Painter()
+        self._swing: tuple[float, tuple[float, ...]] | None = None
+        self._watched: Spot | None = None
+        self._log: tuple[Logged, ...] = ()
+        self._trouble = ""
+
+    @property
+    def late(self) -> bool:
+        return self._late or self._swing is not None
+
+    def start(self) -> None:
+        self._quick.start()
+        self._slow.start()
+
+    def stop(self) -> None:
+        self._quick.stop()
+        self._slow.stop()
+
+    def cancel(self, lane: LaneName) -> None:
+        (self._quick if lane == "control" else self._slow).cancel()
+
+    def prepare(self) -> None:
+        self._held.prepare(self._stage.view.drawing.size)
+
+    # --- what is wanted
+
+    def follow(self) -> None:
+        view = self._stage.view
+        review, spot = view.review, spot_of(view.review)
+        if self._watched is None or not _same_branch(self._watched, spot):
+            self._watched = spot
+        quick = [Job(("here", spot), "what holds the platform", controller.look, (spot,))]
+        if self._watched.pose != spot.pose:
+            way = self._watched, spot.pose
+            quick.append(Job(("passed", *way), "the way here", controller.passed, way))
+        self._quick.want(quick)
+        if self._ball_of is not None and self._ball_of != _orientation(review):
+            self._ball = self._ball_of = self._asked = None
+        self._ask_slowly()
+        self._late = True
+
+    def _ask_slowly(self) -> None:
+        review, spot = self._stage.view.review, spot_of(self._stage.view.review)
+        jobs = [] if self._asked is None else [self._asked]
+        if review.control.chart:
+            key = ("curves", *_chart_key(review))
+            arguments = spot, review.control.chart
+            jobs.append(Job(key, "the singular curves", controller.curves, arguments, REST))
+        if review.control.shade:
+            jobs += self._painter.jobs(review, spot)
+        self._slow.want(jobs)
+
+    def applied(self, change: Change, before: Review, note: str) -> None:
+        if note:
+            self._note(note, "stop")
+        if isinstance(change, Visit):
+            self._note("Went to another solution; the way between was not driven.", "jump")
+            self._watched = None
+
+    def _note(self, text: str, kind: str) -> None:
+        if self._log and self._log[0].text == text:  # a slider held against its stop
+            self._log = (replace(self._log[0], at=time.time()), *self._log[1:])
+        else:
+            self._log = (Logged(time.time(), text, kind), *self._log)[:KEPT]
+        self._late = True
+
+    # --- what comes
+
+    def take(self, item: object) -> bool:
+        match item:
+            case Done(Job(("here", _)), Here() as here):
+                self._here, self._trouble, self._late = here, "", True
+            case Done(Job(("passed", Spot() as before, pose)), events):
+                for event in events:
+                    self._note(event.text, event.kind)
+                self._watched = replace(before, pose=pose)
+            case Done(Job(("curves", *_) as key), LocusCurves() as curves):
+                self._curves, self._late = (key, curves), True
+            case Done(Job(("field", *_) as key), np.ndarray() as values):
+                self._painter.take(key, values)
+                return True
+            case Done(job, result) if job is self._asked:
+                return self._ball_came(result)
+            case Lost(job, text):
+                self._lost(job, text)
+            case FindFree(here, client):
+                self._find(here, client)
+            case GoToFree(client):
+                return self._go_to_ball(client)
+            case Escape(client):
+                return self._escape(client)
+            case ChangeDesign(way, client):
+                return self._change_design(way, client)
+            case Swing(which):
+                self._begin_swing(which)
+            case SaveLoci(kind, client):
+                self._save(kind, client)
+            case ClearLog():
+                self._log, self._late = (), True
+        return False
+
+    def _lost(self, job: Job, text: str) -> None:
+        match job.key:
+            case ("here", _):
+                self._trouble, self._late = text, True
+            case ("curves" | "field", *_):
+                if text:
+                    self._stage.complain(text)
+            case _ if job is self._asked:
+                self._asked, self._late = None, True
+                if text:
+                    self._stage.complain(text)
+
+    # --- the ball
+
+    def _find(self, here: bool | None, client: viser.ClientHandle | None) -> None:
+        review = self._stage.view.review
+        self._ball, self._asked = None, None
+        self._ball_of = _orientation(review)
+        if here is not None:
+            spot = spot_of(review)
+            title = "the largest ball without a singularity"
+            self._asked = Job(("free", spot, here), title, controller.ball, (spot, here), slow=True)
+        self._ask_slowly()
+        self._late = True
+
+    def _ball_came(self, result: Sphere | None) -> bool:
+        self._asked, self._ball, self._late = None, result, True
+        if result is None:
+            self._stage.complain("There is no such ball: nothing of the workspace is there.")
+        return False
+
+    def _go_to_ball(self, client: viser.ClientHandle | None) -> bool:
+        if self._ball is None:
+            return False
+        review = self._stage.view.review
+        pose = controller.placed(
+            review.mechanism, review.design, review.pose, self._ball.center[None]
+        )[0]
+        return self._stage.apply(Place(tuple(float(v) for v in pose), gesture=""), client)
+
+    # --- ways out
+
+    def _escape(self, client: viser.ClientHandle | None) -> bool:
+        here = self._current()
+        if here is None or here.remedy is None or here.remedy.nearest is None:
+            self._stage.complain("No reachable pose is known from here.", client)
+            return False
+        nearest = here.remedy.nearest
+        return self._stage.apply(Visit(nearest.pose, nearest.mode), client)
+
+    def _change_design(self, way: int, client: viser.ClientHandle | None) -> bool:
+        here = self._current()
+        ways = () if here is None or here.remedy is None else here.remedy.changes
+        if way >= len(ways):
+            return False
+        edits = tuple((change.path, change.after) for change in ways[way])
+        return self._stage.apply(EditDesign(edits), client)
+
+    def _current(self) -> Here | None:
+        """What is known of the present place; None while that is of another."""
+        spot = spot_of(self._stage.view.review)
+        return self._here if self._here is not None and self._here.place == spot else None
+
+    # --- free motion
+
+    def _begin_swing(self, which: int) -> None:
+        here = self._current()
+        if here is not None and which < len(here.singular):
+            motion = here.singular[which].motion
+            self._swing = None if motion is None else (time.monotonic(), motion)
+
+    # --- what is shown
+
+    def catch_up(self) -> None:
+        if self._swing is not None:
+            self._show_swing()
+        if not self._late:
+            return
+        self._late = False
+        sheet, controlled = self._stage.sheet(), self.controlled()
+        current = self._current()
+        with self._stage.server.atomic():
+            self._held.show(sheet.view, current or self._nearly(), self._ball)
+            for panel in self._stage.panels:
+                panel.draw_control(sheet, controlled)
+        self._stage.server.flush()
+
+    def _show_swing(self) -> None:
+        assert self._swing is not None
+        begun, motion = self._swing
+        with self._stage.server.atomic():
+            if self._current() is None or not self._held.swing(
+                self._stage.view, motion, time.monotonic() - begun
+            ):
+                self._swing = None
+                self._held.still()
+        self._stage.server.flush()
+
+    def _nearly(self) -> Here | None:
+        """What was known last, while the hand moves and the newest is on its way."""
+        here, spot = self._here, spot_of(self._stage.view.review)
+        return here if here is not None and _same_branch(here.place, spot) else None
+
+    def controlled(self) -> Controlled:
+        """What panels draw of it."""
+        review = self._stage.view.review
+        curves = None
+        if self._curves is not None and review.control.chart:
+            key = ("curves", *_chart_key(review))
+            curves = self._curves[1] if self._curves[0] == key else None
+        return Controlled(
+            self._nearly(),
+            self._current() is None,
+            curves,
+            self._ball,
+            self._asked is not None,
+            self._log,
+            self._painter.scale(review),
+            self._trouble,
+        )
+
+    def coats(self, view: View, wish: SolidWish, built: Built) -> tuple[Coat, ...]:
+        """How a solid is painted."""
+        coats = self._painter.coats(view.review, wish, built)
+        if self._painter.wants:
+            self._ask_slowly()
+        return coats
+
+    def _save(self, kind: str, client: viser.ClientHandle | None) -> None:
+        review = self._stage.view.review
+        curves = self.controlled().curves
+        if curves is None:
+            self._stage.complain("There are no curves to save yet.", client)
+            return
+        spec = next(
+            s
+            for s in review.mechanism.locus_specs(review.design)
+            if s.key == review.control.chart
+        )
+        name = solid_name(review.design, f"singularities-{spec.key}", (), (review.mode,))
+        data = locus_bytes(curves, spec, kind, title=review.design.title or review.design.name)
+        file = ExportedFile(f"{name}.{kind}", data, MEDIA_TYPES[kind])
+        self._stage.apart(client, lambda: self._stage.download(file, client))
+
+
+class Painter:
+    """Coats of solids, kept as long as nothing of them changes; asks for the measure's values."""
+
+    def __init__(self) -> None:
+        self._coats: dict[str, tuple[object, tuple[Coat, ...]]] = {}
+        self._fields: OrderedDict[object, Array] = OrderedDict()
+        self._solids: dict[str, tuple[Built, Array]] = {}  # those to paint, and their vertices
+        self._scale: tuple[object, Scale] | None = None
+        self.wants = False
+
+    def jobs(self, review: Review, spot: Spot) -> list[Job]:
+        """The values that are not known yet."""
+        self.wants = False
+        jobs = []
+        for key, (built, points) in self._solids.items():
+            what = _field_key(review, key, built)
+            if what not in self._fields:
+                arguments = spot, review.control.shade, points
+                jobs.append(Job(what, "the colours", controller.field, arguments, 0.0))
+        return jobs
+
+    def take(self, key: object, values: Array) -> None:
+        self._fields[key] = values
+        while len(self._fields) > 6:
+            self._fields.popitem(last=False)
+
+    def scale(self, review: Review) -> Scale | None:
+        """The steps of the measure that is on display."""
+        if self._scale is None or not review.control.shade:
+            return None
+        return self._scale[1] if self._scale[0] == review.control.shade else None
+
+    def coats(self, review: Review, wish: SolidWish, built: Built) -> tuple[Coat, ...]:
+        key, solid, control = wish.spec.key, built.solid, review.control
+        shade = control.shade if wish.spec.limb is None else ""
+        values: Array | None = None
+        if shade and solid.triangles:
+            what = _field_key(review, key, built)
+            values = self._fields.get(what)
+            if values is None:
+                points = solid.shaded.vertices @ wish.placement[:3, :3].T + wish.placement[:3, 3]
+                self._solids[key] = built, points.astype(float)
+                self.wants = True
+        made_of = (id(solid), shade if values is not None else "", control.locus)
+        if control.shade and values is not None:
+            made_of = (*made_of, review.control.load)  # type: ignore[assignment]
+        known = self._coats.get(key)
+        if known is not None and known[0] == made_of:
+            return known[1]
+        coats = self._made(review, wish, built, shade, values)
+        self._coats[key] = made_of, coats
+        return coats
+
+    def _made(
+        self, review: Review, wish: SolidWish, built: Built, shade: str, values: Array | None
+    ) -> tuple[Coat, ...]:
+        solid = built.solid
+        if not solid.triangles:
+            return ()
+        color = palette.solid_color(wish.spec)
+        if values is not None:
+            measure = next(m for m in review.mechanism.measures(review.design) if m.key == shade)
+            steps = painting.scale(values, high=measure.better == "high", limits=measure.limits)
+            if steps is not None:
+                self._scale = shade, steps
+                return painting.shaded(solid, values, steps, color)
+        if solid.piece_of is not None and len(solid.pieces):
+            return painting.pieces(solid, locus=review.control.locus)
+        return painting.plain(solid, color)
+
+
+def spot_of(review: Review) -> Spot:
+    """Where the machine stands, with its load."""
+    return Spot(review.design, review.pose, review.mode, review.control.load)
+
+
+def _same_branch(one: Spot, other: Spot) -> bool:
+    return one.design == other.design and one.mode == other.mode
+
+
+def _orientation(review: Review) -> tuple[object, ...]:
+    """All of a review on which balls depend, but for the position."""
+    return review.design, review.mode, *_held(review, ("x", "y", "z"))
+
+
+def _held(review: Review, free: tuple[str, ...]) -> tuple[float, ...]:
+    axes = review.mechanism.pose_coordinates(review.design)
+    return tuple(
+        v
+        for c, v in zip(axes, review.pose, strict=True)
+        if c.key not in free and c.symbol not in free
+    )
+
+
+def _chart_key(review: Review) -> tuple[object, ...]:
+    """All that the curves of the chosen chart depend on: its own two coordinates are free."""
+    chart = review.control.chart
+    spec = next(s for s in review.mechanism.locus_specs(review.design) if s.key == chart)
+    return chart, review.design, review.mode, *_held(review, spec.axes)
+
+
+def _field_key(review: Review, key: str, built: Built) -> tuple[object, ...]:
+    control: Design = review.design
+    load = next(
+        (
+            review.control.load
+            for m in review.mechanism.measures(review.design)
+            if m.key == review.control.shade and m.needs_load
+        ),
+        None,
+    )
+    return "field", key, id(built.solid), control, review.mode, review.control.shade, load
+
+
+_ = Callable
