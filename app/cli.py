@@ -13,11 +13,16 @@ from collections.abc import Sequence
 from difflib import get_close_matches
 from typing import Any, NoReturn
 
-from app.commands import mapping, measuring, serving, solids, solving
+from app.commands import controlling, losing, mapping, measuring, serving, solids, solving
 from kinematics.errors import BohemiaError, InputError
 
 # Their values may begin with a minus sign, which argparse takes for an option.
-SIGNED_OPTIONS = frozenset({"--pose", "--joints", "--phi", "--theta", "--modes", "--x", "--around"})
+SIGNED_OPTIONS = frozenset(
+    {
+        *("--pose", "--joints", "--phi", "--theta", "--modes", "--mode", "--x", "--around", "--at"),
+        *("--rates", "--accelerations", "--joint-rates", "--joint-accelerations", "--load"),
+    }
+)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -91,7 +96,7 @@ def _parser() -> tuple[argparse.ArgumentParser, tuple[str, ...]]:
         added.set_defaults(command=run)
         return added
 
-    for family in (serving, solving, solids, measuring, mapping):
+    for family in (serving, solving, solids, measuring, mapping, controlling, losing):
         family.register(command)
     return parser, tuple(commands.choices)
 

@@ -17,13 +17,14 @@ def signed(known: tuple[str, ...]) -> bool:
     return any(known) and set("".join(known)) <= {"+", "-"}
 
 
-def matching(text: str, known: tuple[str, ...]) -> tuple[str, ...]:
+def matching(text: str, known: tuple[str, ...], noun: str = "working mode") -> tuple[str, ...]:
     """The modes of a mechanism that fit what was typed, in the mechanism's order.
 
     Args:
         text: modes or patterns with commas or blanks between them, "+-?++, −−+++"; ? stands for
             either sign, and a minus may be typed as any of - − –.
         known: all modes of the mechanism.
+        noun: what the mechanism calls them.
 
     Raises:
         InputError: a word fits no mode; the message says what is wanted.
@@ -33,7 +34,8 @@ def matching(text: str, known: tuple[str, ...]) -> tuple[str, ...]:
         pattern = word.replace("−", "-").replace("–", "-")
         fitting = {mode for mode in known if _fits(mode, pattern)}
         if not fitting:
-            raise InputError(f"{word!r} is not a working mode; {_wanted(known)}")
+            article = "an" if noun[:1] in "aeiou" else "a"
+            raise InputError(f"{word!r} is not {article} {noun}; {_wanted(known)}")
         chosen |= fitting
     return tuple(mode for mode in known if mode in chosen)
 

@@ -62,16 +62,24 @@ def beyond_stroke(value: float, axis: Coordinate) -> str:
 
 
 def inverse_text(
-    closing: Sequence[Posture], nearest: Posture, joints: Sequence[Coordinate], reachable: bool
+    closing: Sequence[Posture],
+    nearest: Posture,
+    joints: Sequence[Coordinate],
+    reachable: bool,
+    noun: str = "working mode",
 ) -> str:
-    """The working modes that close at a pose, and how many of them are within the strokes."""
+    """The modes that close at a pose, and how many of them are within the strokes.
+
+    ``noun`` is what the mechanism calls them, "" where there is only one.
+    """
     lines = [""]
     if closing:
-        header = ["mode", *(f"{j.symbol} ({unit(j)})" for j in joints), "within its stroke"]
+        header = ["mode"] if noun else []
+        header += [*(f"{j.symbol} ({unit(j)})" for j in joints), "within its stroke"]
         symbols = {joint.limb: joint.symbol for joint in joints}
         rows = [
             (
-                posture.mode,
+                *([posture.mode] if noun else []),
                 *(f"{joint:.4f}" for joint in outer(posture.joints, joints)),
                 ", ".join(_beyond(reason, symbols) for reason in posture.reasons) or "yes",
             )
@@ -80,10 +88,10 @@ def inverse_text(
         lines += [table(header, rows), ""]
     if reachable:
         count = sum(posture.reachable for posture in closing)
-        lines.append(f"Reachable in {count} of {len(closing)} working modes.")
+        lines.append(f"Reachable in {count} of {len(closing)} {noun}s." if noun else "Reachable.")
     else:
-        where = f" The nearest working mode is {nearest.mode}:" if closing else ""
-        lines.append(f"Not reachable in any working mode.{where}")
+        where = f" The nearest {noun} is {nearest.mode}:" if closing and noun else ""
+        lines.append(f"Not reachable in any {noun}.{where}" if noun else "Not reachable.")
         lines += [f"  {reason.text}" for reason in nearest.reasons]
     return "\n".join(lines)
 
@@ -160,6 +168,11 @@ def condition_text(value: float) -> str:
     if not isfinite(value):
         return "singular"
     return f"{value:.3g}" if value < 1e4 else f"{value:.0e}"
+
+
+def number_text(value: float) -> str:
+    """Six digits; a dash for what does not exist."""
+    return f"{value:.6g}" if isfinite(value) else "–"
 
 
 def seconds_text(value: float) -> str:

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
+from math import nan
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from numpy.typing import ArrayLike
@@ -18,6 +19,7 @@ from kinematics.errors import InputError
 from kinematics.motion import Motion, Statics, WrenchSystem
 from kinematics.sections import Box, MapCells, MapSpec, Section, SectionSpec, Sphere, Volume
 from kinematics.singularities import (
+    AT,
     Clearance,
     LocusCurves,
     LocusSpec,
@@ -244,7 +246,9 @@ class Mechanism(Protocol):
         key: str,
         load: Sequence[float] | None = None,
     ) -> Array: ...
-    def singularities(self, design: Any, posture: Posture) -> tuple[Singularity, ...]: ...
+    def singularities(
+        self, design: Any, posture: Posture, tolerance: float = AT
+    ) -> tuple[Singularity, ...]: ...
     def clearances(self, design: Any, posture: Posture) -> tuple[Clearance, ...]: ...
     def remedy(self, design: Any, posture: Posture) -> Remedy: ...
     def locus_specs(self, design: Any) -> tuple[LocusSpec, ...]: ...
@@ -432,6 +436,22 @@ class Bare:
 
     def measures(self, design: Any) -> tuple[Measure, ...]:
         return ()
+
+    def measure(
+        self,
+        design: Any,
+        poses: ArrayLike,
+        mode: str,
+        key: str,
+        load: Sequence[float] | None = None,
+    ) -> Array:
+        raise InputError(f"this mechanism has no measure {key!r}")
+
+    def clearances(self, design: Any, posture: Posture) -> tuple[Clearance, ...]:
+        return ()
+
+    def remedy(self, design: Any, posture: Posture) -> Remedy:
+        return Remedy(None, nan, (), "")
 
     def locus_specs(self, design: Any) -> tuple[LocusSpec, ...]:
         return ()

@@ -19,7 +19,9 @@ WrenchKind = Literal["actuation", "constraint"]
 class Motion(Frozen):
     """Rates of a machine at a batch of postures, platform and actuators together.
 
-    NaN where the posture does not close, or where a singularity leaves the answer undetermined.
+    Accelerations that were not given are zero: inverse motion at constant pose rates, forward
+    motion at constant joint rates. NaN where the posture does not close, or where a singularity
+    leaves the answer undetermined.
 
     Attributes:
         pose_rates: (..., P) d(pose)/dt, mm/s and rad/s.

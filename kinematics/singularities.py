@@ -17,6 +17,12 @@ from kinematics.spatial import Array, Frozen
 SingularityKind = Literal["serial", "parallel", "constraint", "self-motion", "architectural"]
 
 
+AT = 1e-6
+"""A measure below this is a singularity to within the numbers that people type."""
+NEAR = 2e-2
+"""A measure below this is near enough to be told to someone who drags the platform about."""
+
+
 @dataclass(frozen=True, slots=True)
 class Singularity:
     """One way in which the machine has lost control at a posture.

@@ -12,7 +12,7 @@ import json
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from math import isfinite
+from math import isfinite, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -115,6 +115,63 @@ def numbers(option: str, text: str, axes: Sequence[Coordinate]) -> list[float]:
     return [
         number(word, f"{option}: {axis.symbol}") for word, axis in zip(words, axes, strict=True)
     ]
+
+
+def pose_numbers(text: str, axes: Sequence[Coordinate]) -> list[float]:
+    """A pose as typed, mm and degrees; NaN for a coordinate that is left to the mechanism, "-"."""
+    words = text.split(",")
+    free = [n for n, word in enumerate(words) if word.strip() in _DASHES]
+    if len(free) > 1:
+        raise InputError(f"--pose: only one coordinate may be -, got {len(free)}")
+    rest = ",".join("0" if n in free else word for n, word in enumerate(words))
+    return [nan if n in free else value for n, value in enumerate(numbers("--pose", rest, axes))]
+
+
+_DASHES = frozenset("-−–")
+
+
+def add_pose(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--pose",
+        required=True,
+        metavar="x,y,z,phi,theta",
+        help="mm and degrees, in the mechanism's own coordinates; - for one that the mechanism's "
+        "constraint gives",
+    )
+
+
+def add_mode(parser: argparse.ArgumentParser, otherwise: str) -> None:
+    parser.add_argument(
+        "--mode",
+        metavar="MODE",
+        help=f"the working or operation mode, as +-+++ or 1 (default: {otherwise})",
+    )
+
+
+def chosen_mode(text: str | None, design: Design, mechanism: Mechanism) -> str:
+    """The one mode asked for; the home posture's if none was."""
+    if text is None:
+        return mechanism.home(design).mode
+    if not mechanism.mode_noun:
+        raise InputError(f"--mode: a {mechanism.title} has only one mode; leave --mode out")
+    try:
+        chosen = matching(text, mechanism.modes, mechanism.mode_noun)
+    except InputError as error:
+        raise InputError(f"--mode: {error}") from None
+    if len(chosen) > 1:
+        raise InputError(f"--mode: {text.strip()!r} are {len(chosen)} modes; name one of them")
+    return chosen[0]
+
+
+def mode_entry(mechanism: Mechanism, mode: str) -> dict[str, str]:
+    """The mode under the mechanism's own key; nothing where there is only one."""
+    noun = mechanism.mode_noun
+    return {noun.replace(" ", "_"): mode} if noun else {}
+
+
+def mode_text(mechanism: Mechanism, mode: str) -> str:
+    """ ", working mode +-+++", to be put behind a pose; "" where there is only one."""
+    return f", {mechanism.mode_noun} {mode}" if mechanism.mode_noun else ""
 
 
 def chosen_modes(text: str, known: tuple[str, ...]) -> tuple[str, ...] | None:

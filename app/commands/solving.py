@@ -5,20 +5,23 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
-from math import isfinite
+from math import isfinite, isnan
 from typing import TYPE_CHECKING
 
 from app import tables
 from app.commands import common
+from kinematics.errors import InputError
 
 if TYPE_CHECKING:
+    from kinematics.mechanism import Design, Mechanism
     from kinematics.solutions import Posture
 
 
 def register(command: common.AddCommand) -> None:
-    ik = command("ik", _ik, "Inverse kinematics: every working mode of a pose.")
+    ik = command("ik", _ik, "Inverse kinematics: every working or operation mode of a pose.")
     common.add_design(ik)
-    ik.add_argument("--pose", required=True, metavar="x,y,z,phi,theta", help="mm and degrees")
+    common.add_pose(ik)
+    common.add_mode(ik, "all")
     common.add_json(ik)
 
     fk = command("fk", _fk, "Forward kinematics: every assembly mode of given actuators.")
@@ -45,41 +48,72 @@ def register(command: common.AddCommand) -> None:
 def _ik(arguments: argparse.Namespace) -> None:
     design, mechanism = common.load(arguments.design)
     axes = mechanism.pose_coordinates(design)
-    typed = common.numbers("--pose", arguments.pose, axes)
-    pose = [tables.inner(value, axis) for value, axis in zip(typed, axes, strict=True)]
-    postures = [mechanism.posture(design, pose, mode) for mode in mechanism.modes]
+    typed = common.pose_numbers(arguments.pose, axes)
+    modes = mechanism.modes
+    if arguments.mode is not None:
+        modes = (common.chosen_mode(arguments.mode, design, mechanism),)
+    postures = _postures(design, mechanism, typed, modes)
     closing = [posture for posture in postures if posture.closes]
     reachable = any(posture.reachable for posture in postures)
     nearest = min(postures, key=_miss)
     reasons = [] if reachable else [reason.text for reason in nearest.reasons]
     common.warn(design, mechanism)
     joints = mechanism.joint_coordinates(design)
+    given = not any(isnan(value) for value in typed)
     if not arguments.json:
-        common.print_head(design, f"Pose {tables.with_units(typed, axes)}")
-        print(tables.inverse_text(closing, nearest, joints, reachable))
+        shown = typed if given else tables.outer(nearest.pose, axes)
+        common.print_head(design, f"Pose {tables.with_units(shown, axes)}")
+        noun = mechanism.mode_noun
+        print(tables.inverse_text(closing, nearest, joints, reachable, noun))
         return
-    transform = mechanism.transform(design, pose).tolist()
+
+    def pose(posture: Posture) -> dict[str, float]:
+        values = typed if given else tables.outer(posture.pose, axes)
+        return dict(zip(map(tables.key, axes), values, strict=True))
+
     common.print_json(
         {
             "design": design.name,
             "mechanism": design.mechanism,
-            "pose": {tables.key(axis): value for axis, value in zip(axes, typed, strict=True)},
-            "transform": transform,
+            "pose": pose(nearest),
+            "transform": mechanism.transform(design, nearest.pose).tolist(),
             "reachable": reachable,
             "reasons": reasons,
             "solutions": [
                 {
-                    "working_mode": posture.mode,
+                    **common.mode_entry(mechanism, posture.mode),
+                    "pose": pose(posture),
                     "joints": tables.outer(posture.joints, joints),
                     "within_stroke": posture.reachable,
                     "reasons": [reason.text for reason in posture.reasons],
                     "residual": posture.residual,
-                    "transform": transform,
+                    "transform": mechanism.transform(design, posture.pose).tolist(),
                 }
                 for posture in closing
             ],
         }
     )
+
+
+def _postures(
+    design: Design, mechanism: Mechanism, typed: Sequence[float], modes: Sequence[str]
+) -> list[Posture]:
+    """The pose in each mode that has it; a coordinate that was left out may depend on the mode."""
+    axes = mechanism.pose_coordinates(design)
+    pose = [tables.inner(value, axis) for value, axis in zip(typed, axes, strict=True)]
+    if not any(isnan(value) for value in typed):
+        return [mechanism.posture(design, pose, mode) for mode in modes]
+    postures, refusals = [], []
+    for mode in modes:
+        try:
+            postures.append(
+                mechanism.posture(design, mechanism.complete_pose(design, pose, mode), mode)
+            )
+        except InputError as error:
+            refusals.append(error)
+    if not postures:
+        raise refusals[0]
+    return postures
 
 
 def _miss(posture: Posture) -> tuple[int, float]:
@@ -123,7 +157,7 @@ def _fk(arguments: argparse.Namespace) -> None:
                 {
                     "identity": found.identities[n],
                     "pose": pose(found.poses[n]),
-                    "working_mode": found.modes[n],
+                    **common.mode_entry(mechanism, found.modes[n]),
                     "joints": typed,
                     "within_stroke": bool(found.within_stroke[n]),
                     "residual": float(found.residual[n]),
@@ -145,7 +179,7 @@ def _fk(arguments: argparse.Namespace) -> None:
             "self_motions": [
                 {
                     "pose": pose(motion.pose),
-                    "working_mode": motion.mode,
+                    **common.mode_entry(mechanism, motion.mode),
                     "direction": pose(motion.direction),
                     "text": motion.text,
                 }

@@ -18,7 +18,11 @@ from kinematics.five_rpur import (
     inscribed,
     inverse,
     maps,
+    motion,
     section,
+    singularity,
+    statics,
+    velocity,
     volume,
 )
 from kinematics.five_rpur import design as designs
@@ -37,7 +41,9 @@ from kinematics.mechanism import (
     SolidSpec,
     SurfaceKind,
 )
+from kinematics.motion import Motion, Statics, WrenchSystem
 from kinematics.sections import Box, MapCells, MapSpec, Section, SectionSpec, Sphere, Volume
+from kinematics.singularities import AT, Singularity
 from kinematics.solutions import (
     Finding,
     Fold,
@@ -152,6 +158,44 @@ class FiveRPUR(Bare):
 
     def drawing(self, design: FiveRPURDesign, posture: Posture) -> Drawing:
         return drawing.drawing(design, posture)
+
+    # --- motion and statics
+
+    def characteristic_length(self, design: FiveRPURDesign) -> float:
+        return velocity.characteristic_length(design)
+
+    def inverse_motion(
+        self,
+        design: FiveRPURDesign,
+        poses: ArrayLike,
+        mode: str,
+        pose_rates: ArrayLike,
+        pose_accelerations: ArrayLike | None = None,
+    ) -> Motion:
+        return motion.inverse_motion(design, poses, mode, pose_rates, pose_accelerations)
+
+    def forward_motion(
+        self,
+        design: FiveRPURDesign,
+        poses: ArrayLike,
+        mode: str,
+        joint_rates: ArrayLike,
+        joint_accelerations: ArrayLike | None = None,
+    ) -> Motion:
+        return motion.forward_motion(design, poses, mode, joint_rates, joint_accelerations)
+
+    def wrench_system(self, design: FiveRPURDesign, poses: ArrayLike, mode: str) -> WrenchSystem:
+        return statics.wrench_system(design, poses, mode)
+
+    def statics(
+        self, design: FiveRPURDesign, poses: ArrayLike, mode: str, loads: ArrayLike
+    ) -> Statics:
+        return statics.statics(design, poses, mode, loads)
+
+    def singularities(
+        self, design: FiveRPURDesign, posture: Posture, tolerance: float = AT
+    ) -> tuple[Singularity, ...]:
+        return singularity.singularities(design, posture, tolerance)
 
     # --- solids
 

@@ -75,17 +75,27 @@ def inverse_jacobian(design: FiveRPURDesign, poses: ArrayLike, modes: str | Arra
         (..., 5, 5), a row a limb; mm/mm in the first three columns, mm/rad in the others. A row
         is NaN where the limb cannot close or is in a serial singularity.
     """
-    w = wrenches(design, poses, modes)
-    e2 = _e2(w)
-    rows = np.concatenate(
-        [w.force, (w.moment * e2).sum(axis=-1, keepdims=True), w.moment[..., 1:2]], axis=-1
-    )
+    rows, transmission = velocity_rows(design, poses, modes)
     with np.errstate(invalid="ignore"):
-        serial = ~(np.abs(w.transmission) > _SERIAL)
-    divisor = np.where(serial, np.nan, w.transmission)
+        serial = ~(np.abs(transmission) > _SERIAL)
+    divisor = np.where(serial, np.nan, transmission)
     jacobian: Array = rows / divisor[..., None]
     jacobian.setflags(write=False)
     return jacobian
+
+
+def velocity_rows(
+    design: FiveRPURDesign, poses: ArrayLike, modes: str | ArrayLike
+) -> tuple[Array, Array]:
+    """Both sides of [f_i, m_i·e2, m_i·e1] (ẋ, ẏ, ż, φ̇, θ̇) = (f_i·û_i) ρ̇_i.
+
+    Returns:
+        The rows (..., 5, 5) and f·û (..., 5); finite at q = 0, unlike the inverse Jacobian.
+    """
+    w = wrenches(design, poses, modes)
+    about_e2 = (w.moment * _e2(w)).sum(axis=-1, keepdims=True)
+    rows = np.concatenate([w.force, about_e2, w.moment[..., 1:2]], axis=-1)
+    return rows, w.transmission
 
 
 def wrench_matrix(
