@@ -54,17 +54,21 @@ def _ik(arguments: argparse.Namespace) -> None:
     reasons = [] if reachable else [reason.text for reason in nearest.reasons]
     common.warn(design, mechanism)
     joints = mechanism.joint_coordinates(design)
+
+    def transform(posture: Posture) -> list[list[float]]:
+        placed: list[list[float]] = mechanism.transform(design, pose, posture.mode).tolist()
+        return placed
+
     if not arguments.json:
         common.print_head(design, f"Pose {tables.with_units(typed, axes)}")
         print(tables.inverse_text(closing, nearest, joints, reachable))
         return
-    transform = mechanism.transform(design, pose).tolist()
     common.print_json(
         {
             "design": design.name,
             "mechanism": design.mechanism,
             "pose": {tables.key(axis): value for axis, value in zip(axes, typed, strict=True)},
-            "transform": transform,
+            "transform": transform(nearest),
             "reachable": reachable,
             "reasons": reasons,
             "solutions": [
@@ -74,7 +78,7 @@ def _ik(arguments: argparse.Namespace) -> None:
                     "within_stroke": posture.reachable,
                     "reasons": [reason.text for reason in posture.reasons],
                     "residual": posture.residual,
-                    "transform": transform,
+                    "transform": transform(posture),
                 }
                 for posture in closing
             ],
@@ -109,7 +113,7 @@ def _fk(arguments: argparse.Namespace) -> None:
         common.print_head(design, f"Joints {tables.with_units(typed, actuators)}")
         print(tables.forward_text(found, shown, axes))
         return
-    transforms = mechanism.transform(design, found.poses).tolist()
+    transforms = mechanism.transform(design, found.poses, found.modes).tolist()
 
     def pose(values: Sequence[float]) -> dict[str, float]:
         return dict(zip(map(tables.key, axes), tables.outer(values, axes), strict=True))
