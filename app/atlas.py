@@ -138,7 +138,7 @@ def atlas(view: View, known: Known | None) -> Atlas:
         return replace(NONE_YET, offers_mixed=offered)
     found = known.solutions
     stale = not known.stands_at(posture.joints)
-    placements = review.mechanism.transform(review.design, found.poses).reshape(-1, 4, 4)
+    placements = review.mechanism.transform(review.design, found.poses, found.modes)
     rows = _rows(view, known, placements, stale=stale)
     kept = _sorted(review, _filtered(review, rows))
     singular = {motion.text for motion in found.self_motions}

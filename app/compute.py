@@ -91,7 +91,7 @@ def view(review: Review) -> View:
         review=review,
         posture=posture,
         drawing=kind.drawing(design, posture),
-        platform=kind.transform(design, review.pose),
+        platform=kind.transform(design, review.pose, review.mode),
         status=status(review, posture),
         joints=rows,
         wishes=wishes(review),

@@ -79,7 +79,8 @@ class Ghosts:
         review = view.review
         at = np.empty((0, 4, 4))
         if ahead is not None and ahead.fold is not None:
-            at = review.mechanism.transform(review.design, ahead.fold.pose).reshape(1, 4, 4)
+            there = ahead.fold
+            at = review.mechanism.transform(review.design, there.pose, there.mode)[None]
             axis = review.mechanism.joint_coordinates(review.design)[ahead.index]
             self._label.text = f"fold at {axis.symbol} = {joint_text(axis, ahead.goal)}"
             self._label.position = tuple(float(v) for v in at[0, :3, 3])

@@ -420,7 +420,7 @@ class Page:
         if not np.isfinite(placed).all():
             return False
         review = self._history.present
-        pose = review.mechanism.pose_from_transform(review.design, placed)
+        pose = review.mechanism.pose_from_transform(review.design, placed, review.mode)
         return self.apply(Place(pose, held=self._grips), None)
 
     def _theme(self, review: Review) -> None:

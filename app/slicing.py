@@ -249,7 +249,7 @@ class Slicing:
         review = self._stage.view.review
         transform = self._stage.view.platform.copy()
         transform[:3, 3] = ball.center
-        pose = review.mechanism.pose_from_transform(review.design, transform)
+        pose = review.mechanism.pose_from_transform(review.design, transform, review.mode)
         # The ball is of all the chosen working modes; the machine's own may not get there.
         mode = reaching_mode(review, pose) or review.mode
         return self._stage.apply(Visit(pose, mode), going[0])

@@ -166,7 +166,7 @@ def point_in_section(review: Review) -> tuple[float, float, float]:
     if kind.section_spec(design) is None:
         return 0.0, 0.0, 0.0
     frame = kind.section_frame(design, review.pose)
-    position = kind.transform(design, review.pose)[:3, 3]
+    position = kind.transform(design, review.pose, review.mode)[:3, 3]
     x, y, z = frame[:3, :3].T @ (position - frame[:3, 3])
     return float(x), float(y), float(z)
 

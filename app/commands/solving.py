@@ -60,6 +60,11 @@ def _ik(arguments: argparse.Namespace) -> None:
     common.warn(design, mechanism)
     joints = mechanism.joint_coordinates(design)
     given = not any(isnan(value) for value in typed)
+
+    def transform(posture: Posture) -> list[list[float]]:
+        placed: list[list[float]] = mechanism.transform(design, posture.pose, posture.mode).tolist()
+        return placed
+
     if not arguments.json:
         shown = typed if given else tables.outer(nearest.pose, axes)
         common.print_head(design, f"Pose {tables.with_units(shown, axes)}")
@@ -76,7 +81,7 @@ def _ik(arguments: argparse.Namespace) -> None:
             "design": design.name,
             "mechanism": design.mechanism,
             "pose": pose(nearest),
-            "transform": mechanism.transform(design, nearest.pose).tolist(),
+            "transform": transform(nearest),
             "reachable": reachable,
             "reasons": reasons,
             "solutions": [
@@ -87,7 +92,7 @@ def _ik(arguments: argparse.Namespace) -> None:
                     "within_stroke": posture.reachable,
                     "reasons": [reason.text for reason in posture.reasons],
                     "residual": posture.residual,
-                    "transform": mechanism.transform(design, posture.pose).tolist(),
+                    "transform": transform(posture),
                 }
                 for posture in closing
             ],
@@ -143,7 +148,7 @@ def _fk(arguments: argparse.Namespace) -> None:
         common.print_head(design, f"Joints {tables.with_units(typed, actuators)}")
         print(tables.forward_text(found, shown, axes))
         return
-    transforms = mechanism.transform(design, found.poses).tolist()
+    transforms = mechanism.transform(design, found.poses, found.modes).tolist()
 
     def pose(values: Sequence[float]) -> dict[str, float]:
         return dict(zip(map(tables.key, axes), tables.outer(values, axes), strict=True))

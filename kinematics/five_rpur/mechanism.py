@@ -148,11 +148,13 @@ class FiveRPUR(Bare):
     def forward_is_quick(self, design: FiveRPURDesign, *, mixed_modes: bool = False) -> bool:
         return assembly.forward_is_quick(design, mixed_modes=mixed_modes)
 
-    def transform(self, design: FiveRPURDesign, poses: ArrayLike) -> Array:
+    def transform(
+        self, design: FiveRPURDesign, poses: ArrayLike, mode: str | Sequence[str]
+    ) -> Array:
         return inverse.transform(poses)
 
     def pose_from_transform(
-        self, design: FiveRPURDesign, transform: ArrayLike
+        self, design: FiveRPURDesign, transform: ArrayLike, mode: str
     ) -> tuple[float, ...]:
         return tuple(float(v) for v in inverse.pose_from_transform(transform))
 

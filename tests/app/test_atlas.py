@@ -73,7 +73,7 @@ def test_a_distance_is_how_far_the_platforms_farthest_point_goes(
     view = compute.view(review)
     corners = [p for b in view.drawing.bodies if b.name == "platform" for p in b.points]
     for row in atlas(view, known).rows:
-        there = MACHINE.transform(review.design, row.pose)
+        there = MACHINE.transform(review.design, row.pose, row.mode)
         ways = [
             math.dist((there @ [*p, 1.0])[:3], (view.platform @ [*p, 1.0])[:3]) for p in corners
         ]
@@ -84,7 +84,7 @@ def test_ghosts_stand_where_their_rows_say(review: Review, known: Known) -> None
     turned, _ = change(review, SetAtlas("sort", "condition"))
     shown = atlas(compute.view(turned), known)
     for row, placed in zip(shown.rows, shown.placements, strict=True):
-        assert placed == pytest.approx(MACHINE.transform(review.design, row.pose))
+        assert placed == pytest.approx(MACHINE.transform(review.design, row.pose, row.mode))
 
 
 @pytest.mark.parametrize(
