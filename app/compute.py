@@ -225,7 +225,7 @@ def wishes(review: Review) -> tuple[SolidWish, ...]:
             specs[s.key],
             {
                 r: kind.solid_request(
-                    design, s.key, review.pose, review.solver_modes, r, review.surface
+                    design, s.key, review.pose, modes_of(review, specs[s.key]), r, review.surface
                 )
                 for r in RESOLUTIONS
             },
@@ -234,6 +234,13 @@ def wishes(review: Review) -> tuple[SolidWish, ...]:
         )
         for s in review.solids
     )
+
+
+def modes_of(review: Review, spec: SolidSpec) -> tuple[str, ...] | None:
+    """The modes that a solid is of: None for all of them, or where they do not matter."""
+    if spec.of_present_mode:
+        return (review.mode,)
+    return review.solver_modes if spec.uses_modes else None
 
 
 @lru_cache(maxsize=32)

@@ -13,9 +13,9 @@ from kinematics.motion import Statics, WrenchSystem
 from kinematics.sections import Sphere
 from kinematics.singularities import (
     Clearance,
+    Event,
     LocusCurves,
     Measure,
-    Passed,
     Remedy,
     Singularity,
 )
@@ -91,7 +91,7 @@ def _value(place: Place, measure: Measure) -> float:
 def ball(place: Place, here: bool) -> Sphere | None:
     """The largest ball without a singularity, about the place or anywhere."""
     kind, design = place.kind, place.design
-    center = kind.transform(design, place.pose)[:3, 3] if here else None
+    center = kind.transform(design, place.pose, place.mode)[:3, 3] if here else None
     return kind.singularity_free_ball(design, place.pose, place.mode, center)
 
 
@@ -100,7 +100,7 @@ def curves(place: Place, chart: str) -> LocusCurves:
     return place.kind.locus(place.design, chart, place.pose, place.mode)
 
 
-def passed(before: Place, pose: tuple[float, ...]) -> tuple[Passed, ...]:
+def passed(before: Place, pose: tuple[float, ...]) -> tuple[Event, ...]:
     """What the way to another pose passes, in the same mode."""
     kind, design = before.kind, before.design
     return kind.passed(design, before.posture, kind.posture(design, pose, before.mode))

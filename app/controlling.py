@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections import OrderedDict
-from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -33,7 +32,6 @@ from app.requests import (
 )
 from app.state import Review
 from app.worker import Built, LaneName
-from kinematics.mechanism import Design
 from kinematics.sections import Sphere
 from kinematics.singularities import LocusCurves
 from kinematics.spatial import Array
@@ -134,7 +132,7 @@ class Controlling:
         match item:
             case Done(Job(("here", _)), Here() as here):
                 self._here, self._trouble, self._late = here, "", True
-            case Done(Job(("passed", Spot() as before, pose)), events):
+            case Done(Job(("passed", Spot() as before, tuple(pose))), events):
                 for event in events:
                     self._note(event.text, event.kind)
                 self._watched = replace(before, pose=pose)
@@ -211,7 +209,10 @@ class Controlling:
             self._stage.complain("No reachable pose is known from here.", client)
             return False
         nearest = here.remedy.nearest
-        return self._stage.apply(Visit(nearest.pose, nearest.mode), client)
+        way: Change = Visit(nearest.pose, nearest.mode)
+        if nearest.mode == self._stage.view.review.mode:
+            way = Place(nearest.pose, gesture="")
+        return self._stage.apply(way, client)
 
     def _change_design(self, way: int, client: viser.ClientHandle | None) -> bool:
         here = self._current()
@@ -298,9 +299,7 @@ class Controlling:
             self._stage.complain("There are no curves to save yet.", client)
             return
         spec = next(
-            s
-            for s in review.mechanism.locus_specs(review.design)
-            if s.key == review.control.chart
+            s for s in review.mechanism.locus_specs(review.design) if s.key == review.control.chart
         )
         name = solid_name(review.design, f"singularities-{spec.key}", (), (review.mode,))
         data = locus_bytes(curves, spec, kind, title=review.design.title or review.design.name)
@@ -351,9 +350,7 @@ class Painter:
                 points = solid.shaded.vertices @ wish.placement[:3, :3].T + wish.placement[:3, 3]
                 self._solids[key] = built, points.astype(float)
                 self.wants = True
-        made_of = (id(solid), shade if values is not None else "", control.locus)
-        if control.shade and values is not None:
-            made_of = (*made_of, review.control.load)  # type: ignore[assignment]
+        made_of = solid, None if values is None else id(values), control.locus
         known = self._coats.get(key)
         if known is not None and known[0] == made_of:
             return known[1]
@@ -410,7 +407,6 @@ def _chart_key(review: Review) -> tuple[object, ...]:
 
 
 def _field_key(review: Review, key: str, built: Built) -> tuple[object, ...]:
-    control: Design = review.design
     load = next(
         (
             review.control.load
@@ -419,7 +415,4 @@ def _field_key(review: Review, key: str, built: Built) -> tuple[object, ...]:
         ),
         None,
     )
-    return "field", key, id(built.solid), control, review.mode, review.control.shade, load
-
-
-_ = Callable
+    return "field", key, built.solid, review.design, review.mode, review.control.shade, load

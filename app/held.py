@@ -13,6 +13,7 @@ from app.inside import Ball
 from app.scene import Scene, body_mesh, wxyz
 from kinematics.motion import WrenchSystem
 from kinematics.sections import Sphere
+from kinematics.singularities import Clearance
 from kinematics.spatial import Array
 
 MOST = 8  # wrenches, and clearances, that are drawn
@@ -128,7 +129,7 @@ class Held:
 
     def _clearances(self, view: View, here: Here | None) -> None:
         ways = () if here is None else here.clearances
-        nearest = {}  # one of a kind is enough to see
+        nearest: dict[str, Clearance] = {}  # one of a kind is enough to see
         for way in ways:
             nearest.setdefault(way.kind, way)
         shown = list(nearest.values())[:MOST]
@@ -174,7 +175,7 @@ class Held:
         review = view.review
         step = SWING * view.drawing.size * np.sin(2 * np.pi * elapsed / PERIOD)
         pose = np.array(review.pose) + step * np.array(motion)
-        at = review.mechanism.transform(review.design, pose)
+        at = review.mechanism.transform(review.design, pose, review.mode)
         self._ghost.position = tuple(float(v) for v in at[:3, 3])
         self._ghost.wxyz = wxyz(at[:3, :3])
         return True

@@ -22,6 +22,7 @@ import viser
 
 from app import compute, session
 from app.changes import Change, Place, Visit
+from app.controlling import Controlling
 from app.exporting import ExportedFile, build_file, solid_name
 from app.history import History
 from app.mapping import Mapping
@@ -34,6 +35,7 @@ from app.panels.map import MapPanel
 from app.panels.move import MovePanel
 from app.panels.review import ReviewPanel
 from app.panels.section import SectionPanel
+from app.panels.singularities import SingularitiesPanel
 from app.panels.solutions import SolutionsPanel
 from app.panels.workspace import WorkspacePanel
 from app.parts import Part
@@ -58,6 +60,7 @@ TABS: tuple[tuple[str, type[Panel]], ...] = (
     ("Solutions", SolutionsPanel),
     ("Workspace", WorkspacePanel),
     ("Section", SectionPanel),
+    ("Singularities", SingularitiesPanel),
     ("Map", MapPanel),
     ("Design", DesignPanel),
     ("Review", ReviewPanel),
@@ -86,11 +89,17 @@ class Page:
         self._history = History(review)
         self._inbox: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self.scene = Scene(server)
-        self._parts: tuple[Part, ...] = (Solving(self), Slicing(self), Mapping(self))
+        self._control = Controlling(self)
+        self._parts: tuple[Part, ...] = (
+            Solving(self),
+            Slicing(self),
+            Mapping(self),
+            self._control,
+        )
         self._morph: Morph | None = None
         self._view: compute.View | None = None
         self._header: Header | None = None
-        self.panels: list[Panel] = []
+        self.panels: list[Panel] = []  # the header first
         self._built: dict[str, Built] = {}
         self._busy: dict[str, Busy] = {}
         self._notes: tuple[str, ...] = ()
@@ -249,6 +258,7 @@ class Page:
 
     def apply(self, change: Change, client: viser.ClientHandle | None) -> bool:
         """Take a change; true when the page has to be brought to it."""
+        before = self._history.present
         try:
             self._history, note = self._history.apply(change, time.monotonic())
         except InputError as error:
@@ -256,7 +266,7 @@ class Page:
             return True
         self._touched((note,) if note else ())
         for part in self._parts:
-            part.applied(change)
+            part.applied(change, before, note)
         if isinstance(change, Visit) and self._view is not None:
             after = compute.view(self._history.present)
             self._morph = Morph(self._shown(), after, time.monotonic())
@@ -359,8 +369,6 @@ class Page:
 
     def _draw_panels(self) -> None:
         sheet = self.sheet()
-        assert self._header is not None
-        self._header.draw(sheet)
         for panel in self.panels:
             panel.draw(sheet)
 
@@ -373,8 +381,12 @@ class Page:
                 self._built.pop(spec.key, None)
             elif built is None:
                 self.scene.hide_solid(spec.key)
-            elif built.wish.what == wish.what and not self.scene.shows(wish, built.solid):
-                self.scene.show_solid(wish, built.solid)
+            elif built.wish.what == wish.what:
+                coats = self._control.coats(view, wish, built)
+                if not self.scene.shows(wish, built.solid, coats):
+                    self.scene.show_solid(wish, built.solid, coats)
+                else:
+                    self.scene.fade_solid(wish)
             else:  # the new solid is on its way; until then the old one stays where it was
                 self.scene.fade_solid(wish)
 
@@ -391,8 +403,8 @@ class Page:
             part.prepare()
         self.scene.prepare(review.mechanism.solids(review.design), sheet.view.drawing.size)
         self._header = Header(self, sheet)
+        self.panels = [self._header]
         tabs = self.gui.add_tab_group()
-        self.panels = []
         for title, panel in TABS:
             if panel.serves(review.mechanism, review.design):
                 with tabs.add_tab(title):
@@ -479,7 +491,7 @@ class Page:
             )
             if c.unit == "rad"
         )
-        modes = review.solver_modes if wish.spec.uses_modes else None
+        modes = compute.modes_of(review, wish.spec)
         name = solid_name(review.design, save.key, angles, modes)
         request = next(r for res, r in wish.requests.items() if res == save.resolution)
 

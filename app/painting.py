@@ -71,7 +71,8 @@ def piece_colors(signs: Sequence[int]) -> tuple[str, ...]:
 
 def pieces(solid: BuiltSolid, *, locus: bool) -> tuple[Coat, ...]:
     """Each piece in its colour, and the singular surface between them if it is to be seen."""
-    assert solid.piece_of is not None and solid.on_locus is not None
+    assert solid.piece_of is not None
+    assert solid.on_locus is not None
     mesh = solid.shaded
     colors = piece_colors([piece.sign for piece in solid.pieces])
     owner = np.minimum(solid.piece_of, PIECES - 1)
@@ -155,9 +156,7 @@ def _clipped(triangles: Array, level: float, side: float) -> Array:
 
 def _part(vertices: NDArray[Any], faces: NDArray[Any], color: str, opaque: float = 1.0) -> Coat:
     used, packed = np.unique(faces, return_inverse=True)
-    return Coat(
-        color, _float(vertices[used]), packed.reshape(-1, 3).astype(np.uint32), opaque
-    )
+    return Coat(color, _float(vertices[used]), packed.reshape(-1, 3).astype(np.uint32), opaque)
 
 
 def _float(vertices: NDArray[Any]) -> NDArray[np.float32]:

@@ -15,7 +15,6 @@ import numpy as np
 from app import palette
 from app.scene import Scene, wxyz
 from app.slicer import Drawn, Extent
-from kinematics.sections import Box, Sphere
 from kinematics.spatial import Array
 
 LIMBS = 8  # nodes of edges; more than any mechanism has

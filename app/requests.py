@@ -88,7 +88,10 @@ class SaveMap:
 
 @dataclass(frozen=True, slots=True)
 class FindFree:
-    """Find the largest ball without a singularity, about the platform or anywhere; None: hide it."""
+    """Find the largest ball without a singularity, about the platform or anywhere.
+
+    With None it is taken off display.
+    """
 
     here: bool | None
     client: viser.ClientHandle | None = None

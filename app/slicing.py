@@ -13,14 +13,15 @@ from app import slicer
 from app.changes import Change, MoveCut, Visit
 from app.compute import reaching_mode
 from app.exporting import ExportedFile, solid_name
+from app.inside import Inside
 from app.lane import Done, Job, Lane, Lost
 from app.panels.desk import DIGITS, Sections
 from app.parts import Stage
-from app.inside import Inside
 from app.plane import Plane
 from app.requests import Forget, GoToBall, Inscribe, SaveSection
 from app.section_files import section_bytes
 from app.slicer import Drawn, Region, Wish
+from app.state import Review
 from app.worker import LaneName, Process, give_way
 from kinematics.errors import BohemiaError
 from kinematics.mechanism import mechanism

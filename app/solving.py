@@ -13,6 +13,7 @@ from app.panels.desk import Solutions
 from app.parts import Stage
 from app.requests import ChooseFold, FindAgain, RedrawSolutions, VisitSolution
 from app.solver import Wish
+from app.state import Review
 from app.worker import LaneName
 from kinematics.errors import BohemiaError
 

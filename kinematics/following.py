@@ -403,9 +403,7 @@ def follow(
             f"limb {limb} is at the end of its stroke "
             f"({symbols[blocked]} {name} = {scale * end_at[blocked]:g} {unit})"
         )
-    return Followed(
-        moved, stop, "; ".join(filter(None, (happened, text))), part * share, limb
-    )
+    return Followed(moved, stop, "; ".join(filter(None, (happened, text))), part * share, limb)
 
 
 def fold_ahead(

@@ -16,14 +16,17 @@ from app import palette
 from app.atlas import Atlas, Known
 from app.changes import Change
 from app.compute import View
+from app.controller import Here
 from app.exporting import ExportedFile
 from app.folds import Ahead
+from app.painting import Scale
 from app.requests import Request
 from app.slicer import Drawn, Region
 from app.worker import Built
 from kinematics.errors import BohemiaError
 from kinematics.mechanism import Design, Mechanism
 from kinematics.sections import Box, Sphere, Volume
+from kinematics.singularities import LocusCurves
 from kinematics.sweeps import Map
 
 log = logging.getLogger(__name__)
@@ -167,6 +170,38 @@ class Charted:
     trouble: str
 
 
+@dataclass(frozen=True, slots=True)
+class Logged:
+    """Something that happened on the way: when (s since the epoch), in words, and of which kind."""
+
+    at: float
+    text: str
+    kind: str
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Controlled:
+    """What is known of control, as panels draw it.
+
+    Attributes:
+        here: of the present place, or while ``stale`` of one shortly before.
+        curves: of the chosen chart; None while they are traced.
+        ball: the largest one without a singularity, if a person asked for it; ``seeking`` it.
+        log: what happened on the way, the newest first.
+        scale: the steps of the measure that colours show.
+        trouble: what could not be computed.
+    """
+
+    here: Here | None
+    stale: bool
+    curves: LocusCurves | None
+    ball: Sphere | None
+    seeking: bool
+    log: tuple[Logged, ...]
+    scale: Scale | None
+    trouble: str
+
+
 class Panel:
     """One tab: made once for a mechanism, then redrawn. What a tab shows nothing of it ignores."""
 
@@ -192,6 +227,9 @@ class Panel:
 
     def draw_map(self, sheet: Sheet, charted: Charted) -> None:
         """More of the map came, or it began or ended."""
+
+    def draw_control(self, sheet: Sheet, controlled: Controlled) -> None:
+        """More is known of control."""
 
 
 def answer(desk: Desk, handle: Any, act: Callable[[Any, viser.ClientHandle | None], None]) -> None:

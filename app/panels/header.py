@@ -6,28 +6,35 @@ import time
 
 from app import palette
 from app.compute import View
+from app.controller import Here
 from app.panels.boxes import NUMBERS_GO_BACK
-from app.panels.desk import Desk, Sheet, box, chip, clicked, esc, put_prop, tone
+from app.panels.desk import Controlled, Desk, Panel, Sheet, box, chip, clicked, esc, put_prop, tone
 from app.worker import Busy
 
 PATIENCE = 0.6  # s; work that ends sooner is not worth a progress bar
 
 
-class Header:
+class Header(Panel):
     """A line that is always true, what the colours mean, and what is being computed."""
 
     def __init__(self, desk: Desk, sheet: Sheet) -> None:
         gui = desk.gui
         gui.add_html(NUMBERS_GO_BACK)
-        self._status = gui.add_html(_status(sheet))
+        self._status = gui.add_html(_status(sheet, ""))
         self._legend = gui.add_html(_legend(sheet.view))
         self._doing = gui.add_html(_doing("", 0.0))
         self._cancel = gui.add_button("Cancel", visible=False, color="gray")
         clicked(desk, self._cancel, lambda _: desk.cancel())
 
+        self._held = ""
+
     def draw(self, sheet: Sheet) -> None:
-        put_prop(self._status, "content", _status(sheet))
+        put_prop(self._status, "content", _status(sheet, self._held))
         put_prop(self._legend, "content", _legend(sheet.view))
+
+    def draw_control(self, sheet: Sheet, controlled: Controlled) -> None:
+        self._held = held_text(controlled.here)
+        put_prop(self._status, "content", _status(sheet, self._held))
 
     def draw_work(self, work: Busy | None) -> None:
         """Show what takes longer than a moment, with a way to stop it."""
@@ -63,12 +70,24 @@ def _doing(title: str, waited: float) -> str:
     )
 
 
-def _status(sheet: Sheet) -> str:
+def held_text(here: Here | None) -> str:
+    """How far it is to where control is lost; "" where nothing is known of it."""
+    if here is None:
+        return ""
+    if here.singular:
+        kinds = {s.kind: None for s in here.singular}
+        return f"singular ({', '.join(kinds)})"
+    nearest = here.nearest("parallel", "constraint")
+    return "" if nearest is None else f"{nearest.distance:.1f} mm to a singularity"
+
+
+def _status(sheet: Sheet, held: str) -> str:
     status = sheet.view.status
+    text = f"{status.text} · {held}" if held and sheet.view.posture.closes else status.text
     color = tone(status.level)
     lines = [
         f'<div style="border-left:4px solid {color};padding-left:0.6em;font-weight:600">'
-        f"{esc(status.text)}</div>"
+        f"{esc(text)}</div>"
     ]
     if status.remedy:
         lines.append(f'<div style="padding-left:calc(0.6em + 4px)">{esc(status.remedy)}</div>')

@@ -60,7 +60,7 @@ class WorkspacePanel(Panel):
         self._switches: dict[str, viser.GuiCheckboxHandle] = {}
         self._opacities: list[tuple[tuple[str, ...], viser.GuiSliderHandle[float]]] = []
         specs = review.mechanism.solids(review.design)
-        alone = [s for s in specs if s.limb is None]
+        alone = [s for s in specs if s.limb is None and not s.of_present_mode]
         for spec in alone:
             gui.add_html(box(f"<b>{esc(spec.title)}</b>"))
             self._switch(spec, "Show", sheet)
