@@ -32,6 +32,7 @@ class Plane:
         self._hatch: Any = None
         self._outline: Any = None
         self._edges: list[Any] = []
+        self._locus: Any = None
         self._handle: Any = None
         self._drawn: Drawn | None = None
         self._placed: object = None
@@ -65,6 +66,14 @@ class Plane:
             )
             for limb in range(1, LIMBS + 1)
         ]
+        self._locus = scene.add_line_segments(
+            "/section/locus",
+            _NO_LINE,
+            palette.rgb(palette.BEYOND),
+            thickness=3.0,
+            thickness_units="screen",
+            visible=False,
+        )
         self._handle = scene.add_transform_controls(
             "/section/handle",
             scale=0.3 * size,
@@ -119,6 +128,11 @@ class Plane:
         if drawn is self._drawn:
             return
         before, self._drawn = self._drawn, drawn
+        seen = bool(len(drawn.locus))
+        if self._locus.visible != seen:
+            self._locus.visible = seen
+        if seen:
+            self._locus.points = drawn.locus.astype(np.float32)
         if before is not None and before.section is drawn.section:
             return
         self._hatch.points = drawn.hatch.astype(np.float32) if len(drawn.hatch) else _NO_LINE

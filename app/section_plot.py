@@ -13,8 +13,10 @@ from math import atan2, ceil, cos, floor, hypot, isfinite, log10, pi, sin
 
 import numpy as np
 
-from app.palette import INK, INK_DARK, WORKSPACE, limb_color
+from app.painting import Scale
+from app.palette import BEYOND, INK, INK_DARK, WORKSPACE, limb_color
 from kinematics.sections import BOUNDS, Construction, EdgeBound, Section, SectionSpec
+from kinematics.spatial import Array
 
 Bounds = tuple[tuple[float, float], tuple[float, float]]
 """From and to, mm, of the first and of the second axis."""
@@ -30,6 +32,17 @@ PAPER, PAPER_DARK = "#FFFFFF", "#1A1D21"
 FONT = 11.0  # px; a letter is about 0.56 of it wide
 MARGIN = 0.06  # of the region's size, left free around it
 LARGEST_TURN = 2.0  # rad; longer arcs are several, as SVG's flags are unsure near half a turn
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Shade:
+    """A measure over the plane: ``values`` (rows upwards, columns), NaN where there is none, over
+    ``bounds``, coloured by ``steps``.
+    """
+
+    values: Array
+    bounds: Bounds
+    steps: Scale
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +80,8 @@ def section_svg(
     mark: Sequence[float] | None = None,
     title: str = "",
     bounds: Bounds | None = None,
+    curves: Sequence[Array] = (),
+    shade: Shade | None = None,
 ) -> str:
     """A section as SVG text, equal scale in both directions.
 
@@ -78,6 +93,8 @@ def section_svg(
         mark: (2,) mm, the platform point in the plane, drawn as a small cross.
         bounds: mm to be seen at least; None to fit the section. Keeps the picture still while
             the plane moves.
+        curves: each (N, 2) mm, where control is lost.
+        shade: a measure to colour the section by.
     """
     ink = INK_DARK if dark else INK
     limbs = sorted({*section.limb.tolist(), *section.construction.circle_limb.tolist()})
@@ -92,7 +109,9 @@ def section_svg(
         max(height - top - bottom, 20.0),
     )
     inner = [_grid(frame, ink)]
-    if section.loops:
+    if section.loops and shade is not None:
+        inner.append(_shaded(section, frame, shade, dark))
+    elif section.loops:
         inner.append(
             f'<path class="region" d="{_region(section, frame)}" fill="{WORKSPACE}" '
             f'fill-opacity="{0.5 if dark else 0.38}" fill-rule="evenodd" stroke="none"/>'
@@ -100,6 +119,7 @@ def section_svg(
     if faint:
         inner += _faint(section.construction, frame)
     inner += _strong(section, frame)
+    inner += [_curve(run, frame) for run in curves]
     if mark is not None:
         inner.append(_cross(frame.px(mark), ink))
     box = f'x="{left:g}" y="{top:g}" width="{frame.width:g}" height="{frame.height:g}"'
@@ -269,6 +289,40 @@ def _region(section: Section, frame: _Frame) -> str:
         path += [_to(section, edge, frame) for edge in edges]
         path.append("Z")
     return "".join(path)
+
+
+def _shaded(section: Section, frame: _Frame, shade: Shade, dark: bool) -> str:
+    """The measure's cells in steps of colour, and paper over all that is not the section."""
+    (u0, u1), (v0, v1) = shade.bounds
+    rows, columns = shade.values.shape
+    left, low = frame.px((u0, v0))
+    right, top = frame.px((u1, v1))
+    wide, high = (right - left) / columns, (low - top) / rows
+    step = np.searchsorted(shade.steps.edges[1:-1], np.nan_to_num(shade.values, nan=0.0))
+    parts = []
+    for n in range(len(shade.steps.edges) - 1):
+        cells = np.argwhere((step == n) & np.isfinite(shade.values))
+        path = "".join(
+            f"M{left + c * wide:.2f} {low - (r + 1) * high:.2f}h{wide + 0.3:.2f}v{high + 0.3:.2f}"
+            f"h{-wide - 0.3:.2f}z"
+            for r, c in cells.tolist()
+        )
+        if path:
+            parts.append(f'<path class="shade" d="{path}" fill="{shade.steps.color(n)}"/>')
+    paper = PAPER_DARK if dark else PAPER
+    outside = f"M{frame.left - 1:g} {frame.top - 1:g}h{frame.width + 2:g}v{frame.height + 2:g}"
+    outside += f"h{-frame.width - 2:g}z"
+    parts.append(
+        f'<path class="region" d="{outside}{_region(section, frame)}" fill="{paper}" '
+        'fill-rule="evenodd" stroke="none"/>'
+    )
+    return "".join(parts)
+
+
+def _curve(points: Array, frame: _Frame) -> str:
+    """One of the curves where control is lost."""
+    line = "L".join("{:.2f} {:.2f}".format(*frame.px(p)) for p in points.tolist())
+    return f'<path class="lost" d="M{line}" fill="none" stroke="{BEYOND}" stroke-width="2.2"/>'
 
 
 def _strong(section: Section, frame: _Frame) -> Iterator[str]:

@@ -14,13 +14,17 @@ from typing import Any
 
 import numpy as np
 
-from app.section_plot import Bounds, section_bounds, section_svg
+from app.controller import placed
+from app.painting import scale
+from app.section_plot import Bounds, Shade, section_bounds, section_svg
 from app.state import Review, point_in_section
 from kinematics.mechanism import Design, mechanism
 from kinematics.sections import Box, Section, Sphere, Volume
 from kinematics.spatial import Array
 
 LOOKS = 24  # sections from which the extent of a workspace in its planes is taken
+CHART = "section"  # of a mechanism's loci: the one in this plane
+CELLS = 72  # of a measure's picture, along its longer side
 STEP = 6.0  # mm, the longest chord of an arc in the scene
 HATCHES = 40  # lines across a square as large as the extent
 ON_PLANE = 0.05  # mm; the platform is in a plane that it is not farther from
@@ -56,6 +60,20 @@ class Wish:
     at: float
     mark: tuple[float, float] | None
     dark: bool
+    lost: Lost | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Lost:
+    """What a section also shows: where control is lost in a mode, and a measure of it by colour.
+
+    ``shade`` is a measure's key, "" for none; ``load`` [F, T] counts for some measures only.
+    """
+
+    mode: str
+    locus: bool
+    shade: str
+    load: tuple[float, ...]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -77,6 +95,7 @@ class Drawn:
         lines: (S, 2, 3) mm along the edges, in the frame of sections.
         line_limb: (S,) from 1.
         hatch: (H, 2, 3) mm, lines that fill the region.
+        locus: (L, 2, 3) mm along the curves where control is lost, likewise.
         svg: the plot.
     """
 
@@ -86,6 +105,7 @@ class Drawn:
     lines: Array
     line_limb: np.ndarray
     hatch: Array
+    locus: Array
     svg: str
 
 
@@ -101,7 +121,18 @@ def wish(review: Review) -> Wish:
     """The section that a review shows."""
     x, y, z = point_in_section(review)
     mark = (y, z) if abs(x - review.cut.at) < ON_PLANE else None
-    return Wish(region(review), review.cut.at, mark, review.options.dark)
+    return Wish(region(review), review.cut.at, mark, review.options.dark, _lost(review))
+
+
+def _lost(review: Review) -> Lost | None:
+    """What of control is shown in the section; nothing unless it is on display elsewhere too."""
+    control, kind, design = review.control, review.mechanism, review.design
+    traced = any(spec.key == CHART for spec in kind.locus_specs(design))
+    locus = traced and control.locus and review.shown("aspects") is not None
+    if not (locus or control.shade):
+        return None
+    needs = any(m.key == control.shade and m.needs_load for m in kind.measures(design))
+    return Lost(review.mode, locus, control.shade, control.load if needs else ())
 
 
 # --- called in the process ----------------------------------------------------------------
@@ -117,6 +148,7 @@ def draw(wanted: Wish) -> Drawn:
     reach = extent(of)
     lines, limbs = edges(section)
     hatch = hatched(lines, reach.across) if reach.across and len(lines) else lines[:0]
+    curves = _curves(wanted)
     svg = section_svg(
         section,
         spec,
@@ -126,9 +158,57 @@ def draw(wanted: Wish) -> Drawn:
         standalone=False,
         mark=wanted.mark,
         bounds=reach.across,
+        curves=curves,
+        shade=_shade(wanted, section, reach.across),
     )
     at = section.at
-    return Drawn(wanted, section, reach, _raised(lines, at), limbs, _raised(hatch, at), svg)
+    pairs = [np.stack([run[:-1], run[1:]], axis=1) for run in curves]
+    locus = np.concatenate([*pairs, np.empty((0, 2, 2))])
+    return Drawn(
+        wanted,
+        section,
+        reach,
+        _raised(lines, at),
+        limbs,
+        _raised(hatch, at),
+        _raised(locus, at),
+        svg,
+    )
+
+
+def _curves(wanted: Wish) -> list[Array]:
+    """Where control is lost in the plane, each curve (N, 2) mm."""
+    of, lost = wanted.region, wanted.lost
+    if lost is None or not lost.locus:
+        return []
+    found = mechanism(of.design.mechanism).locus(of.design, CHART, of.pose, lost.mode, wanted.at)
+    return [
+        found.points[found.start[c] : found.start[c + 1]]
+        for c, kind in enumerate(found.kinds)
+        if kind != "serial"
+    ]
+
+
+def _shade(wanted: Wish, section: Section, across: Bounds | None) -> Shade | None:
+    """The measure over the plane, as a picture; None where it is not asked for."""
+    of, lost = wanted.region, wanted.lost
+    if lost is None or not lost.shade or across is None or not section.loops:
+        return None
+    kind = mechanism(of.design.mechanism)
+    measure = next(m for m in kind.measures(of.design) if m.key == lost.shade)
+    (u0, u1), (v0, v1) = across
+    wide = max(2, min(CELLS, round(CELLS * (u1 - u0) / max(u1 - u0, v1 - v0))))
+    high = max(2, min(CELLS, round(CELLS * (v1 - v0) / max(u1 - u0, v1 - v0))))
+    u = u0 + (np.arange(wide) + 0.5) / wide * (u1 - u0)
+    v = v0 + (np.arange(high) + 0.5) / high * (v1 - v0)
+    flat = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
+    frame = kind.section_frame(of.design, of.pose)
+    points = _raised(flat, wanted.at) @ frame[:3, :3].T + frame[:3, 3]
+    poses = placed(kind, of.design, of.pose, points)
+    load = lost.load if measure.needs_load else None
+    values = np.asarray(kind.measure(of.design, poses, lost.mode, measure.key, load))
+    steps = scale(values, high=measure.better == "high", limits=measure.limits)
+    return None if steps is None else Shade(values.reshape(high, wide), across, steps)
 
 
 @lru_cache(maxsize=16)

@@ -16,6 +16,7 @@ from app.panels import loci
 from app.panels.desk import (
     Controlled,
     Desk,
+    Logged,
     Panel,
     Sheet,
     answer,
@@ -50,6 +51,7 @@ ASPECTS = "aspects"
 NONE = "Nothing"
 LISTED = 8  # pieces that the page lists
 TOLD = 9  # clearances
+LINES = 20  # of the log
 
 HELP = """
 **Clearance** is how far the platform may move at its present orientation until it meets a
@@ -92,9 +94,9 @@ class SingularitiesPanel(Panel):
             self._way = gui.add_dropdown("Or change", (NONE,))
             self._change = button(desk, "Change the design so", self._change_design)
         self._measures = {m.title: m for m in kind.measures(design)}
-        self._specs = {
-            spec.title: spec for spec in kind.locus_specs(design) if spec.key != "section"
-        }
+        # What lies in the plane of a section is drawn there.
+        charts = [spec for spec in kind.locus_specs(design) if spec.key != "section"]
+        self._specs = {spec.title: spec for spec in charts}
         self._solid = next((s for s in kind.solids(design) if s.key == ASPECTS), None)
         if self._solid is not None:
             self._offer_aspects(sheet)
@@ -513,13 +515,11 @@ def _legend(measure: Measure, steps: painting.Scale) -> str:
     )
 
 
-def _log(lines: tuple[object, ...]) -> str:
+def _log(lines: tuple[Logged, ...]) -> str:
     if not lines:
         return box('<span style="opacity:.75">Nothing yet.</span>')
     rows = []
-    for line in lines[:20]:
-        at = time.strftime("%H:%M:%S", time.localtime(getattr(line, "at", 0.0)))
-        rows.append(
-            f'<div><span style="opacity:.6">{at}</span> {esc(getattr(line, "text", ""))}</div>'
-        )
+    for line in lines[:LINES]:
+        at = time.strftime("%H:%M:%S", time.localtime(line.at))
+        rows.append(f'<div><span style="opacity:.6">{at}</span> {esc(line.text)}</div>')
     return box("".join(rows))
