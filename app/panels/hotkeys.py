@@ -31,6 +31,12 @@ def add_hotkeys(desk: Desk, present: Callable[[], Review]) -> None:
             lambda: desk.send(Show("workspace", present().shown("workspace") is None)),
         ),
         (
+            "Aspects",
+            "Show or hide the aspects of the present mode",
+            "A",
+            lambda: desk.send(Show("aspects", present().shown("aspects") is None)),
+        ),
+        (
             "Section",
             "Show or hide the section of the workspace",
             "X",
