@@ -17,6 +17,7 @@ from kinematics.five_rpur import (
     inscribed,
     inverse,
     maps,
+    room,
     section,
     volume,
 )
@@ -24,6 +25,7 @@ from kinematics.five_rpur import design as designs
 from kinematics.five_rpur.continuation import following
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.forward import assembly, carrying
+from kinematics.five_rpur.remedies import causes
 from kinematics.five_rpur.slicing import acceleration
 from kinematics.mechanism import (
     SURFACES,
@@ -37,6 +39,7 @@ from kinematics.mechanism import (
     SurfaceKind,
 )
 from kinematics.sections import Box, MapCells, MapSpec, Section, SectionSpec, Sphere, Volume
+from kinematics.singularities import Clearance, Remedy
 from kinematics.solutions import (
     Finding,
     Fold,
@@ -148,6 +151,14 @@ class FiveRPUR(Bare):
 
     def drawing(self, design: FiveRPURDesign, posture: Posture) -> Drawing:
         return drawing.drawing(design, posture)
+
+    # --- how far to the bounds, and the ways out
+
+    def clearances(self, design: FiveRPURDesign, posture: Posture) -> tuple[Clearance, ...]:
+        return room.clearances(design, posture)
+
+    def remedy(self, design: FiveRPURDesign, posture: Posture) -> Remedy:
+        return causes.remedy(design, posture)
 
     # --- solids
 
