@@ -1,0 +1,464 @@
+"""Grassmann line geometry: which of some wrenches are dependent, what they have in common, and
+which twists do no work on any of them.
+
+Wrenches are rows [F, T about a reference point], forces along lines or couples (lines at
+infinity); twists are [ω, v of that point]. Dependent lines belong to a linear variety (Merlet,
+Int. J. Robotics Research 8 (1989), after Grassmann); which, the form F₁·T₂ + F₂·T₁ tells on their
+span, or on the twists that are reciprocal to it. Lengths mm, angles rad. Ranks are those of rows of
+unit size with moments divided by a characteristic length.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kinematics.spatial import Array
+from kinematics.wrenches import normalised
+
+Vector = tuple[float, float, float]
+
+VarietyKind = Literal[
+    "zero",  # rank 0: a wrench that vanishes
+    "line",  # rank 1: lines that coincide
+    "couple",  # couples about parallel axes
+    "pencil",  # rank 2: in one plane and through one point of it
+    "parallel pencil",  # in one plane and parallel; of couples, those normal to it
+    "couples",  # couples parallel to one plane
+    "bundle",  # rank 3: through one point
+    "parallel bundle",  # parallel lines; of couples, those normal to them
+    "plane",  # in one plane; of couples, those normal to it
+    "all couples",
+    "two pencils",  # of two pencils that share a line
+    "regulus",  # rulings of a hyperboloid of one sheet
+    "paraboloid",  # rulings of a hyperbolic paraboloid
+    "hyperbolic congruence",  # rank 4: meeting two lines
+    "elliptic congruence",  # meeting two imaginary lines
+    "parabolic congruence",  # meeting one line, of a pencil for each point of it
+    "degenerate congruence",  # in one plane, or through one point of it
+    "special complex",  # rank 5: meeting one line
+    "general complex",  # reciprocal to a screw
+    "screws",  # no variety of lines: some wrenches have a pitch
+    "space",  # rank 6
+]
+
+EXACT = 1e-7
+"""Singular values below this are zero but for rounding, whatever the caller's tolerance."""
+_FLAT = 1e-6  # a form is zero below this, of its largest possible value
+_AS_GOOD = 3.0  # a subset explains what is at most so many times as exact
+_FAR = 1e6  # characteristic lengths; an axis further off is a direction
+
+
+@dataclass(frozen=True, slots=True)
+class Screw:
+    """The axis of a twist: a turn, a translation or both; it has no size.
+
+    Attributes:
+        direction: unit vector, of ω, or of v of a translation.
+        point: mm, the axis's nearest point to the reference point; None of a translation.
+        pitch: mm/rad; 0 of a turn, infinite of a translation.
+    """
+
+    direction: Vector
+    point: Vector | None
+    pitch: float
+
+    @property
+    def translation(self) -> bool:
+        return self.point is None
+
+
+@dataclass(frozen=True, slots=True)
+class Variety:
+    """What some dependent lines have in common.
+
+    Attributes:
+        kind: which linear line variety they span.
+        point: mm, where they meet, or a point of their plane.
+        direction: unit vector along lines that are parallel.
+        normal: unit vector, of their plane.
+        axes: the lines that all of them meet; of two pencils the shared line; of a general
+            complex the axis and pitch. A translation among them is a line at infinity: all are
+            normal to its direction.
+    """
+
+    kind: VarietyKind
+    point: Vector | None = None
+    direction: Vector | None = None
+    normal: Vector | None = None
+    axes: tuple[Screw, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Circuit:
+    """A minimal dependent set: each of its proper subsets is independent.
+
+    Attributes:
+        members: which rows, from 0.
+        weights: unit vector of their multiples that cancel, rows of unit size.
+        measure: what is left of them, their smallest singular value.
+        variety: what the members have in common.
+    """
+
+    members: tuple[int, ...]
+    weights: tuple[float, ...]
+    measure: float
+    variety: Variety
+
+
+@dataclass(frozen=True, slots=True)
+class Geometry:
+    """Rank and dependences of a set of wrenches.
+
+    Attributes:
+        rank: singular values at or above the tolerance.
+        singular_values: of the normalised rows, largest first.
+        circuits: as many as rows can be left out without loss, the smallest first.
+        twists: independent twists [ω, v], rad and mm, that do no work on any row, of unit size with
+            ω times the characteristic length; translations and pure turns first where there are
+            such.
+        screws: of each of them.
+    """
+
+    rank: int
+    singular_values: tuple[float, ...]
+    circuits: tuple[Circuit, ...]
+    twists: tuple[tuple[float, ...], ...]
+    screws: tuple[Screw, ...]
+
+
+def geometry(
+    rows: ArrayLike, length: float, tolerance: float, point: Sequence[float] = (0.0, 0.0, 0.0)
+) -> Geometry:
+    """Rank, circuits with what they have in common, and reciprocal twists.
+
+    Args:
+        rows: (R, 6) wrenches, finite; zero rows are allowed.
+        length: mm, the characteristic length, > 0.
+        tolerance: singular values of normalised rows below it count as zero.
+        point: mm, the reference point of moments and twists.
+    """
+    unit = normalised(rows, length)
+    origin = np.asarray(point, dtype=float)
+    values, right = _spectrum(unit)
+    rank = int((values >= tolerance).sum())
+    left = list(range(len(unit)))
+    circuits = []
+    for _ in range(len(unit) - rank):
+        found = _circuit(unit, left, length, tolerance, origin)
+        circuits.append(found)
+        heaviest = int(np.argmax(np.abs(found.weights)))
+        left.remove(found.members[heaviest])
+    free = _twists(right[rank:], length)
+    return Geometry(
+        rank=rank,
+        singular_values=tuple(values.tolist()),
+        circuits=tuple(circuits),
+        twists=tuple(tuple(twist.tolist()) for twist in free),
+        screws=tuple(screw(twist, length, origin) for twist in free),
+    )
+
+
+def screw(twist: ArrayLike, length: float, point: Sequence[float] | Array) -> Screw:
+    """The axis of a twist [ω, v of ``point``]; pitches below 1e-6 of ``length`` are zero."""
+    t = np.asarray(twist, dtype=float)
+    turning, moving = t[:3], t[3:]
+    turn, move = float(np.linalg.norm(turning)), float(np.linalg.norm(moving))
+    if turn * length * _FAR <= move:
+        return Screw(_vector(_upright(moving / move)), None, np.inf)
+    pitch = float(turning @ moving) / turn**2
+    foot = np.asarray(point, dtype=float) + np.cross(turning, moving) / turn**2
+    # Pitch counts beside the lever that the twist has about the point, not only beside the length.
+    scale = max(length, move / turn)
+    pitch = 0.0 if abs(pitch) <= _FLAT * scale else pitch
+    return Screw(_vector(_upright(turning / turn)), _vector(foot), pitch)
+
+
+def variety(
+    rows: ArrayLike,
+    length: float,
+    point: Sequence[float] | Array = (0.0, 0.0, 0.0),
+    *,
+    rank: int | None = None,
+    blur: float = 0.0,
+) -> Variety:
+    """The linear line variety that wrenches (R, 6) span.
+
+    Args:
+        rank: of the rows; by default what their singular values say, to `EXACT`.
+        blur: how inexact the span is, as a part; coarsens what counts as zero.
+    """
+    origin = np.asarray(point, dtype=float)
+    center, reach = _middle(np.asarray(rows, dtype=float), length, origin)
+    # The same wrenches about a point amidst the lines and in their size: there the form is even.
+    unit = normalised(_moved(np.asarray(rows, dtype=float), origin - center), reach)
+    values, right = _spectrum(unit)
+    rank = int((values >= EXACT).sum()) if rank is None else rank
+    flat = max(_FLAT, blur)
+    if rank <= 0:
+        return Variety("zero")
+    if rank <= 3:
+        return _few(right[:rank], rank, reach, center, flat)
+    if rank <= 5:
+        return _many(right[rank:], rank, reach, center, flat)
+    return Variety("space")
+
+
+# --- circuits ------------------------------------------------------------------------------
+
+
+def _spectrum(unit: Array) -> tuple[Array, Array]:
+    """Singular values, R or 6 of them whichever is less, and all six right singular vectors."""
+    _, values, right = np.linalg.svd(unit, full_matrices=True)
+    return values, right
+
+
+def _circuit(
+    unit: Array, left: Sequence[int], length: float, tolerance: float, origin: Array
+) -> Circuit:
+    """The smallest subset of the rows ``left`` that is as dependent as all of them."""
+    least = _least(unit[list(left)])
+    limit = max(min(EXACT, tolerance), _AS_GOOD * least)
+    members = tuple(left[:7])  # any seven are dependent
+    for size in range(1, min(len(left), 7)):
+        subsets = np.array(list(combinations(left, size)))
+        smallest = np.linalg.svd(unit[subsets], compute_uv=False)[:, -1]
+        best = int(smallest.argmin())
+        if smallest[best] <= limit:
+            members = tuple(int(n) for n in subsets[best])
+            break
+    rows = unit[list(members)]
+    weights, values, _ = np.linalg.svd(rows, full_matrices=True)
+    measure = _least(rows)
+    firm = float(values[len(members) - 2]) if len(members) > 1 else 1.0
+    blur = 10.0 * measure / max(firm, 1e-300)
+    scaled = rows * np.array([1.0, 1.0, 1.0, length, length, length])
+    common = variety(scaled, length, origin, rank=len(members) - 1, blur=blur)
+    return Circuit(members, tuple(weights[:, -1].tolist()), measure, common)
+
+
+def _least(unit: Array) -> float:
+    """The smallest of R singular values; 0 where there are more rows than six."""
+    if len(unit) > 6:
+        return 0.0
+    return float(np.linalg.svd(unit, compute_uv=False)[-1])
+
+
+def _twists(null: Array, length: float) -> list[Array]:
+    """A basis of reciprocal twists from right null vectors (n, 6) in [v, ω length]."""
+    if not len(null):
+        return []
+    # Translations first: combinations without ω.
+    left, sizes, _ = np.linalg.svd(null[:, 3:], full_matrices=True)
+    sizes = np.concatenate([sizes, np.zeros(len(null) - len(sizes))])
+    still = left[:, sizes <= _FLAT].T @ null
+    turning = left[:, sizes > _FLAT].T @ null
+    if len(turning) == 2 and not len(still):
+        real = _isotropic(turning, _FLAT)
+        if len(real) == 2:
+            turning = np.array(real)
+    basis = np.concatenate([still, turning])
+    return [np.concatenate([row[3:] / length, row[:3]]) for row in map(_upright_row, basis)]
+
+
+# --- varieties -----------------------------------------------------------------------------
+
+
+def _form(basis: Array) -> Array:
+    """F₁·T₂ + F₂·T₁ of all pairs of basis wrenches (or of twists, with [v, ω])."""
+    product = basis[:, :3] @ basis[:, 3:].T
+    return product + product.T
+
+
+def _few(basis: Array, rank: int, length: float, center: Array, flat: float) -> Variety:
+    """Ranks 1 to 3, from the span itself."""
+    form = _form(basis)
+    values, vectors = np.linalg.eigh(form)
+    zero = np.abs(values) <= flat
+    _, sizes, directions = np.linalg.svd(basis[:, :3], full_matrices=True)
+    finite = int((sizes > flat).sum())
+    if not zero.all():
+        return _quadric(basis, values, vectors, zero, finite, rank, length, center)
+    if finite == 0:
+        kinds: tuple[VarietyKind, ...] = ("couple", "couples", "all couples")
+        normal = _last_normal(basis[:, 3:]) if rank == 2 else None
+        along = _vector(_upright(basis[0, 3:])) if rank == 1 else None
+        return Variety(kinds[rank - 1], direction=along, normal=normal)
+    first = _upright(directions[0])
+    if rank == 1:
+        return Variety("line", point=_meet(basis, length, center), direction=_vector(first))
+    if finite == 1:
+        if rank == 3:
+            return Variety("parallel bundle", direction=_vector(first))
+        return Variety(
+            "parallel pencil",
+            point=_meet(basis, length, center),
+            direction=_vector(first),
+            normal=_vector(_upright(_couple_of(basis))),
+        )
+    if finite == 2 and rank == 3:
+        normal = np.cross(directions[0], directions[1])
+        across = np.cross(normal, basis[:, :3])
+        distance = float((across * basis[:, 3:]).sum() / (across**2).sum()) * length
+        return Variety(
+            "plane",
+            point=_vector(center + distance * normal),
+            normal=_vector(_upright(normal)),
+        )
+    place = _meet(basis, length, center)
+    if rank == 2:
+        normal = np.cross(directions[0], directions[1])
+        return Variety("pencil", point=place, normal=_vector(_upright(normal)))
+    return Variety("bundle", point=place)
+
+
+def _quadric(
+    basis: Array,
+    values: Array,
+    vectors: Array,
+    zero: Array,
+    finite: int,
+    rank: int,
+    length: float,
+    center: Array,
+) -> Variety:
+    """Rank 2 or 3 where not every member of the span is a line."""
+    mixed = values[0] < 0.0 < values[-1]
+    if rank == 3 and mixed and not zero.any():
+        return Variety("regulus" if finite == 3 else "paraboloid")
+    if rank == 3 and mixed and int(zero.sum()) == 1:
+        shared = vectors[:, int(np.flatnonzero(zero)[0])] @ basis
+        line = np.concatenate([shared[:3], shared[3:] * length])
+        return Variety("two pencils", axes=(screw(line, length, center),))
+    return Variety("screws")
+
+
+def _many(null: Array, rank: int, length: float, center: Array, flat: float) -> Variety:
+    """Ranks 4 and 5, from the reciprocal twists [v, ω length]."""
+    if rank == 5:
+        axis = _axis(null[0], length, center)
+        pure = abs(float(_form(null)[0, 0])) <= flat
+        if pure and not axis.translation:
+            axis = Screw(axis.direction, axis.point, 0.0)
+        return Variety("special complex" if pure else "general complex", axes=(axis,))
+    values, vectors = np.linalg.eigh(_form(null))
+    zero = np.abs(values) <= flat
+    if zero.all():
+        _, sizes, directions = np.linalg.svd(null[:, 3:], full_matrices=True)
+        turning = int((sizes > flat).sum())
+        pencil = np.concatenate([null[:, 3:], null[:, :3]], axis=1)  # axes as lines [ω, v]
+        if turning == 2:
+            normal = np.cross(directions[0], directions[1])
+            place: Vector | None = _meet(pencil, length, center)
+        elif turning == 1:
+            normal, place = _couple_of(pencil), _meet(pencil, length, center)
+        else:
+            normal, place = np.cross(null[0, :3], null[1, :3]), None
+            normal = normal / np.linalg.norm(normal)
+        return Variety(
+            "degenerate congruence",
+            point=place,
+            direction=_vector(_upright(directions[0])) if turning == 1 else None,
+            normal=_vector(_upright(normal)),
+        )
+    if zero.any():
+        double = vectors[:, int(np.flatnonzero(zero)[0])] @ null
+        return Variety("parabolic congruence", axes=(_axis(double, length, center, pure=True),))
+    if values[0] < 0.0 < values[-1]:
+        axes = tuple(_axis(t, length, center, pure=True) for t in _isotropic(null, flat))
+        return Variety("hyperbolic congruence", axes=axes)
+    return Variety("elliptic congruence")
+
+
+def _isotropic(pair: Array, flat: float) -> list[Array]:
+    """The two real members of zero pitch in the span of two; fewer where they are not real."""
+    values, vectors = np.linalg.eigh(_form(pair))
+    if not values[0] < -flat < flat < values[1]:
+        return []
+    low, high = np.sqrt(values[1]), np.sqrt(-values[0])
+    answer = []
+    for sign in (1.0, -1.0):
+        member = (low * vectors[:, 0] + sign * high * vectors[:, 1]) @ pair
+        answer.append(member / np.linalg.norm(member))
+    return answer
+
+
+def _axis(null: Array, length: float, center: Array, *, pure: bool = False) -> Screw:
+    """The screw of a twist given as [v, ω length]; ``pure``: its pitch is zero but for rounding."""
+    found = screw(np.concatenate([null[3:] / length, null[:3]]), length, center)
+    if pure and not found.translation:
+        return Screw(found.direction, found.point, 0.0)
+    return found
+
+
+# --- points, planes, frames ----------------------------------------------------------------
+
+
+def _middle(rows: Array, length: float, origin: Array) -> tuple[Array, float]:
+    """A point amidst the lines, and how far they are from it, at least ``length``."""
+    force, moment = rows[:, :3], rows[:, 3:]
+    size = np.linalg.norm(force, axis=1)
+    real = size > 1e-9 * np.maximum(np.linalg.norm(moment, axis=1) / length, 1e-300)
+    if not real.any():
+        return origin, length
+    along = force[real] / size[real, None]
+    feet = np.cross(force[real], moment[real]) / size[real, None] ** 2
+    across = np.eye(3) - along[:, :, None] * along[:, None, :]
+    pull = 1e-3 * len(feet)  # keeps it near where lines are nearly parallel
+    matrix = across.sum(axis=0) + pull * np.eye(3)
+    center = np.linalg.solve(matrix, (across @ feet[..., None])[..., 0].sum(axis=0))
+    away = np.einsum("nij,nj->ni", across, feet - center)
+    reach = float(np.sqrt((away**2).sum(axis=1).mean()))
+    return origin + center, max(reach, length)
+
+
+def _moved(rows: Array, shift: Array) -> Array:
+    """Moments about a point that lies −shift from the old one: T + shift × F."""
+    return np.concatenate([rows[:, :3], rows[:, 3:] + np.cross(shift, rows[:, :3])], axis=1)
+
+
+def _meet(basis: Array, length: float, center: Array) -> Vector:
+    """The point c of least size with c × F = T for all, mm."""
+    force, moment = basis[:, :3], basis[:, 3:]
+    matrix = np.concatenate([-_cross_matrix(f) for f in force])
+    place = np.linalg.lstsq(matrix, moment.ravel(), rcond=1e-6)[0]
+    return _vector(center + length * place)
+
+
+def _cross_matrix(f: Array) -> Array:
+    x, y, z = f
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def _couple_of(basis: Array) -> Array:
+    """The couple in a span of parallel lines: the normal of their plane, unit."""
+    left, _, _ = np.linalg.svd(basis[:, :3], full_matrices=True)
+    couple = (left[:, -1] @ basis)[3:]
+    unit: Array = couple / np.linalg.norm(couple)
+    return unit
+
+
+def _last_normal(vectors: Array) -> Vector:
+    _, _, right = np.linalg.svd(vectors, full_matrices=True)
+    return _vector(_upright(right[-1]))
+
+
+def _upright(direction: Array) -> Array:
+    """The same line with its largest component positive."""
+    return direction if direction[int(np.argmax(np.abs(direction)))] > 0.0 else -direction
+
+
+def _upright_row(row: Array) -> Array:
+    """A twist with the largest component of what it mostly is positive."""
+    part = row[3:] if np.linalg.norm(row[3:]) > 1e-9 else row[:3]
+    return row if part[int(np.argmax(np.abs(part)))] > 0.0 else -row
+
+
+def _vector(values: Array) -> Vector:
+    x, y, z = (float(v) + 0.0 for v in values)
+    return x, y, z
