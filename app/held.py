@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from app import palette
+from app.atlas import number as signed
 from app.compute import View
 from app.controller import Here
 from app.inside import Ball
@@ -20,6 +21,13 @@ MOST = 8  # wrenches, and clearances, that are drawn
 REACH = 0.9  # of the machine's size: half a wrench's line
 SWING = 0.22  # of the machine's size: how far the free motion is shown
 PERIOD, SWINGS = 1.6, 2  # s, and how often
+_WHAT = {
+    "parallel": "singular",
+    "constraint": "singular",
+    "boundary": "end of the workspace",
+    "stroke": "end of a stroke",
+    "mode": "change of mode",
+}
 _NO_LINE = np.zeros((1, 2, 3), dtype=np.float32)
 
 
@@ -125,14 +133,15 @@ class Held:
             points = np.array([(start, end) for start, end, _ in arrows], dtype=np.float32)
             self._arrows.points = points
             colors = np.array([palette.rgb(c) for _, _, c in arrows], np.uint8)
-            self._arrows.colors = np.repeat(colors[:, None], 2, axis=1)
+            self._arrows.colors = colors
 
     def _clearances(self, view: View, here: Here | None) -> None:
         ways = () if here is None else here.clearances
-        nearest: dict[str, Clearance] = {}  # one of a kind is enough to see
-        for way in ways:
-            nearest.setdefault(way.kind, way)
-        shown = list(nearest.values())[:MOST]
+        shown: list[Clearance] = []
+        for way in ways:  # one of a kind is enough to see, and one at a place
+            if all(way.kind != w.kind and way.point != w.point for w in shown):
+                shown.append(way)
+        shown = shown[:MOST]
         origin = view.platform[:3, 3]
         self._ways.visible = bool(shown)
         if shown:
@@ -157,7 +166,7 @@ class Held:
             if label.visible != seen:
                 label.visible = seen
             if seen:
-                label.text = f"{shown[n].distance:.1f} mm"
+                label.text = f"{signed(shown[n].distance)} mm · {_WHAT[shown[n].kind]}"
                 label.position = tuple(float(v) for v in shown[n].point)
 
     def swing(self, view: View, motion: tuple[float, ...], elapsed: float) -> bool:

@@ -118,9 +118,7 @@ class _Grid:
         if not np.isfinite(inner).all():
             raise InputError("the values at the nodes must be finite numbers")
         x, y, z = (
-            np.concatenate(
-                [[a[0] - _PAD * (a[1] - a[0])], a, [a[-1] + _PAD * (a[-1] - a[-2])]]
-            )
+            np.concatenate([[a[0] - _PAD * (a[1] - a[0])], a, [a[-1] + _PAD * (a[-1] - a[-2])]])
             for a in given
         )
         padded = np.pad(inner, 1, constant_values=np.nan)

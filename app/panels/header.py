@@ -93,11 +93,16 @@ def _status(sheet: Sheet, held: str) -> str:
         lines.append(f'<div style="padding-left:calc(0.6em + 4px)">{esc(status.remedy)}</div>')
     lines += [
         f'<div style="padding-left:calc(0.6em + 4px);color:{tone("near")}">'
-        f"{esc(note[:1].upper() + note[1:])}</div>"
+        f"{esc(_sentence(note))}</div>"
         for note in sheet.notes
     ]
     # The height is kept so that the tabs below do not jump as the sentence changes.
     return box(f'<div style="min-height:4.2em">{"".join(lines)}</div>')
+
+
+def _sentence(note: str) -> str:
+    """With a capital letter, unless it begins with a symbol, as z."""
+    return note if note[1:2] == " " else note[:1].upper() + note[1:]
 
 
 def _legend(view: View) -> str:

@@ -234,10 +234,9 @@ class SingularitiesPanel(Panel):
         put_prop(self._out, "visible", remedy is not None)
         if remedy is None:
             return
-        lines = [esc(remedy.text)]
+        lines = [esc(remedy.text[:1].upper() + remedy.text[1:])]
         if remedy.nearest is not None:
-            where = pose_text(self._sheet.view.review, remedy.nearest.pose)
-            lines.append(f"{remedy.distance:.2f} mm away: {esc(where)}")
+            lines.append(esc(pose_text(self._sheet.view.review, remedy.nearest.pose)))
         put_prop(self._remedy, "content", box("<br>".join(lines)))
         put_prop(self._escape, "visible", remedy.nearest is not None)
         ways = tuple("; ".join(c.text for c in way) for way in remedy.changes)
@@ -367,6 +366,8 @@ def _here(controlled: Controlled) -> str:
     parts = [_card(s) for s in here.singular]
     if here.wrenches is None:
         parts.append("The limbs do not close here, so nothing holds the platform.")
+    elif here.remedy is not None:
+        parts.append("This pose is out of reach; the ways out are below.")
     elif not here.singular:
         parts.append(
             f'<div style="border-left:4px solid {tone("good")};padding-left:.6em">'
@@ -435,7 +436,7 @@ def _clearance(way: Clearance) -> str:
     return (
         f'<tr title="{esc(way.text)}"><td>{mark}{esc(what)}</td>'
         f'<td style="text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums">'
-        f"{way.distance:.2f} mm</td></tr>"
+        f"{way.distance:.2f} mm</td></tr>".replace(">-", ">−")
     )
 
 

@@ -200,6 +200,7 @@ class FiveRPUR(Bare):
         self, design: FiveRPURDesign, posture: Posture, tolerance: float = AT
     ) -> tuple[Singularity, ...]:
         return singularity.singularities(design, posture, tolerance)
+
     # --- how far to the bounds, and the ways out
 
     def clearances(self, design: FiveRPURDesign, posture: Posture) -> tuple[Clearance, ...]:
