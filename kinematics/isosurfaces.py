@@ -14,6 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import permutations, product
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,6 +27,7 @@ Field = Callable[[Array], tuple[Array, Array]]
 
 Ints = NDArray[np.int64]
 Mask = NDArray[np.bool_]
+_T = TypeVar("_T", bound=np.generic)
 
 _NEAR = 0.12  # part of an edge within which a node counts as lying nearly on the surface
 _AWAY = 0.2  # part of a cell by which it is moved
@@ -64,17 +66,18 @@ def positive_part(
 
     Args:
         axes: the nodes' three coordinates, each increasing, at least two: they may be graded.
-        values: (nx, ny, nz) the function at the nodes; a zero counts as positive.
+        values: (nx, ny, nz) the function at the nodes; a zero counts as positive, and NaN as
+            outside of the box.
         field: the function and its gradient anywhere in the box.
         tolerance: how near to the zeros vertices must be, in units of length; by default a
             1e-12th of the box's diagonal, or what rounding in ``field`` allows.
 
     Returns:
         The surface; no faces where the function is nowhere positive. A side of the box stands
-        half a thousandth of a cell outside of the box.
+        half a thousandth of a cell outside of it, and one that NaN makes half a cell.
 
     Raises:
-        InputError: axes or values that do not make a grid of finite numbers.
+        InputError: axes or values that do not make a grid, or are infinite.
     """
     grid = _Grid.of(axes, values)
     if tolerance is None:
@@ -84,7 +87,7 @@ def positive_part(
     vertices, residual = _placed(grid, moved, field, lower, upper, tolerance)
     faces = _faces(grid, vertex_at)
     on_zero = np.isfinite(residual)[faces].all(axis=1)
-    return Isosurface(vertices, faces, on_zero, residual)
+    return Isosurface(vertices, faces, np.asarray(on_zero), residual)
 
 
 # --- the grid ------------------------------------------------------------------------------------
@@ -115,8 +118,8 @@ class _Grid:
                 f"the values must have the grid's shape {tuple(len(a) for a in given)}, "
                 f"got {inner.shape}"
             )
-        if not np.isfinite(inner).all():
-            raise InputError("the values at the nodes must be finite numbers")
+        if np.isinf(inner).any():
+            raise InputError("the values at the nodes must not be infinite")
         x, y, z = (
             np.concatenate([[a[0] - _PAD * (a[1] - a[0])], a, [a[-1] + _PAD * (a[-1] - a[-2])]])
             for a in given
@@ -136,7 +139,7 @@ class _Grid:
         _, ny, nz = self.shape
         return np.array([ny * nz, nz, 1])
 
-    def ends(self, array: NDArray[np.generic], direction: Ints) -> tuple[Array, Array]:
+    def ends(self, array: NDArray[_T], direction: Ints) -> tuple[NDArray[_T], NDArray[_T]]:
         """Views of a node array at the lower and upper ends of all edges in a direction."""
         whole = array.reshape(self.shape)
         low = tuple(slice(None, -1) if d else slice(None) for d in direction)
@@ -151,8 +154,8 @@ def _moved_off(grid: _Grid, field: Field) -> tuple[Ints, Array]:
     for direction in _DIRECTIONS:
         a, b = grid.ends(size, direction)
         pa, pb = grid.ends(grid.positive, direction)
-        index = np.nonzero((pa != pb) & np.isfinite(a + b))
-        lower = np.ravel_multi_index(index, grid.shape)
+        change = np.nonzero((pa != pb) & np.isfinite(a + b))
+        lower = np.ravel_multi_index(change, grid.shape)
         upper = lower + direction @ grid.strides
         fa, fb = size[lower], size[upper]
         near[lower[fa <= _NEAR * (fa + fb)]] = True
@@ -299,7 +302,7 @@ def _table() -> tuple[Ints, Ints, Ints]:
                 for m, edge in enumerate(triangle if normal @ out > 0.0 else triangle[::-1]):
                     lower, upper = sorted(edge)  # corners are in order along a tetrahedron
                     direction = tetrahedron[upper] - tetrahedron[lower]
-                    which = np.flatnonzero((_DIRECTIONS == direction).all(axis=1))[0]
+                    which = np.flatnonzero((direction == _DIRECTIONS).all(axis=1))[0]
                     faces[k, code, n, m] = *tetrahedron[lower], which
             counts[k, code] = len(triangles)
     return corners, counts, faces

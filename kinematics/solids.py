@@ -14,64 +14,31 @@ from typing import Any
 import numpy as np
 from manifold3d import Error, Manifold, Mesh64, OpType
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
+from kinematics import meshes
 from kinematics.errors import ComputationError, InputError
-from kinematics.spatial import Array
+from kinematics.meshes import Bounds, Patch, Piece, SolidMesh, TracedMesh, close_pairs
 
-Bounds = tuple[tuple[float, float, float], tuple[float, float, float]]
+__all__ = [
+    "KINDS",
+    "Bounds",
+    "BuiltSolid",
+    "Patch",
+    "Piece",
+    "PlacedMesh",
+    "Solid",
+    "SolidMesh",
+    "TracedMesh",
+    "close_pairs",
+    "encode",
+    "finish",
+    "rounded",
+]
 
 KINDS = ("stl", "3mf", "ply", "glb", "obj")
 
-# A shell thinner on the average than this part of the solid's size, or smaller than this part of
-# its volume, is what rounding leaves where faces coincide, and is dropped.
-SLIVER_THICKNESS = 1e-6
-SLIVER_VOLUME = 1e-8
-
 # In `face_id`, 32 bits inside manifold3d, the patch stands above these bits and the plane below.
 _PLANE_BITS = 24
-
-
-@dataclass(frozen=True, eq=False)
-class SolidMesh:
-    """Triangles, counter-clockwise seen from outside; the arrays are read-only.
-
-    Attributes:
-        vertices: (V, 3) mm.
-        faces: (F, 3) indices into ``vertices``.
-    """
-
-    vertices: NDArray[Any]
-    faces: NDArray[Any]
-
-    def __post_init__(self) -> None:
-        self.vertices.setflags(write=False)
-        self.faces.setflags(write=False)
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self.__post_init__()  # unpickled arrays are writeable
-
-
-@dataclass(frozen=True, eq=False)
-class Patch:
-    """A named surface where it now stands: ``tag`` as given to `Solid.from_mesh`, moved by
-    ``transform`` (3, 4).
-    """
-
-    tag: Hashable
-    transform: Array
-
-
-@dataclass(frozen=True, eq=False)
-class TracedMesh:
-    """A mesh of which every face knows its origin: ``patches[patch_of[f]]``, patch_of (F,)."""
-
-    mesh: SolidMesh
-    patches: tuple[Patch, ...]
-    patch_of: NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,6 +144,21 @@ class Solid:
         manifolds = [solid._manifold for solid in solids]  # noqa: SLF001
         return Solid(Manifold.batch_boolean(manifolds, operation), tags)
 
+    def split(self, cutter: Solid) -> tuple[Solid, Solid]:
+        """What of this lies inside another solid, and what outside of it."""
+        inside, outside = self._manifold.split(cutter._manifold)
+        tags = {**self._tags, **cutter._tags}
+        return Solid(inside, tags), Solid(outside, tags)
+
+    @staticmethod
+    def composed(shells: Iterable[Solid]) -> Solid:
+        """One solid of `shells` that do not meet; voids among them go where they were."""
+        chosen = tuple(shells)
+        tags: dict[int, tuple[Hashable, ...]] = {}
+        for shell in chosen:
+            tags.update(shell._tags)  # noqa: SLF001
+        return Solid(Manifold.compose([shell._manifold for shell in chosen]), tags)  # noqa: SLF001
+
     def translated(self, offset: ArrayLike) -> Solid:
         """Moved by ``offset`` (3,) mm."""
         x, y, z = (float(v) for v in np.asarray(offset, dtype=float))
@@ -267,21 +249,6 @@ _STATUS = {
 # --- a solid made ready to show and to export ------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Piece:
-    """One connected part of a solid, with its voids.
-
-    Attributes:
-        volume: mm³.
-        centroid: of the volume, mm.
-        bounds: the lowest and the highest corner, mm.
-    """
-
-    volume: float
-    centroid: tuple[float, float, float]
-    bounds: Bounds
-
-
 @dataclass(frozen=True, eq=False)
 class BuiltSolid:
     """A finished solid: plain arrays and numbers, ready to cross to another process.
@@ -303,6 +270,12 @@ class BuiltSolid:
         residual: how far the vertices are from the true surfaces at most, mm, but for
             ``unplaced`` ones; None of facets, which are right on the average instead.
         unplaced: how many vertices could not be put on all of the surfaces that meet there.
+        piece_of: (F,) to which of ``pieces`` a face belongs, where the solid was parted by the
+            zeros of a function (`partition`); None of others. Pieces that touch are closed each
+            for itself, and what parts them is in the mesh twice, once for either side.
+        on_locus: (F,) whether a face lies on these zeros; None likewise.
+        locus_residual: how far the vertices of such faces are from the zeros at most, mm, but for
+            ``locus_unplaced`` ones at the rim, which are on chords; None likewise.
     """
 
     mesh: SolidMesh
@@ -315,6 +288,51 @@ class BuiltSolid:
     triangles: int
     residual: float | None = None
     unplaced: int = 0
+    piece_of: NDArray[np.intp] | None = None
+    on_locus: NDArray[np.bool_] | None = None
+    locus_residual: float | None = None
+    locus_unplaced: int = 0
+
+    def piece_at(self, point: ArrayLike) -> int | None:
+        """Which of the pieces holds a point (3,) of the solid's own frame; None: none does."""
+        p = np.asarray(point, dtype=float)
+        v, f = self.mesh.vertices, self.mesh.faces
+        owner = self.piece_of
+        for n, piece in enumerate(self.pieces):
+            low, high = piece.bounds
+            if (p >= low).all() and (p <= high).all():
+                if owner is None:
+                    shells = meshes.face_shells(len(v), f)
+                    six, _, moments = meshes.face_parts(v, f)
+                    _, owner = meshes.pieces(v, f, shells, six, moments)
+                if meshes.winds_around(v, f[owner == n], p):
+                    return n
+        return None
+
+    def piece_mesh(self, n: int) -> SolidMesh:
+        """One of the pieces of a solid that was parted, as a closed mesh of its own.
+
+        Raises:
+            InputError: there is no such piece.
+        """
+        if self.piece_of is None or not 0 <= n < len(self.pieces):
+            raise InputError(f"there is no piece {n + 1} of {len(self.pieces)}")
+        return _part_of(self.mesh, self.piece_of == n)
+
+    def locus_mesh(self) -> SolidMesh:
+        """The faces on the zeros of the function that parted the solid, once, as an open mesh.
+
+        Its faces look from where the function is positive.
+        """
+        if self.piece_of is None or self.on_locus is None:
+            return _part_of(self.mesh, np.zeros(len(self.mesh.faces), dtype=bool))
+        sign = np.array([piece.sign for piece in self.pieces], dtype=int)
+        return _part_of(self.mesh, self.on_locus & (sign[self.piece_of] > 0))
+
+
+def _part_of(mesh: SolidMesh, keep: NDArray[np.bool_]) -> SolidMesh:
+    used, packed = np.unique(mesh.faces[keep], return_inverse=True)
+    return SolidMesh(mesh.vertices[used], packed.reshape(-1, 3).astype(np.int32))
 
 
 def finish(
@@ -333,248 +351,79 @@ def finish(
         place: moves the mesh onto true surfaces, given the distance (mm) that its vertices must
             keep; where they do not the facets stay.
     """
-    traced, shells, dropped = _without_slivers(solid.traced(), thinnest)
-    traced, shells, moved = _rounded(solid, traced, shells, thinnest)
+    traced, shells, dropped = meshes.without_slivers(solid.traced(), thinnest)
+    traced, shells, moved = rounded(solid, traced, shells, thinnest)
     placed: PlacedMesh | None = None
     if place is not None and len(traced.mesh.faces):
-        apart = 0.75 * _grid(traced.mesh.vertices)  # facets keep a whole step
+        apart = 0.75 * meshes.grid_step(traced.mesh.vertices)  # facets keep a whole step
         placed = place(traced, apart)
         if len(close_pairs(placed.traced.mesh.vertices, apart)):
             placed = None
         else:
             traced = placed.traced
-            shells = _shells(len(traced.mesh.vertices), traced.mesh.faces)
+            shells = meshes.face_shells(len(traced.mesh.vertices), traced.mesh.faces)
     v, f = traced.mesh.vertices, traced.mesh.faces
-    six, twice, moments = _parts(v, f)
+    six, twice, moments = meshes.face_parts(v, f)
     volume, area = float(six.sum()) / 6.0, float(twice.sum()) / 2.0
+    pieces, _ = meshes.pieces(v, f, shells, six, moments)
     return BuiltSolid(
         mesh=traced.mesh,
-        shaded=_shaded(traced),
+        shaded=meshes.shaded(traced),
         volume=volume,
         # Twice what was dropped: as much again may never have been meshed.
         volume_error=error(traced, volume) + 2.0 * dropped + moved * area,
         area=area,
-        pieces=_pieces(v, f, shells, six, moments),
-        watertight=_closed_by_position(v, f),
+        pieces=pieces,
+        watertight=meshes.closed_by_position(v, f),
         triangles=len(f),
         residual=None if placed is None else placed.residual,
         unplaced=0 if placed is None else placed.unplaced,
     )
 
 
-def _parts(v: Array, f: NDArray[Any]) -> tuple[Array, Array, Array]:
-    """Of each face: 6 × its cone's volume, 2 × its area, and its first moments (F, 3) × 24."""
-    middle = v.mean(axis=0) if len(v) else np.zeros(3)
-    a, b, c = (v[f[:, n]] - middle for n in range(3))
-    normal = np.cross(b - a, c - a)
-    six = np.einsum("ij,ij->i", a, normal)
-    twice = np.sqrt(np.einsum("ij,ij->i", normal, normal))
-    return six, twice, six[:, None] * (a + b + c + 4.0 * middle)
-
-
-def _shells(vertices: int, f: NDArray[Any]) -> NDArray[np.intp]:
-    """To which of the connected surfaces each face belongs (F,), counted from 0."""
-    row = np.concatenate([f[:, 0], f[:, 1]])
-    column = np.concatenate([f[:, 1], f[:, 2]])
-    graph = coo_array((np.ones(len(row), bool), (row, column)), shape=(vertices, vertices))
-    _, of_vertex = connected_components(graph, directed=False)
-    return np.asarray(of_vertex[f[:, 0]], dtype=np.intp)
-
-
-def _without_slivers(
-    traced: TracedMesh, thinnest: float
-) -> tuple[TracedMesh, NDArray[np.intp], float]:
-    """The mesh without slivers, the shell of each face, and the volume dropped, mm³."""
-    v, f = traced.mesh.vertices, traced.mesh.faces
-    if not len(f):
-        return traced, np.zeros(0, np.intp), 0.0
-    shell = _shells(len(v), f)
-    six, twice, _ = _parts(v, f)
-    volume = np.abs(np.bincount(shell, six)) / 6.0
-    area = np.bincount(shell, twice) / 2.0
-    size = float(np.linalg.norm(np.ptp(v, axis=0)))
-    thin = 2.0 * volume <= max(SLIVER_THICKNESS * size, thinnest) * area
-    sliver = thin | (volume <= SLIVER_VOLUME * volume.max())
-    if not sliver.any():
-        return traced, shell, 0.0
-    keep = ~sliver[shell]
-    return _selected(traced, keep), shell[keep], float(volume[sliver].sum())
-
-
-def _selected(traced: TracedMesh, keep: NDArray[np.bool_]) -> TracedMesh:
-    f = traced.mesh.faces[keep]
-    used, packed = np.unique(f, return_inverse=True)
-    mesh = SolidMesh(traced.mesh.vertices[used], packed.reshape(-1, 3).astype(np.int32))
-    return TracedMesh(mesh, traced.patches, traced.patch_of[keep])
-
-
 # --- positions: a file such as STL knows its vertices by nothing else ---------------------------
 
 
-def _rounded(
-    solid: Solid, traced: TracedMesh, shells: NDArray[np.intp], thinnest: float
+def rounded(
+    solid: Solid,
+    traced: TracedMesh,
+    shells: NDArray[np.intp],
+    thinnest: float,
+    step: float | None = None,
 ) -> tuple[TracedMesh, NDArray[np.intp], float]:
-    """Every vertex on the grid and, if that can be had, at a place of its own.
+    """Every vertex on a float32 grid and, if that can be had, at a place of its own.
 
     Vertices that fall together are mostly ends of an edge shorter than the grid: collapse it.
     What remains are surfaces that touch: move them apart by some steps of the grid.
 
-    Returns the mesh, the shell of each face, and how far whole surfaces may have moved, mm.
+    Args:
+        solid: of which ``traced`` is the mesh, without slivers.
+        traced: the mesh.
+        shells: of each of its faces.
+        thinnest: as in `finish`.
+        step: of the grid, mm; None: the finest that holds the mesh.
+
+    Returns:
+        the mesh, the shell of each face, and how far whole surfaces may have moved, mm.
     """
     if not len(traced.mesh.faces):
         return traced, shells, 0.0
-    step = _grid(traced.mesh.vertices)
-    result = _on_grid(traced, traced.mesh.vertices, step)
-    if not len(_shared(result.mesh.vertices)):
+    step = meshes.grid_step(traced.mesh.vertices) if step is None else step
+    result = meshes.on_grid(traced, traced.mesh.vertices, step)
+    if not len(meshes.sharing(result.mesh.vertices)):
         return result, shells, 0.0
     moved = 0.0
     for moved in (2.0 * step, 16.0 * step):
-        simpler, shells, _ = _without_slivers(solid.simplified(moved).traced(), thinnest)
-        result = _on_grid(simpler, simpler.mesh.vertices, step)
-        if not len(_shared(result.mesh.vertices)):
+        simpler = solid.simplified(moved).traced()
+        simpler, shells, _ = meshes.without_slivers(simpler, thinnest)
+        result = meshes.on_grid(simpler, simpler.mesh.vertices, step)
+        if not len(meshes.sharing(result.mesh.vertices)):
             return result, shells, moved
     for reach in (4.0, 16.0, 64.0, 256.0):
-        result = _parted(result, reach * step, step)
-        if not len(_shared(result.mesh.vertices)):
+        result = meshes.parted(result, reach * step, step)
+        if not len(meshes.sharing(result.mesh.vertices)):
             break
     return result, shells, moved
-
-
-def _grid(v: Array) -> float:
-    """A power of two: its multiples up to the size of ``v`` are float32, with 2 bits to spare."""
-    return 4.0 * float(np.spacing(np.float32(np.abs(v).max())))
-
-
-def _on_grid(traced: TracedMesh, v: Array, step: float) -> TracedMesh:
-    rounded = np.round(v / step) * step + 0.0  # no negative zeros
-    return TracedMesh(SolidMesh(rounded, traced.mesh.faces), traced.patches, traced.patch_of)
-
-
-def _shared(v: Array) -> NDArray[np.intp]:
-    """The vertices that stand where another one stands."""
-    order = np.lexsort(v.T)
-    same = (v[order[1:]] == v[order[:-1]]).all(axis=1)
-    found = np.zeros(len(v), bool)
-    found[order[1:][same]] = True
-    found[order[:-1][same]] = True
-    return np.flatnonzero(found)
-
-
-def close_pairs(v: Array, distance: float) -> NDArray[np.intp]:
-    """(P, 2) the vertices that are nearer to each other than ``distance`` mm."""
-    pairs = cKDTree(v).query_pairs(distance, output_type="ndarray")
-    return np.asarray(pairs, dtype=np.intp)
-
-
-def _parted(traced: TracedMesh, reach: float, step: float) -> TracedMesh:
-    """Vertices at a shared place moved inwards, each by another part of ``reach`` mm."""
-    v, f = traced.mesh.vertices.copy(), traced.mesh.faces
-    shared = _shared(v)
-    a, b, c = (v[f[:, n]] for n in range(3))
-    faces = np.cross(b - a, c - a)
-    normal = np.zeros_like(v)
-    for n in range(3):
-        np.add.at(normal, f[:, n], faces)
-    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
-    part = reach * (1.0 + np.arange(len(shared)) % 7) / 7.0
-    v[shared] -= part[:, None] * normal[shared]
-    return _on_grid(traced, v, step)
-
-
-def _closed_by_position(v: Array, f: NDArray[Any]) -> bool:
-    """Every directed edge meets exactly one opposite edge when equal places are one vertex."""
-    if not len(_shared(v)):
-        return True  # then the surface is as closed as it came from manifold3d
-    _, place = np.unique(v, axis=0, return_inverse=True)
-    welded = place.reshape(-1)[f]
-    start = welded.ravel()
-    end = np.roll(welded, -1, axis=1).ravel()
-    forth = np.sort(start * len(v) + end)
-    back = np.sort(end * len(v) + start)
-    once = bool((np.diff(forth) > 0).all())
-    return once and bool((forth == back).all()) and bool((start != end).all())
-
-
-# --- display -----------------------------------------------------------------------------------
-
-
-def _shaded(traced: TracedMesh) -> SolidMesh:
-    """Vertices repeated once for each patch that meets in them."""
-    v, f = traced.mesh.vertices, traced.mesh.faces
-    corner = f.ravel().astype(np.int64)
-    patch = np.repeat(traced.patch_of, 3)
-    first = np.zeros(len(v), dtype=np.int64)
-    first[corner[::-1]] = patch[::-1]
-    other = patch != first[corner]
-    count = len(traced.patches)
-    keys, which = np.unique(corner[other] * count + patch[other], return_inverse=True)
-    corner[other] = len(v) + which
-    return SolidMesh(
-        np.concatenate([v, v[keys // count]]).astype(np.float32),
-        corner.reshape(-1, 3).astype(np.uint32),
-    )
-
-
-# --- pieces ------------------------------------------------------------------------------------
-
-
-def _pieces(
-    v: Array, f: NDArray[Any], shells: NDArray[np.intp], six: Array, moments: Array
-) -> tuple[Piece, ...]:
-    """The shells as pieces, each void counted to the smallest piece that encloses it."""
-    solids: list[_Shell] = []
-    voids: list[_Shell] = []
-    for number in np.unique(shells):
-        own = shells == number
-        corners = v[f[own]].reshape(-1, 3)
-        shell = _Shell(
-            f[own],
-            float(six[own].sum()) / 6.0,
-            moments[own].sum(axis=0) / 24.0,
-            corners.min(axis=0),
-            corners.max(axis=0),
-        )
-        (solids if shell.volume > 0.0 else voids).append(shell)
-    solids.sort(key=lambda s: s.volume)
-    hollow = {id(s): (s.volume, s.moment) for s in solids}
-    for void in voids:
-        owner = next((s for s in solids if s.encloses(v, v[void.faces[0, 0]])), None)
-        if owner is not None:
-            volume, moment = hollow[id(owner)]
-            hollow[id(owner)] = volume + void.volume, moment + void.moment
-    pieces = []
-    for s in solids:
-        volume, moment = hollow[id(s)]
-        bounds = (_triple(s.low), _triple(s.high))
-        pieces.append(Piece(volume, _triple(moment / volume), bounds))
-    return tuple(sorted(pieces, key=lambda p: (-p.volume, p.bounds)))
-
-
-@dataclass(frozen=True, eq=False)
-class _Shell:
-    """One connected closed surface; its volume is negative when it bounds a void."""
-
-    faces: NDArray[Any]
-    volume: float
-    moment: Array
-    low: Array
-    high: Array
-
-    def encloses(self, v: Array, point: Array) -> bool:
-        """Whether the surface goes round a point: its solid angle seen from there is 4π."""
-        if (point < self.low).any() or (point > self.high).any():
-            return False
-        a, b, c = (v[self.faces[:, n]] - point for n in range(3))
-        la, lb, lc = (np.linalg.norm(side, axis=1) for side in (a, b, c))
-        triple = np.einsum("ij,ij->i", a, np.cross(b, c))
-        ab, bc, ca = (np.einsum("ij,ij->i", p, q) for p, q in ((a, b), (b, c), (c, a)))
-        angle = np.arctan2(triple, la * lb * lc + ab * lc + bc * la + ca * lb)
-        return bool(abs(2.0 * angle.sum()) > 2.0 * np.pi)
-
-
-def _triple(values: Array) -> tuple[float, float, float]:
-    x, y, z = (float(value) for value in values)
-    return x, y, z
 
 
 # --- files -------------------------------------------------------------------------------------

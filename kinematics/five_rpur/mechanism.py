@@ -71,6 +71,11 @@ _PARTS = {
 }
 
 
+_ASPECTS = SolidSpec(
+    "aspects", "Aspects of the present mode", "Singularities", of_present_mode=True
+)
+
+
 class FiveRPUR(Bare):
     """Tale Masouleh et al. (2011): x, y, z, φ, θ moved by five actuators ρ₁ … ρ₅."""
 
@@ -220,7 +225,7 @@ class FiveRPUR(Bare):
             uses_modes=True,
             surfaces=SURFACES,
         )
-        return (workspace, *_limb_specs())
+        return (workspace, _ASPECTS, *_limb_specs())
 
     def solid_request(
         self,
@@ -234,6 +239,10 @@ class FiveRPUR(Bare):
         if key == "workspace":
             orientation = float(pose[3]), float(pose[4])
             arguments: tuple[Any, ...] = (key, design.limbs, *orientation, modes, surface)
+        elif key == _ASPECTS.key:
+            if modes is None or len(modes) != 1:
+                raise InputError("aspects are those of one working mode; choose one")
+            arguments = (key, design.limbs, float(pose[3]), float(pose[4]), modes[0])
         else:
             i, part = _limb_part(key)
             limb = design.limbs[i]
@@ -243,13 +252,13 @@ class FiveRPUR(Bare):
     def solid_placement(self, design: FiveRPURDesign, key: str, pose: Sequence[float]) -> Array:
         """4x4 from the frame in which the solid is built to the base frame.
 
-        The workspace is built in x'y'z' (paper, section 4), a vertex space in the same frame
+        The workspace and the aspects are built in x'y'z' (paper, section 4), a vertex space too
         but about A_i, to be offset by w'_i (eq. 27).
         """
         phi, theta = float(pose[3]), float(pose[4])
         turned = rotation_y(theta)
         offset = np.zeros(3)
-        if key != "workspace":
+        if key not in ("workspace", _ASPECTS.key):
             i, _ = _limb_part(key)
             offset = design.base[i] - turned @ rotation_x(phi) @ design.platform[i]
         return homogeneous(turned, offset)
@@ -262,6 +271,12 @@ class FiveRPUR(Bare):
             limbs, phi, theta, modes, surface = arguments
             design = FiveRPURDesign(limbs)
             return workspace.workspace(design, phi, theta, modes, request.resolution, surface)
+        if what == _ASPECTS.key:
+            from kinematics.five_rpur.singular import aspects
+
+            limbs, phi, theta, mode = arguments
+            design = FiveRPURDesign(limbs)
+            return aspects.aspects(design, phi, theta, mode, request.resolution)
         link, low, high, part = arguments
         zero = (0.0, 0.0, 0.0)
         limb = Limb(zero, zero, link, (low, high))
@@ -359,7 +374,7 @@ def _limb_part(key: str) -> tuple[int, str]:
     number = name.removeprefix("limb")
     if number not in {str(i) for i in range(1, designs.LIMBS + 1)} or part not in _PARTS:
         raise InputError(
-            f"there is no solid {key!r}; it is 'workspace' or 'limbN/PART' with N from 1 to 5 "
-            f"and PART one of {', '.join(_PARTS)}"
+            f"there is no solid {key!r}; it is 'workspace', 'aspects' or 'limbN/PART' with N "
+            f"from 1 to 5 and PART one of {', '.join(_PARTS)}"
         )
     return int(number) - 1, part

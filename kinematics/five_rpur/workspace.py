@@ -67,6 +67,28 @@ def workspace(
     """
     if surface not in SURFACES:
         raise InputError(f"there is no surface {surface!r}; use {' or '.join(SURFACES)}")
+    whole = raw_workspace(design, phi, theta, modes, resolution)
+    coarsest = coarseness(design, resolution)
+
+    def place(mesh: TracedMesh, apart: float) -> PlacedMesh:
+        return true_surface(mesh, coarsest, apart, _SAG[resolution] * coarsest)
+
+    return finish(
+        whole,
+        lambda mesh, volume: volume_error(mesh, volume, coarsest),
+        thinnest=thinnest(design, resolution),
+        place=place if surface == "true" and resolution in _SAG else None,
+    )
+
+
+def raw_workspace(
+    design: FiveRPURDesign,
+    phi: float,
+    theta: float,
+    modes: Iterable[str] | None,
+    resolution: Resolution,
+) -> Solid:
+    """The workspace as it comes from the Booleans, see `workspace`."""
     placed = aligned_offsets(design, phi, theta, SAME_SOLIDS)
     solids = []
     for choice in _products(modes):
@@ -75,20 +97,19 @@ def workspace(
             for limb, sign, (x, y, z) in zip(design.limbs, choice, placed.tolist(), strict=True)
         ]
         solids.append(_intersection(operands, resolution))
-    whole = solids[0] if len(solids) == 1 else Solid.union(solids)
+    return solids[0] if len(solids) == 1 else Solid.union(solids)
+
+
+def coarseness(design: FiveRPURDesign, resolution: Resolution) -> float:
+    """How far the limbs' meshes are from their surfaces at most, roughly, mm."""
+    return max(deviation(limb.link, limb.stroke[1], resolution) for limb in design.limbs)
+
+
+def thinnest(design: FiveRPURDesign, resolution: Resolution) -> float:
+    """The thickness below which a piece is more likely due to facets than to the machine, mm."""
     deviations = [deviation(limb.link, limb.stroke[1], resolution) for limb in design.limbs]
-    coarsest = max(deviations)
     strokes = (design.stroke[:, 1] - design.stroke[:, 0]).tolist()
-
-    def place(mesh: TracedMesh, apart: float) -> PlacedMesh:
-        return true_surface(mesh, coarsest, apart, _SAG[resolution] * coarsest)
-
-    return finish(
-        whole,
-        lambda mesh, volume: volume_error(mesh, volume, coarsest),
-        thinnest=_RESOLVED * min(*deviations, *strokes),
-        place=place if surface == "true" and resolution in _SAG else None,
-    )
+    return _RESOLVED * float(min(*deviations, *strokes))
 
 
 def limb_part(
