@@ -11,7 +11,7 @@ unit size with moments divided by a characteristic length.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Literal
 
@@ -202,11 +202,14 @@ def variety(
     flat = max(_FLAT, blur)
     if rank <= 0:
         return Variety("zero")
-    if rank <= 3:
-        return _few(right[:rank], rank, reach, center, flat)
-    if rank <= 5:
-        return _many(right[rank:], rank, reach, center, flat)
-    return Variety("space")
+    if rank > 5:
+        return Variety("space")
+    common = (
+        _few(right[:rank], rank, reach, center, flat)
+        if rank <= 3
+        else _many(right[rank:], rank, reach, center, flat)
+    )
+    return replace(common, axes=tuple(_footed(axis, origin) for axis in common.axes))
 
 
 # --- circuits ------------------------------------------------------------------------------
@@ -301,19 +304,18 @@ def _few(basis: Array, rank: int, length: float, center: Array, flat: float) -> 
             direction=_vector(first),
             normal=_vector(_upright(_couple_of(basis))),
         )
+    plane = np.cross(directions[0], directions[1])
     if finite == 2 and rank == 3:
-        normal = np.cross(directions[0], directions[1])
-        across = np.cross(normal, basis[:, :3])
+        across = np.cross(plane, basis[:, :3])
         distance = float((across * basis[:, 3:]).sum() / (across**2).sum()) * length
         return Variety(
             "plane",
-            point=_vector(center + distance * normal),
-            normal=_vector(_upright(normal)),
+            point=_vector(center + distance * plane),
+            normal=_vector(_upright(plane)),
         )
     place = _meet(basis, length, center)
     if rank == 2:
-        normal = np.cross(directions[0], directions[1])
-        return Variety("pencil", point=place, normal=_vector(_upright(normal)))
+        return Variety("pencil", point=place, normal=_vector(_upright(plane)))
     return Variety("bundle", point=place)
 
 
@@ -386,6 +388,14 @@ def _isotropic(pair: Array, flat: float) -> list[Array]:
         member = (low * vectors[:, 0] + sign * high * vectors[:, 1]) @ pair
         answer.append(member / np.linalg.norm(member))
     return answer
+
+
+def _footed(axis: Screw, origin: Array) -> Screw:
+    """The same axis by its nearest point to the reference point."""
+    if axis.point is None:
+        return axis
+    along, place = np.array(axis.direction), np.array(axis.point)
+    return replace(axis, point=_vector(place + ((origin - place) @ along) * along))
 
 
 def _axis(null: Array, length: float, center: Array, *, pure: bool = False) -> Screw:

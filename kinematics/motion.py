@@ -57,8 +57,9 @@ class WrenchSystem(Frozen):
         names: R names, actuators first.
         rows: (..., R, 6) [F, T about O′]; unit forces, or unit couples where the force vanishes.
         point: (..., R, 3) mm, a point on each wrench's line, base frame; O′ for couples.
-        determinant: (...,) of the rows with moments divided by a characteristic length; zero
-            exactly at parallel and constraint singularities.
+        determinant: (...,) of the rows, moments of forces divided by a characteristic length and
+            couples as units (`wrenches.determinant`); zero exactly at parallel and constraint
+            singularities.
     """
 
     names: tuple[WrenchName, ...]

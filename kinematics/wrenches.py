@@ -35,9 +35,20 @@ def singular_values(rows: ArrayLike, length: float) -> Array:
 
 
 def determinant(rows: ArrayLike, length: float) -> Array:
-    """Of six wrenches as they are, moments divided by ``length`` (mm); (...,)."""
-    value: Array = np.linalg.det(np.asarray(rows, dtype=float) / _scale(length))
-    return value
+    """Of six unit wrenches, forces with their moments divided by ``length`` (mm); (...,).
+
+    Rows are taken as unit forces, or unit couples where the force vanishes; so it has no unit, and
+    the reference point changes nothing. NaN where a row is NaN or vanishes.
+    """
+    given = np.asarray(rows, dtype=float)
+    force = np.linalg.norm(given[..., :3], axis=-1, keepdims=True)
+    couple = np.linalg.norm(given[..., 3:], axis=-1, keepdims=True)
+    size = np.where(force > 0.0, force, couple / length)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        unit = given / _scale(length) / size
+    good = np.asarray(np.isfinite(unit).all(axis=(-1, -2)))
+    value: Array = np.linalg.det(np.where(good[..., None, None], unit, 0.0))
+    return np.where(good, value, np.nan)
 
 
 def equilibrium(

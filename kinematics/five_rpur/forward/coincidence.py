@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,6 +15,7 @@ from kinematics.five_rpur.forward.equations import (
     Frame,
     Parameters,
     conjugate,
+    from_poses,
     from_real,
     parameters,
     real_part,
@@ -33,6 +36,7 @@ _FAR = 100.0  # units
 _MOST = 24  # singular solutions looked at for a self-motion
 _SINGULAR = 1e-4  # smallest singular value of the equations, relative to the largest
 _TRIES = (2e-2, 1e-1)  # how far along a free direction solutions must exist, in units
+_NEXT = (5e-3, 2e-2)  # the same next to a posture that is known exactly
 _CLOSES = 1e-12  # of the equations, relative
 
 
@@ -69,6 +73,24 @@ def nearly_real(frame: Frame, roots: Complex, length: float) -> NDArray[np.intp]
 
 
 # --- curves of solutions ---------------------------------------------------------------------
+
+
+def finite_motion(
+    design: FiveRPURDesign, pose: Sequence[float], elbows: Array, joints: Sequence[float]
+) -> bool:
+    """Whether a singular posture can move on, both ways and a finite way, with its joints locked.
+
+    Solutions are sought some mm away along what is free there; next to a double solution, or one
+    that counts three- or fourfold, there are none.
+
+    Args:
+        pose: (5,) mm and rad.
+        elbows: (5, 3) mm, B_i in the base frame.
+        joints: (5,) mm.
+    """
+    frame = Frame.of(design)
+    u = from_poses(design, frame, np.array([pose]), np.asarray(elbows)[None])
+    return _real_curve(parameters(design, joints, frame), u, _NEXT) is not None
 
 
 def self_motions(
@@ -134,8 +156,13 @@ def real_jacobian(g: Parameters, u: Complex) -> Array:
     return j
 
 
-def _real_curve(g: Parameters, u: Complex) -> tuple[Array, Array] | None:
-    """A real point (X, y, Z, φ, θ, w) of a curve of solutions near u, and its unit direction."""
+def _real_curve(
+    g: Parameters, u: Complex, tries: tuple[float, ...] = _TRIES
+) -> tuple[Array, Array] | None:
+    """A real point (X, y, Z, φ, θ, w) of a curve of solutions near u, and its unit direction.
+
+    Solutions have to exist ``tries`` away from it, in units, both ways.
+    """
     values, w = real_part(u)
     here = _closed(g, np.concatenate([values, w])[:, 0])
     if here is None:
@@ -143,7 +170,7 @@ def _real_curve(g: Parameters, u: Complex) -> tuple[Array, Array] | None:
     _, sizes, vectors = np.linalg.svd(real_jacobian(g, _configuration(here))[0])
     for direction in vectors[sizes <= _SINGULAR * sizes[0]][::-1]:
         if all(
-            _reaches(g, here, sign * step * direction) for step in _TRIES for sign in (1.0, -1.0)
+            _reaches(g, here, sign * step * direction) for step in tries for sign in (1.0, -1.0)
         ):
             return here, direction
     return None
