@@ -366,11 +366,14 @@ def _edit(
     return replace(review, design=design, pose=pose), ""
 
 
+_OPACITY = {"workspace": 0.35, "aspects": 0.5}  # a limb's parts are fainter
+
+
 def _show(review: Review, key: str, on: bool) -> Review:
     specs = {spec.key: n for n, spec in enumerate(review.mechanism.solids(review.design))}
     if key not in specs:
         raise InputError(f"there is no solid {key!r}")
     kept = [s for s in review.solids if s.key != key]
     if on:
-        kept.append(review.shown(key) or Shown(key, 0.35 if key == "workspace" else 0.25))
+        kept.append(review.shown(key) or Shown(key, _OPACITY.get(key, 0.25)))
     return replace(review, solids=tuple(sorted(kept, key=lambda s: specs[s.key])))

@@ -83,7 +83,7 @@ class SingularitiesPanel(Panel):
         self._swing = button(desk, "Show the free motion", lambda _: desk.ask(Swing(0)))
         self._swing.visible = False
         self._wrenches = self._switch("Wrench lines", "wrenches", "What holds the platform")
-        self._ways = self._switch("Ways to what is nearest", "clearances", "Drawn in the scene")
+        self._ways = self._switch("Nearest limits", "clearances", "Lines to them in the scene")
         self._clearances = gui.add_html("")
         self._out = gui.add_folder("The ways out", visible=False)
         with self._out:
@@ -126,11 +126,11 @@ class SingularitiesPanel(Panel):
         gui, desk, review = self._desk.gui, self._desk, sheet.view.review
         with gui.add_folder("Aspects of the present mode"):
             shown = review.shown(ASPECTS)
-            self._aspects = gui.add_checkbox("Show the aspects", shown is not None, hint="Hotkey A")
+            self._aspects = gui.add_checkbox("Show", shown is not None, hint="In the scene (hotkey A)")
             answer(desk, self._aspects, lambda on, client: desk.send(Show(ASPECTS, on), client))
-            self._locus = self._switch("Singular surface", "locus", "Where control is lost")
+            self._locus = self._switch("Singular surface", "locus", "Red-orange: where control is lost")
             self._opacity = gui.add_slider(
-                "Opacity", 0.05, 1.0, 0.05, 0.45 if shown is None else shown.opacity
+                "Opacity", 0.05, 1.0, 0.05, 0.5 if shown is None else shown.opacity
             )
             answer(
                 desk,
