@@ -194,8 +194,14 @@ class Mechanism(Protocol):
     # coordinates
     def pose_coordinates(self, design: Any) -> tuple[Coordinate, ...]: ...
     def joint_coordinates(self, design: Any) -> tuple[Coordinate, ...]: ...
+    def dependent_coordinates(self, design: Any) -> tuple[int, ...]: ...
     def complete_pose(
-        self, design: Any, pose: Sequence[float], mode: str, moved: int | None = None
+        self,
+        design: Any,
+        pose: Sequence[float],
+        mode: str,
+        moved: int | None = None,
+        dependent: int | None = None,
     ) -> tuple[float, ...]: ...
 
     # kinematics
@@ -334,14 +340,23 @@ class Bare:
         """
         return ""
 
+    def dependent_coordinates(self, design: Any) -> tuple[int, ...]:
+        """Those pose coordinates of which one, whichever is chosen, follows from the others."""
+        return ()
+
     def complete_pose(
-        self, design: Any, pose: Sequence[float], mode: str, moved: int | None = None
+        self,
+        design: Any,
+        pose: Sequence[float],
+        mode: str,
+        moved: int | None = None,
+        dependent: int | None = None,
     ) -> tuple[float, ...]:
-        """The pose with its dependent coordinates made true, where a mechanism has such.
+        """The pose with its dependent coordinate made true, where a mechanism has such.
 
         Args:
-            pose: one coordinate may be NaN: that one is solved for. Else, where ``moved`` was just
-                set by hand, another one gives way.
+            pose: one coordinate may be NaN: that one is solved for. Else ``dependent`` gives way
+                or, where that is the one that was ``moved`` by hand or None, another one.
 
         Raises:
             InputError: there is no such pose, or the mechanism has no dependent coordinate.
