@@ -127,11 +127,11 @@ class SingularitiesPanel(Panel):
         with gui.add_folder("Aspects of the present mode"):
             shown = review.shown(ASPECTS)
             self._aspects = gui.add_checkbox(
-                "Show", shown is not None, hint="In the scene (hotkey A)"
+                "Show", shown is not None, hint="Hotkey A"
             )
             answer(desk, self._aspects, lambda on, client: desk.send(Show(ASPECTS, on), client))
             self._locus = self._switch(
-                "Singular surface", "locus", "Red-orange: where control is lost"
+                "Singular surface", "locus", "Where control is lost"
             )
             self._opacity = gui.add_slider(
                 "Opacity", 0.05, 1.0, 0.05, 0.5 if shown is None else shown.opacity
