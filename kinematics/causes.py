@@ -39,12 +39,12 @@ def lost(
     """
     if system.rows.ndim != 2 or not np.isfinite(system.rows).all():
         return ()
-    found = geometry(system.rows, length, tolerance, point)
-    constraints = {n for n, name in enumerate(system.names) if name.kind == "constraint"}
+    constraints = [n for n, name in enumerate(system.names) if name.kind == "constraint"]
+    found = geometry(system.rows, length, tolerance, point, constraints)
     answer: list[Singularity] = []
     for n, circuit in enumerate(found.circuits[: len(found.twists)]):
         kind: SingularityKind = (
-            "constraint" if constraints.issuperset(circuit.members) else "parallel"
+            "constraint" if set(constraints).issuperset(circuit.members) else "parallel"
         )
         twist = np.array(found.twists[n])
         measure = _measure(found, n)

@@ -133,7 +133,11 @@ class Geometry:
 
 
 def geometry(
-    rows: ArrayLike, length: float, tolerance: float, point: Sequence[float] = (0.0, 0.0, 0.0)
+    rows: ArrayLike,
+    length: float,
+    tolerance: float,
+    point: Sequence[float] = (0.0, 0.0, 0.0),
+    kept: Sequence[int] = (),
 ) -> Geometry:
     """Rank, circuits with what they have in common, and reciprocal twists.
 
@@ -142,6 +146,7 @@ def geometry(
         length: mm, the characteristic length, > 0.
         tolerance: singular values of normalised rows below it count as zero.
         point: mm, the reference point of moments and twists.
+        kept: rows to which the twists are reciprocal exactly, where others only nearly are.
     """
     unit = normalised(rows, length)
     origin = np.asarray(point, dtype=float)
@@ -154,7 +159,8 @@ def geometry(
         circuits.append(found)
         heaviest = int(np.argmax(np.abs(found.weights)))
         left.remove(found.members[heaviest])
-    free = _twists(right[rank:], length)
+    null = right[rank:] if not kept else _weakest(unit, list(kept), 6 - rank, tolerance)
+    free = _twists(null, length)
     return Geometry(
         rank=rank,
         singular_values=tuple(values.tolist()),
@@ -250,6 +256,16 @@ def _least(unit: Array) -> float:
     if len(unit) > 6:
         return 0.0
     return float(np.linalg.svd(unit, compute_uv=False)[-1])
+
+
+def _weakest(unit: Array, kept: list[int], count: int, tolerance: float) -> Array:
+    """The twists [v, ω length] on which the rows do least work, and the kept ones none."""
+    values, right = _spectrum(unit[kept])
+    allowed = right[int((values >= tolerance).sum()) :]
+    others = np.delete(unit, kept, axis=0)
+    _, weak = np.linalg.svd(others @ allowed.T, full_matrices=True)[1:]
+    answer: Array = weak[max(len(weak) - count, 0) :] @ allowed
+    return answer
 
 
 def _twists(null: Array, length: float) -> list[Array]:
