@@ -59,10 +59,10 @@ class Clearance:
     Attributes:
         kind: a parallel or constraint singularity; the boundary of the workspace; an end of a
             limb's stroke; the change of a limb's working mode (its serial singularity).
-        distance: mm.
+        distance: mm; negative where it has happened: so far is the way back.
         point: (x, y, z) of O′ there.
         text: one sentence for the user.
-        limb: from 1, of strokes and modes.
+        limb: from 1, of strokes, modes and the boundary.
         bound: "rho_min", "rho_max" or "link", likewise.
         error: mm, an estimate from above of the error of ``distance``.
     """
@@ -94,16 +94,22 @@ class Remedy:
     Attributes:
         nearest: the nearest posture that can be held, at the same orientation and mode if there is
             one; None where there is none.
-        distance: mm from the pose to there.
+        distance: mm from the pose to there, by the position of O′ alone.
         changes: for each way, the smallest changes of the design that together would allow the
-            pose; the smallest first. Empty where none would.
+            pose, one of each limb at fault; the way with the smallest sum first. Empty where none
+            would.
         text: one sentence for the user.
+        modes: other modes in which the very pose can be held.
+        error: mm, an estimate from above of how much nearer another posture may be; infinite where
+            the nearest was searched for and not proven.
     """
 
     nearest: Posture | None
     distance: float
     changes: tuple[tuple[DesignChange, ...], ...]
     text: str
+    modes: tuple[str, ...] = ()
+    error: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

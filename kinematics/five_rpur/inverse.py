@@ -194,7 +194,7 @@ def _describe(
 
 def _stroke_reason(i: int, bound: Bound, rho: float, end: float) -> Reason:
     amount = abs(rho - end)
-    digits = _digits(amount)
+    digits = decimals(amount)
     word, name = ("short", "ρ min") if bound == "rho_min" else ("long", "ρ max")
     text = (
         f"limb {i + 1} is {amount:.{digits}f} mm too {word} "
@@ -205,7 +205,7 @@ def _stroke_reason(i: int, bound: Bound, rho: float, end: float) -> Reason:
 
 def _link_reason(i: int, link: float, beyond: float) -> Reason:
     amount = beyond - link
-    digits = _digits(amount)
+    digits = decimals(amount)
     text = (
         f"limb {i + 1} cannot reach: its platform point lies {amount:.{digits}f} mm beyond the "
         f"link length l{SUBSCRIPTS[i]} = {link:g} mm along e₁ (|Y| = {beyond:.{digits}f} mm)"
@@ -213,9 +213,9 @@ def _link_reason(i: int, link: float, beyond: float) -> Reason:
     return Reason(i + 1, "link", amount, text)
 
 
-def _digits(amount: float) -> int:
-    """Decimals that show a positive amount: one, and more for less than 0.1 mm."""
-    return 1 if amount >= 0.1 else min(12, 1 - int(np.floor(np.log10(amount))))
+def decimals(amount: float) -> int:
+    """Decimals that show an amount ≥ 0: one, and more for less than 0.1 mm."""
+    return 1 if amount >= 0.1 or amount < 1e-12 else min(12, 1 - int(np.floor(np.log10(amount))))
 
 
 # --- points and frames ---------------------------------------------------------------------

@@ -19,6 +19,7 @@ from kinematics.five_rpur import (
     inverse,
     maps,
     motion,
+    room,
     section,
     singularity,
     statics,
@@ -29,6 +30,7 @@ from kinematics.five_rpur import design as designs
 from kinematics.five_rpur.continuation import following
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.forward import assembly, carrying
+from kinematics.five_rpur.remedies import causes
 from kinematics.five_rpur.slicing import acceleration
 from kinematics.mechanism import (
     SURFACES,
@@ -43,7 +45,7 @@ from kinematics.mechanism import (
 )
 from kinematics.motion import Motion, Statics, WrenchSystem
 from kinematics.sections import Box, MapCells, MapSpec, Section, SectionSpec, Sphere, Volume
-from kinematics.singularities import AT, Singularity
+from kinematics.singularities import AT, Clearance, Remedy, Singularity
 from kinematics.solutions import (
     Finding,
     Fold,
@@ -198,6 +200,14 @@ class FiveRPUR(Bare):
         self, design: FiveRPURDesign, posture: Posture, tolerance: float = AT
     ) -> tuple[Singularity, ...]:
         return singularity.singularities(design, posture, tolerance)
+
+    # --- how far to the bounds, and the ways out
+
+    def clearances(self, design: FiveRPURDesign, posture: Posture) -> tuple[Clearance, ...]:
+        return room.clearances(design, posture)
+
+    def remedy(self, design: FiveRPURDesign, posture: Posture) -> Remedy:
+        return causes.remedy(design, posture)
 
     # --- solids
 
