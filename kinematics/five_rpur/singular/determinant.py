@@ -94,7 +94,7 @@ class Determinant:
 
     def value(self, points: ArrayLike) -> Array:
         """F at points (..., 3) in x'y'z'; returns (...,)."""
-        return self._terms(np.asarray(points, dtype=float))[0].sum(axis=0)
+        return np.asarray(self._terms(np.asarray(points, dtype=float))[0].sum(axis=0))
 
     def roundoff(self, points: ArrayLike) -> Array:
         """An estimate from above of the rounding error of F at points (..., 3)."""
