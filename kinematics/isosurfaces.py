@@ -118,9 +118,7 @@ class _Grid:
         if not np.isfinite(inner).all():
             raise InputError("the values at the nodes must be finite numbers")
         x, y, z = (
-            np.concatenate(
-                [[a[0] - _PAD * (a[1] - a[0])], a, [a[-1] + _PAD * (a[-1] - a[-2])]]
-            )
+            np.concatenate([[a[0] - _PAD * (a[1] - a[0])], a, [a[-1] + _PAD * (a[-1] - a[-2])]])
             for a in given
         )
         padded = np.pad(inner, 1, constant_values=np.nan)
@@ -301,7 +299,7 @@ def _table() -> tuple[Ints, Ints, Ints]:
                 for m, edge in enumerate(triangle if normal @ out > 0.0 else triangle[::-1]):
                     lower, upper = sorted(edge)  # corners are in order along a tetrahedron
                     direction = tetrahedron[upper] - tetrahedron[lower]
-                    which = np.flatnonzero((_DIRECTIONS == direction).all(axis=1))[0]
+                    which = np.flatnonzero((direction == _DIRECTIONS).all(axis=1))[0]
                     faces[k, code, n, m] = *tetrahedron[lower], which
             counts[k, code] = len(triangles)
     return corners, counts, faces
