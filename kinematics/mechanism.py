@@ -21,6 +21,7 @@ from kinematics.sections import Box, MapCells, MapSpec, Section, SectionSpec, Sp
 from kinematics.singularities import (
     AT,
     Clearance,
+    Event,
     LocusCurves,
     LocusSpec,
     Measure,
@@ -258,8 +259,12 @@ class Mechanism(Protocol):
     def singularities(
         self, design: Any, posture: Posture, tolerance: float = AT
     ) -> tuple[Singularity, ...]: ...
-    def clearances(self, design: Any, posture: Posture) -> tuple[Clearance, ...]: ...
+    def clearances(
+        self, design: Any, posture: Posture, *, singular: bool = True
+    ) -> tuple[Clearance, ...]: ...  # not singular: without what takes longer to find
     def remedy(self, design: Any, posture: Posture) -> Remedy: ...
+    def passed(self, design: Any, before: Posture, after: Posture) -> tuple[Event, ...]: ...
+    def path(self, design: Any, posture: Posture, poses: ArrayLike) -> Followed: ...
     def locus_specs(self, design: Any) -> tuple[LocusSpec, ...]: ...
     def locus(
         self, design: Any, key: str, pose: Sequence[float], mode: str, at: float | None = None
@@ -470,6 +475,12 @@ class Bare:
 
     def remedy(self, design: Any, posture: Posture) -> Remedy:
         return Remedy(None, nan, (), "")
+
+    def passed(self, design: Any, before: Posture, after: Posture) -> tuple[Event, ...]:
+        return ()
+
+    def path(self, design: Any, posture: Posture, poses: ArrayLike) -> Followed:
+        raise InputError("this mechanism does not follow paths of poses")
 
     def locus_specs(self, design: Any) -> tuple[LocusSpec, ...]:
         return ()

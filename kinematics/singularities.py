@@ -112,6 +112,31 @@ class Remedy:
     error: float = 0.0
 
 
+EventKind = Literal["parallel", "serial", "stroke"]
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something that a move of the pose, in one mode, passes on its way.
+
+    Attributes:
+        kind: a parallel or a serial singularity; an end of a limb's stroke.
+        fraction: of the way, 0 to 1.
+        pose: there.
+        limb: from 1; None of parallel singularities.
+        text: one sentence for the user, in the past tense.
+        stops: a machine driven along the way would have to stop there; not so where a singularity
+            is only passed nearby, or a limb comes back within its bounds.
+    """
+
+    kind: EventKind
+    fraction: float
+    pose: tuple[float, ...]
+    limb: int | None
+    text: str
+    stops: bool
+
+
 @dataclass(frozen=True, slots=True)
 class LocusSpec:
     """A chart of singularity loci that a mechanism can draw: two coordinates, all else held.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -32,6 +33,7 @@ from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.forward import assembly, carrying
 from kinematics.five_rpur.remedies import causes
 from kinematics.five_rpur.slicing import acceleration
+from kinematics.five_rpur.watching import nearness, passing, paths
 from kinematics.mechanism import (
     SURFACES,
     Bare,
@@ -45,7 +47,7 @@ from kinematics.mechanism import (
 )
 from kinematics.motion import Motion, Statics, WrenchSystem
 from kinematics.sections import Box, MapCells, MapSpec, Section, SectionSpec, Sphere, Volume
-from kinematics.singularities import AT, Clearance, Remedy, Singularity
+from kinematics.singularities import AT, Clearance, Event, Remedy, Singularity
 from kinematics.solutions import (
     Finding,
     Fold,
@@ -135,7 +137,11 @@ class FiveRPUR(Bare):
         return inverse.inverse(design, poses)
 
     def follow(self, design: FiveRPURDesign, posture: Posture, joints: Sequence[float]) -> Followed:
-        return following.follow(design, posture, joints)
+        followed = following.follow(design, posture, joints)
+        stopped = followed.stop == "singularity"
+        return replace(
+            followed, warning=nearness.warning(design, followed.posture, stopped=stopped)
+        )
 
     def fold_ahead(
         self, design: FiveRPURDesign, posture: Posture, joints: Sequence[float]
@@ -208,11 +214,22 @@ class FiveRPUR(Bare):
 
     # --- how far to the bounds, and the ways out
 
-    def clearances(self, design: FiveRPURDesign, posture: Posture) -> tuple[Clearance, ...]:
-        return room.clearances(design, posture)
+    def clearances(
+        self, design: FiveRPURDesign, posture: Posture, *, singular: bool = True
+    ) -> tuple[Clearance, ...]:
+        found = room.clearances(design, posture)
+        return room.with_singularity(design, posture, found) if singular else found
 
     def remedy(self, design: FiveRPURDesign, posture: Posture) -> Remedy:
         return causes.remedy(design, posture)
+
+    # --- what a move of the pose passes
+
+    def passed(self, design: FiveRPURDesign, before: Posture, after: Posture) -> tuple[Event, ...]:
+        return passing.passed(design, before, after)
+
+    def path(self, design: FiveRPURDesign, posture: Posture, poses: ArrayLike) -> Followed:
+        return paths.path(design, posture, poses)
 
     # --- solids
 
