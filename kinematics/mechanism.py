@@ -320,6 +320,9 @@ class Mechanism(Protocol):
         modes: tuple[str, ...] | None,
         center: Sequence[float] | None = None,
     ) -> Box | None: ...
+    def singularity_free_ball(
+        self, design: Any, pose: Sequence[float], mode: str, center: Sequence[float] | None = None
+    ) -> Sphere | None: ...
     def map_spec(self, design: Any) -> MapSpec | None: ...
     def map_cells(
         self,
@@ -436,6 +439,11 @@ class Bare:
         center: Sequence[float] | None = None,
     ) -> Box | None:
         raise InputError(_NO_SECTIONS)
+
+    def singularity_free_ball(
+        self, design: Any, pose: Sequence[float], mode: str, center: Sequence[float] | None = None
+    ) -> Sphere | None:
+        return None
 
     def map_spec(self, design: Any) -> MapSpec | None:
         return None

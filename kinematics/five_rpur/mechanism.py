@@ -32,6 +32,7 @@ from kinematics.five_rpur.continuation import following
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.forward import assembly, carrying
 from kinematics.five_rpur.remedies import causes
+from kinematics.five_rpur.singular import ball
 from kinematics.five_rpur.slicing import acceleration
 from kinematics.five_rpur.watching import nearness, passing, paths
 from kinematics.mechanism import (
@@ -358,6 +359,15 @@ class FiveRPUR(Bare):
         center: Sequence[float] | None = None,
     ) -> Box | None:
         return inscribed.box(design, pose[3], pose[4], modes, center)
+
+    def singularity_free_ball(
+        self,
+        design: FiveRPURDesign,
+        pose: Sequence[float],
+        mode: str,
+        center: Sequence[float] | None = None,
+    ) -> Sphere | None:
+        return ball.singularity_free_ball(design, pose[3], pose[4], mode, center)
 
     def map_spec(self, design: FiveRPURDesign) -> MapSpec:
         return maps.SPEC
