@@ -19,6 +19,7 @@ from kinematics.five_rpur import (
     inscribed,
     inverse,
     maps,
+    measures,
     motion,
     room,
     section,
@@ -48,7 +49,7 @@ from kinematics.mechanism import (
 )
 from kinematics.motion import Motion, Statics, WrenchSystem
 from kinematics.sections import Box, MapCells, MapSpec, Section, SectionSpec, Sphere, Volume
-from kinematics.singularities import AT, Clearance, Event, Remedy, Singularity
+from kinematics.singularities import AT, Clearance, Event, Measure, Remedy, Singularity
 from kinematics.solutions import (
     Finding,
     Fold,
@@ -231,6 +232,19 @@ class FiveRPUR(Bare):
 
     def path(self, design: FiveRPURDesign, posture: Posture, poses: ArrayLike) -> Followed:
         return paths.path(design, posture, poses)
+
+    def measures(self, design: FiveRPURDesign) -> tuple[Measure, ...]:
+        return measures.MEASURES
+
+    def measure(
+        self,
+        design: FiveRPURDesign,
+        poses: ArrayLike,
+        mode: str,
+        key: str,
+        load: Sequence[float] | None = None,
+    ) -> Array:
+        return measures.measure(design, poses, mode, key, load)
 
     # --- solids
 
