@@ -130,13 +130,13 @@ def pose_numbers(text: str, axes: Sequence[Coordinate]) -> list[float]:
 _DASHES = frozenset("-−–")
 
 
-def add_pose(parser: argparse.ArgumentParser) -> None:
+def add_pose(parser: argparse.ArgumentParser, *, required: bool = True) -> None:
     parser.add_argument(
         "--pose",
-        required=True,
-        metavar="x,y,z,phi,theta",
-        help="mm and degrees, in the mechanism's own coordinates; - for one that the mechanism's "
-        "constraint gives",
+        required=required,
+        metavar="x,y,...",
+        help="mm and degrees, in the mechanism's own coordinates (a 5-RPUR: x,y,z,phi,theta); - for "
+        "one that the mechanism's constraint gives",
     )
 
 

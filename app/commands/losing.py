@@ -24,7 +24,7 @@ def register(command: common.AddCommand) -> None:
         "singularity", _singularity, "Where control is lost: at a pose, or as curves."
     )
     common.add_design(singularity)
-    common.add_pose(singularity)
+    common.add_pose(singularity, required=False)
     common.add_mode(singularity, "that of the home posture")
     singularity.add_argument(
         "--tolerance",
@@ -44,6 +44,8 @@ def register(command: common.AddCommand) -> None:
 
 def _singularity(arguments: argparse.Namespace) -> None:
     # The loci of a whole orientation as a mesh (--phi, --theta, -o FILE.ply) branch off here.
+    if arguments.pose is None:
+        raise InputError("--pose is required (see bohemia singularity --help)")
     if arguments.chart is not None:
         _chart(arguments)
         return
@@ -63,7 +65,7 @@ def _at_pose(arguments: argparse.Namespace) -> None:
     lost = mechanism.singularities(design, posture, tolerance) if posture.closes else ()
     held = _conditioning(place)
     with common.progress("Clearances"):
-        clearances = mechanism.clearances(design, posture) if posture.closes else ()
+        clearances = mechanism.clearances(design, posture)
     remedy = None
     if not posture.reachable:
         with common.progress("The nearest posture"):
@@ -79,7 +81,7 @@ def _at_pose(arguments: argparse.Namespace) -> None:
             "within_stroke": posture.reachable,
             "reasons": [reason.text for reason in posture.reasons],
             "tolerance": tolerance,
-            "singular": bool(lost) if posture.closes else None,
+            "singular": any(each.measure < AT for each in lost) if posture.closes else None,
             "kinds": list(dict.fromkeys(each.kind for each in lost)),
             "singularities": [_singular(each, place.axes) for each in lost],
             "conditioning": held,
@@ -168,6 +170,8 @@ def _remedy(remedy: Remedy, place: Place) -> dict[str, Any]:
             "joints": tables.outer(nearest.joints, place.joints),
         },
         "distance_mm": common.finite(remedy.distance),
+        "error_mm": common.finite(remedy.error),
+        "modes": list(remedy.modes),
         "changes": [
             [
                 {
@@ -197,7 +201,7 @@ def _lost_lines(
     if not posture.reachable:
         lines += ["Not reachable:", *(f"  {reason.text}" for reason in posture.reasons)]
     for each in lost:
-        lines += [f"{each.kind}: {each.text}", f"  measure {each.measure:.2g}"]
+        lines += [each.text, f"  {each.cause}", f"  measure {each.measure:.2g}", ""]
     if posture.closes and not lost:
         lines.append("Not singular.")
     smallest, condition = held["smallest_singular_value"], held["condition"]
@@ -212,7 +216,9 @@ def _lost_lines(
         for each in _measures(place)
         if each["value"] is not None
     ]
-    lines += [f"{each.distance:.3f} mm: {each.text}" for each in clearances]
+    if clearances:
+        lines += ["", "What is nearest, at this orientation:"]
+        lines += [f"  {each.text}" for each in clearances]
     if remedy is not None and remedy.text:
         lines.append(remedy.text)
         lines += ["  " + "; ".join(change.text for change in way) for way in remedy.changes]
@@ -245,6 +251,7 @@ def _chart(arguments: argparse.Namespace) -> None:
         place.head()
         print("\n".join(_chart_lines(found, spec, path)))
         return
+    curves = locus_files.curves(found, spec)
     common.print_json(
         {
             **place.entries(),
@@ -252,8 +259,8 @@ def _chart(arguments: argparse.Namespace) -> None:
             "title": spec.title,
             "at_mm": at,
             "coordinates": list(locus_files.columns(spec)),
-            "curves": locus_files.curves(found, spec),
-            "residual": common.finite(max(found.residual.tolist(), default=0.0)),
+            "curves": curves,
+            "residual": max((each["residual"] for each in curves), default=0.0),
             "bounds": locus_files.outer(found.bounds.T, spec).T.tolist(),
             "file": None if path is None else str(path),
         }
