@@ -17,7 +17,17 @@ from numpy.typing import ArrayLike
 
 from kinematics.errors import InputError
 from kinematics.motion import Motion, Statics, WrenchSystem
-from kinematics.sections import Box, MapCells, MapSpec, Section, SectionSpec, Sphere, Volume
+from kinematics.sections import (
+    Box,
+    MapCells,
+    MapSpec,
+    Region,
+    RegionSpec,
+    Section,
+    SectionSpec,
+    Sphere,
+    Volume,
+)
 from kinematics.singularities import (
     AT,
     Clearance,
@@ -41,6 +51,7 @@ from kinematics.spatial import Array
 
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
     from kinematics.solids import BuiltSolid
+    from kinematics.trajectories import NamedTrajectory
 
 Resolution = Literal["preview", "normal", "fine"]
 RESOLUTIONS: tuple[Resolution, ...] = ("preview", "normal", "fine")
@@ -270,6 +281,16 @@ class Mechanism(Protocol):
         self, design: Any, key: str, pose: Sequence[float], mode: str, at: float | None = None
     ) -> LocusCurves: ...
 
+    # a workspace that lies in a plane: its regions; the frame is from (u, v, normal) to the base's
+    def region_specs(self, design: Any) -> tuple[RegionSpec, ...]: ...
+    def region_frame(self, design: Any, pose: Sequence[float]) -> Array: ...
+    def regions(
+        self, design: Any, key: str, pose: Sequence[float], modes: tuple[str, ...] | None
+    ) -> tuple[Region, ...]: ...
+
+    # ways that a mechanism's paper or trade runs, by name
+    def trajectories(self, design: Any) -> tuple[NamedTrajectory, ...]: ...
+
     # solids
     def solids(self, design: Any) -> tuple[SolidSpec, ...]: ...
     def solid_request(
@@ -497,6 +518,20 @@ class Bare:
         self, design: Any, key: str, pose: Sequence[float], mode: str, at: float | None = None
     ) -> LocusCurves:
         raise InputError(f"this mechanism has no loci {key!r}")
+
+    def region_specs(self, design: Any) -> tuple[RegionSpec, ...]:
+        return ()
+
+    def region_frame(self, design: Any, pose: Sequence[float]) -> Array:
+        raise InputError("this mechanism's workspace does not lie in a plane")
+
+    def regions(
+        self, design: Any, key: str, pose: Sequence[float], modes: tuple[str, ...] | None
+    ) -> tuple[Region, ...]:
+        raise InputError(f"this mechanism has no regions {key!r}")
+
+    def trajectories(self, design: Any) -> tuple[NamedTrajectory, ...]:
+        return ()
 
 
 _NO_SECTIONS = "this mechanism has no solid workspace to cut or to measure"
