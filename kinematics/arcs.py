@@ -252,9 +252,7 @@ def _cut(arcs: Arcs, near: float) -> Arcs:
     ends = np.concatenate([arcs.at(0.0), arcs.at(1.0)])
     for n in range(count):
         points = [ends[[m, m + count]] for m in range(count) if m != n]
-        points += [
-            _meeting(arcs, n, m, near) for m in range(count) if m != n
-        ]
+        points += [_meeting(arcs, n, m, near) for m in range(count) if m != n]
         at = np.concatenate([p.reshape(-1, 2) for p in points]) if points else np.zeros((0, 2))
         away = at - arcs.center[n]
         on = np.abs(np.hypot(away[:, 0], away[:, 1]) - arcs.radius[n]) <= near
@@ -377,9 +375,7 @@ def point_inside(loops: Sequence[Sequence[Edge]]) -> Array:
     step = float((high - low).max()) / 60.0
     polygons = [outline(loop, step) for loop in loops]
     count = np.maximum(np.ceil((high - low) / step).astype(int), 8)
-    axes = [
-        low[k] + (high[k] - low[k]) * (np.arange(count[k]) + 0.5) / count[k] for k in range(2)
-    ]
+    axes = [low[k] + (high[k] - low[k]) * (np.arange(count[k]) + 0.5) / count[k] for k in range(2)]
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
     held = sum(contains(polygon, grid).astype(int) for polygon in polygons) % 2 == 1
     held = np.asarray(held)

@@ -40,11 +40,11 @@ def zero_curves(
         x, y: the nodes' coordinates, each increasing; they may be graded.
         values: (nx, ny) the function at the nodes.
         field: the function and its gradient (N, 2) at points (N, 2).
-        tolerance: how near to the zeros points must be, in units of ``x``; by default a 1e-12th
+        tolerance: how near to the zeros points must be, in units of ``x``; by default a 1e-13th
             of the rectangle's diagonal, or what rounding in ``field`` allows.
     """
     if tolerance is None:
-        tolerance = 1e-12 * float(np.hypot(x[-1] - x[0], y[-1] - y[0]))
+        tolerance = 1e-13 * float(np.hypot(x[-1] - x[0], y[-1] - y[0]))
     # No node lies exactly on a curve: it counts as being a little on the positive side of it.
     values = np.where(values == 0.0, np.finfo(float).tiny, values)
     lines = contourpy.contour_generator(x, y, values.T).lines(0.0)

@@ -199,9 +199,7 @@ def _sign(design: FiveBarDesign, mode: str, edges: Sequence[Edge]) -> int:
 
 def _area(loop: Sequence[Edge]) -> float:
     return float(
-        sum(
-            0.5 * (e.nodes[:, 0] @ e.steps[:, 1] - e.nodes[:, 1] @ e.steps[:, 0]) for e in loop
-        )
+        sum(0.5 * (e.nodes[:, 0] @ e.steps[:, 1] - e.nodes[:, 1] @ e.steps[:, 0]) for e in loop)
     )
 
 
@@ -245,9 +243,7 @@ def _as_arcs(design: FiveBarDesign, piece: Piece) -> tuple[Arcs, float]:
         found = _three_points(first, between, last)
         quarters = [0.5 * (share[:-1] + middle), 0.5 * (middle + share[1:])]
         probes = [piece.loop.points(piece.tau(s))[0] - found.center for s in quarters]
-        off = np.max(
-            [np.abs(np.hypot(p[:, 0], p[:, 1]) - found.radius) for p in probes], axis=0
-        )
+        off = np.max([np.abs(np.hypot(p[:, 0], p[:, 1]) - found.radius) for p in probes], axis=0)
         wide = (off > wanted) | (np.abs(found.sweep) > 2.0)
         if not wide.any():
             break
@@ -307,9 +303,7 @@ def _grouped(design: FiveBarDesign, found: Sequence[Aspect]) -> tuple[Aspect, ..
         for n, m in _about_base(design, found, i):
             parent[root(m)] = root(n)
     roots = sorted({root(n) for n in range(len(found))})
-    return tuple(
-        replace(aspect, group=roots.index(root(n)) + 1) for n, aspect in enumerate(found)
-    )
+    return tuple(replace(aspect, group=roots.index(root(n)) + 1) for n, aspect in enumerate(found))
 
 
 def _beyond(
@@ -339,9 +333,7 @@ def _beyond(
     return met
 
 
-def _about_base(
-    design: FiveBarDesign, found: Sequence[Aspect], i: int
-) -> list[tuple[int, int]]:
+def _about_base(design: FiveBarDesign, found: Sequence[Aspect], i: int) -> list[tuple[int, int]]:
     """Pairs that join where limb i, folded onto its base point, may turn about it.
 
     Only where it turns freely: within a range the two sides of A_i need not be connected.

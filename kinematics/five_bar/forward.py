@@ -172,9 +172,7 @@ def _circle(design: FiveBarDesign, joints: Array, center: Array, radius: float) 
 # --- identities ----------------------------------------------------------------------------
 
 
-def refresh(
-    design: FiveBarDesign, before: ForwardSolutions, joints: Sequence[float]
-) -> Refreshed:
+def refresh(design: FiveBarDesign, before: ForwardSolutions, joints: Sequence[float]) -> Refreshed:
     """All assembly modes at other angles, with the identities they had ``before``.
 
     The joints move on the straight line in between. An assembly mode keeps its sign of the

@@ -35,9 +35,7 @@ def jacobians(design: FiveBarDesign, poses: ArrayLike, joints: ArrayLike) -> tup
     return a, b
 
 
-def determinants(
-    design: FiveBarDesign, poses: ArrayLike, joints: ArrayLike
-) -> tuple[Array, Array]:
+def determinants(design: FiveBarDesign, poses: ArrayLike, joints: ArrayLike) -> tuple[Array, Array]:
     """det A (...) mm⁴ and det B (...) mm²; zero at serial and at parallel singularities."""
     a, b = jacobians(design, poses, joints)
     return a[..., 0] * a[..., 1], _cross(b[..., 0, :], b[..., 1, :])

@@ -193,7 +193,7 @@ def _section(design: FiveRPURDesign, pose: Array, mode: str, at: float | None) -
         return determinant.value(points), determinant.roundoff(points)
 
     def on_grid(y: Array) -> Array:
-        return determinant.on_grid(np.array([x]), y, across)[0]
+        return np.asarray(determinant.on_grid(np.array([x]), y, across)[0])
 
     if _trace(curves, strip, _NODES, across, value, on_grid):
         raise _all_singular("of this section")
