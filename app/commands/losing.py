@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app import tables
-from app.commands import common
+from app.commands import aspects, common
 from app.commands.place import Place
 from kinematics.errors import InputError
 
@@ -21,7 +21,9 @@ if TYPE_CHECKING:
 
 def register(command: common.AddCommand) -> None:
     singularity = command(
-        "singularity", _singularity, "Where control is lost: at a pose, or as curves."
+        "singularity",
+        _singularity,
+        "Where control is lost: at a pose, as curves, or as surfaces in the workspace.",
     )
     common.add_design(singularity)
     common.add_pose(singularity, required=False)
@@ -37,15 +39,31 @@ def register(command: common.AddCommand) -> None:
     )
     singularity.add_argument("--at", metavar="A", help="where a section chart's plane stands, mm")
     singularity.add_argument(
-        "-o", "--output", type=Path, metavar="FILE", help="write the chart as .csv or .svg"
+        "-o",
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help="write the chart as .csv or .svg; without --pose the singular surface or a piece as "
+        ".stl, .3mf, .ply, .glb or .obj, the surface's points as .csv",
+    )
+    aspects.add_arguments(singularity)
+    singularity.epilog = (
+        "Without --pose: the workspace of the mode at an orientation, parted by its singular "
+        "surface into pieces on which control is kept."
     )
     common.add_json(singularity)
 
 
 def _singularity(arguments: argparse.Namespace) -> None:
-    # The loci of a whole orientation as a mesh (--phi, --theta, -o FILE.ply) branch off here.
     if arguments.pose is None:
-        raise InputError("--pose is required (see bohemia singularity --help)")
+        for option in ("chart", "at", "tolerance"):
+            if getattr(arguments, option) is not None:
+                raise InputError(f"--{option} goes with --pose")
+        aspects.run(arguments)
+        return
+    foreign = aspects.foreign(arguments)
+    if foreign is not None:
+        raise InputError(f"{foreign} is for all positions together; leave it or --pose out")
     if arguments.chart is not None:
         _chart(arguments)
         return

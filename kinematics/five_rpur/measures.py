@@ -78,7 +78,7 @@ def manipulability(design: FiveRPURDesign, poses: ArrayLike, mode: str) -> Array
     """
     system = wrench_system(design, poses, mode)
     unit = normalised(system.rows, characteristic_length(design))
-    closes = np.isfinite(unit).all(axis=(-1, -2))
+    closes = np.asarray(np.isfinite(unit).all(axis=(-1, -2)))
     value = np.abs(np.linalg.det(np.where(closes[..., None, None], unit, 0.0)))
     return _frozen(np.where(closes, np.minimum(value, 1.0), np.nan))
 
@@ -95,7 +95,7 @@ def transmission(design: FiveRPURDesign, poses: ArrayLike, mode: str) -> Array:
     w = wrenches(design, poses, mode)
     scale = np.repeat([1.0, characteristic_length(design)], 3)
     rows = system.rows / scale
-    good = np.isfinite(rows).all(axis=(-1, -2))
+    good = np.asarray(np.isfinite(rows).all(axis=(-1, -2)))
     held = good & (np.abs(np.linalg.det(np.where(good[..., None, None], rows, 0.0))) > _SINGULAR)
     # Column i of the inverse is [v, ω] of the output twist of limb i, ω by the same length.
     twists = np.linalg.inv(np.where(held[..., None, None], rows, np.eye(LIMBS + 1)))

@@ -33,7 +33,7 @@ from kinematics.five_rpur.continuation import following
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.forward import assembly, carrying
 from kinematics.five_rpur.remedies import causes
-from kinematics.five_rpur.singular import ball
+from kinematics.five_rpur.singular import ball, curves
 from kinematics.five_rpur.slicing import acceleration
 from kinematics.five_rpur.watching import nearness, passing, paths
 from kinematics.mechanism import (
@@ -49,7 +49,16 @@ from kinematics.mechanism import (
 )
 from kinematics.motion import Motion, Statics, WrenchSystem
 from kinematics.sections import Box, MapCells, MapSpec, Section, SectionSpec, Sphere, Volume
-from kinematics.singularities import AT, Clearance, Event, Measure, Remedy, Singularity
+from kinematics.singularities import (
+    AT,
+    Clearance,
+    Event,
+    LocusCurves,
+    LocusSpec,
+    Measure,
+    Remedy,
+    Singularity,
+)
 from kinematics.solutions import (
     Finding,
     Fold,
@@ -245,6 +254,19 @@ class FiveRPUR(Bare):
         load: Sequence[float] | None = None,
     ) -> Array:
         return measures.measure(design, poses, mode, key, load)
+
+    def locus_specs(self, design: FiveRPURDesign) -> tuple[LocusSpec, ...]:
+        return curves.SPECS
+
+    def locus(
+        self,
+        design: FiveRPURDesign,
+        key: str,
+        pose: Sequence[float],
+        mode: str,
+        at: float | None = None,
+    ) -> LocusCurves:
+        return curves.locus(design, key, pose, mode, at)
 
     # --- solids
 
