@@ -52,7 +52,7 @@ def lost(
             Singularity(
                 kind=kind,
                 limbs=_limbs(circuit.members, system.names),
-                cause=cause(circuit, system.names),
+                cause=("nearly: " if measure >= AT else "") + cause(circuit, system.names),
                 text=_text(kind, measure, found, n),
                 measure=measure,
                 motion=_motion(twist, pose_rates, length),
@@ -210,6 +210,6 @@ def _common(v: Variety, *, one: bool) -> str:
             pitch = "" if isinf(axis.pitch) else f" with pitch {axis.pitch:.3g} mm/rad"
             return f"belong to a general linear complex about {_line(axis)}{pitch}"
         case "screws":
-            return "are dependent screws"
+            return "are dependent"
         case "space":
             return "are more than six"

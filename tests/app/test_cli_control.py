@@ -445,6 +445,10 @@ def test_coordinates_that_cannot_be_left_out(other: Run) -> None:
 
 
 def test_the_5_rpur_leaves_no_coordinate_out(here: Run) -> None:
+    said = refused(here("velocity", *AT, "--rates", "1,2,-,4,5"))
+    assert said == "the rates of a pose must be finite numbers, got NaN or infinity"
+    said = refused(here("velocity", *AT, "--rates", "1,-,-,4,5"))
+    assert said == "--rates: only one coordinate may be -, got 2"
     said = refused(here("ik", "rpur-table1", "--pose", "90,110,-,5,-3"))
     assert said == "every coordinate of the pose must be given"
 

@@ -77,6 +77,7 @@ def test_near_ones_keep_the_constraints() -> None:
     (found,) = lost(system(rows), (0.0, 0.0, 0.0), LENGTH, spatial_rates, NEAR)
     assert found.text.startswith("Near a parallel singularity: the platform yields most to ")
     assert 1e-6 < found.measure < NEAR
+    assert found.cause == "nearly: the lines of limbs 1 and 2 coincide"
     assert found.twist is not None
     work = rows[:, :3] @ found.twist[3:] + rows[:, 3:] @ found.twist[:3]
     np.testing.assert_allclose(work[3:], 0.0, atol=1e-9)

@@ -55,7 +55,8 @@ def check_motion(design: FiveRPURDesign, pose: object, mode: str, found: Singula
     rows = wrench_system(design, pose, mode).rows
     work = rows[:, :3] @ twist[3:] + rows[:, 3:] @ twist[:3]
     size = np.linalg.norm(rows / [1, 1, 1, length, length, length], axis=1)
-    assert np.abs(work / size).max() < max(1e-9, 3 * found.measure)
+    # More than the singular value, since the couple is kept to exactly.
+    assert np.linalg.norm(work / size) < max(1e-9, 5 * found.measure)
     assert abs(work[5]) < 1e-12  # the couple forbids what it forbids
 
 
