@@ -16,7 +16,7 @@ from kinematics.spatial import Array, finite
 from kinematics.three_rps_spr.design import LIMBS, RADIAL, TANGENT, TripodDesign, mode_sign
 from kinematics.three_rps_spr.jets import Jet, cosine_and_sine, plus, reciprocal, scaled, times
 from kinematics.three_rps_spr.posing import LEVEL, POSE, placed, read_poses, transform
-from kinematics.three_rps_spr.wrenches import solved, wrench_rows
+from kinematics.three_rps_spr.wrenches import twist_of, wrench_rows
 
 _UPRIGHT = 1e-13  # sin θ/2 below which the azimuth says nothing
 _STILL = 1e-12  # part of |ω| that is none
@@ -76,18 +76,15 @@ def forward_motion(
     p, rates, accelerations = (a.copy() for a in np.broadcast_arrays(p, rates, accelerations))
     rows, _ = wrench_rows(design, p, mode)
     zero = np.zeros_like(rates)
-    # Rows are [F, T], twists [ω, v]: power is F·v + T·ω.
-    power = np.concatenate([rows[..., 3:], rows[..., :3]], axis=-1)
-    twist = solved(design, power, np.concatenate([rates, zero], axis=-1))
+    twist = twist_of(design, rows, np.concatenate([rates, zero], axis=-1))
     still = np.zeros_like(twist)
     _, bias = _actuators(design, mode, p, twist, still)
     drift = _constraint_drift(design, mode, p, twist)
-    right = np.concatenate([accelerations - bias, -drift], axis=-1)
-    twist_rate = solved(design, power, right)
-    pose_rates = _pose_change(p, twist)
+    twist_rate = twist_of(design, rows, np.concatenate([accelerations - bias, -drift], axis=-1))
+    pose_rates = pose_change(p, twist)
     known = np.where(np.isfinite(pose_rates), pose_rates, 0.0)
     _, carried = _platform(design, mode, p, known, np.zeros_like(known))
-    pose_accelerations = _pose_change(p, twist_rate - carried)
+    pose_accelerations = pose_change(p, twist_rate - carried)
     pose_accelerations = pose_accelerations + 0.0 * pose_rates
     lost = np.isnan(twist).any(axis=-1, keepdims=True)
     rates = np.where(lost, np.nan, rates)
@@ -180,8 +177,8 @@ def _constraint_drift(design: TripodDesign, mode: str, p: Array, twist: Array) -
     return drift
 
 
-def _pose_change(p: Array, twist: Array) -> Array:
-    """(Ż, θ̇, φ̇) of twists (..., 6)."""
+def pose_change(p: Array, twist: Array) -> Array:
+    """(Ż, θ̇, φ̇) of twists (..., 6) at poses (..., 3); NaN where the azimuth says nothing."""
     tilt, azimuth = p[..., 1], p[..., 2]
     c, s = np.cos(0.5 * tilt), np.sin(0.5 * tilt)
     omega = twist[..., :3]
