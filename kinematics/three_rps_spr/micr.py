@@ -77,7 +77,10 @@ def micr(kind: Kind, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike, 
     h1, k, z = (np.broadcast_to(a, shape).ravel() for a in (h1, k, z))
     k, z = k / h1, np.abs(z) / h1
     radius, contact = np.full(len(k), np.inf), np.full(len(k), np.nan)
-    for found in (f(kind, k, z) for f in (_at_ends, _at_double_roots, _by_signs)):
+    for f in (_at_ends, _at_double_roots, _by_signs):
+        found = f(kind, k, z)
+        if kind == "three_spr" and f is not _by_signs:
+            found = _off_the_ring(found, k, z)
         order = np.lexsort((found.tilt, found.row))
         row, first = np.unique(found.row[order], return_index=True)
         tilt, w = found.tilt[order][first], found.w[order][first]
@@ -87,6 +90,15 @@ def micr(kind: Kind, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike, 
     radius, contact = np.where(none, np.nan, radius), np.where(none, np.nan, contact)
     beyond = (kind == "three_spr") & (none | (radius > RING))
     return Micr(radius.reshape(shape), contact.reshape(shape), beyond.reshape(shape))
+
+
+def critical_tilts(kind: Kind, k: float, z: float) -> list[float]:
+    """Tilts, in order, at which a root w of P enters or leaves [−1, 1] or two roots meet; h1 = 1."""
+    if z == 0.0:
+        return []
+    one = np.array([k]), np.array([abs(z)])
+    found = (f(kind, *one).tilt for f in (_at_ends, _at_double_roots))
+    return sorted(float(tilt) for tilt in np.concatenate(list(found)))
 
 
 def contact_azimuths(contact: float) -> tuple[float, ...]:
@@ -174,11 +186,20 @@ def _at_ends(kind: Kind, k: Array, z: Array) -> _Found:
         if not len(at):
             break
     keep = _vanishes(kind, k, z, tilt, w, step)
-    if kind == "three_spr":
-        # P = −c (Z − h1 w/2)² (Z + k w) at 90°; the determinant is P / cos² θ. So where Z = h2, P
-        # touches zero on the unreachable ring without a singularity.
-        keep &= ~((np.abs(np.cos(tilt)) < _ON_RING) & (np.abs(z - np.abs(k)) < _ON_RING * z))
     return _Found(row[keep], tilt[keep], w[keep])
+
+
+def _off_the_ring(found: _Found, k: Array, z: Array) -> _Found:
+    """Without zeros of P that are none of the determinant P / cos² θ of a 3-SPR.
+
+    At θ = 90°, P = −c (Z − h1 w/2)² (Z + k w): where Z = h2 it touches zero at w = ± 1, and for
+    Z < h1/2 it has a double root, on the ring that cannot be reached.
+    """
+    at, w = z[found.row], found.w
+    touches = np.abs(at - np.abs(k[found.row])) < _ON_RING * at
+    double = (np.abs(at - 0.5 * w) < _ON_RING * at) & (np.abs(w) < 1.0)
+    keep = ~((np.abs(np.cos(found.tilt)) < _ON_RING) & (touches | double))
+    return _Found(found.row[keep], found.tilt[keep], found.w[keep])
 
 
 def _by_signs(kind: Kind, k: Array, z: Array) -> _Found:
@@ -254,8 +275,6 @@ def _at_double_roots(kind: Kind, k: Array, z: Array) -> _Found:
         if not len(at):
             break
     keep = _vanishes(kind, k, z, tilt, w, step) & (np.abs(w) <= 1.0)
-    if kind == "three_spr":  # (Z − h1 w/2)² of the ring, which is no singularity
-        keep &= ~((np.abs(np.cos(tilt)) < _ON_RING) & (np.abs(z - 0.5 * w) < _ON_RING * z))
     return _Found(row[keep], tilt[keep], w[keep])
 
 

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinematics.three_rps_spr.design import Kind
+from kinematics.three_rps_spr.powers import Power
 
 Values = NDArray[Any]
 
@@ -86,3 +87,28 @@ def value(
     w = np.asarray(w)
     found: Values = a[..., 0] + w * (a[..., 1] + w * (a[..., 2] + w * a[..., 3]))
     return found
+
+
+def roots_in_w(kind: Kind, h1: float, k: float, z: float, tilt: Values) -> Values:
+    """The three (3-SPR) or two (3-RPS) roots w of P at tilts (n,), complex; NaN at infinity.
+
+    P of a 3-SPR has a double root near w = 2 Z/h1 about θ = 90°. There it is solved for v instead,
+    the altitude seen from the platform, Z = h1 s² sin θ w − v cos θ: in v it stays regular.
+    """
+    if kind == "three_rps":
+        return Power(in_w(kind, h1, k, z, tilt)[:, :3]).roots()
+    c, s, cosine, sine = np.cos(0.5 * tilt), np.sin(0.5 * tilt), np.cos(tilt), np.sin(tilt)
+    q = s * s
+    spread = h1 * q * sine
+    side = np.sign(k)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # P = cos² θ P′, where P′ is that of the 3-RPS with base |k| and platform ± h1 at v and the
+        # azimuth of the inverse: its s³ sin 3φ is ∓ s³ w, which is linear in v.
+        cube = Power(-side * (s**3 / spread)[:, None] * np.stack([z + 0.0 * s, cosine], axis=-1))
+        a0, a1, a2, _ = terms("three_rps", abs(k), side * h1, Power.unknown(), q)
+    v = a0 * c + cube * a1 + cube * cube * a2 * c
+    regular = np.isfinite(v.coefficients).all(axis=-1)
+    roots = Power(np.where(regular[:, None], v.coefficients, 0.0)).roots()
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found = (z + roots * cosine[:, None]) / spread[:, None]
+    return np.where(regular[:, None], found, np.nan)
