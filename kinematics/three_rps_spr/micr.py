@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinematics.errors import InputError
+from kinematics.singularities import MicrTable
 from kinematics.spatial import Array, Frozen
 from kinematics.three_rps_spr import polynomial
 from kinematics.three_rps_spr.design import MODES, Kind, mode_sign
@@ -314,12 +315,20 @@ def _vanishes(
     return np.asarray(good)
 
 
-def table(kind: Kind, ratios: ArrayLike, heights: ArrayLike) -> Micr:
-    """MICR over h2/h1 and Z/h1 in both modes: arrays (2, R, H), mode 1 first (Figs. 4 and 5)."""
-    ratio, height = np.atleast_1d(ratios), np.atleast_1d(heights)
-    each = [micr(kind, 1.0, ratio[:, None], height[None, :], mode) for mode in MODES]
-    return Micr(
-        np.stack([m.radius for m in each]),
-        np.stack([m.contact for m in each]),
-        np.stack([m.crosses_ring for m in each]),
+def table(
+    kind: Kind, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike
+) -> MicrTable:
+    """MICR in both operation modes, mode 1 first, of radii and altitudes that broadcast (Figs. 4
+    and 5: base 1, platform the ratio, altitude Z/h1).
+
+    Raises:
+        InputError: as `micr`.
+    """
+    each = [micr(kind, base, platform, altitude, mode) for mode in MODES]
+    contact = np.stack([m.contact for m in each])
+    return MicrTable(
+        modes=MODES,
+        radius=np.stack([m.radius for m in each]),
+        contact=np.arcsin(np.clip(contact, -1.0, 1.0)) / 3.0,
+        barred=np.stack([m.crosses_ring for m in each]),
     )
