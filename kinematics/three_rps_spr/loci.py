@@ -73,7 +73,8 @@ def locus(design: TripodDesign, key: str, altitude: float, mode: str) -> LocusCu
 
 
 def singular_curves(kind: Kind, k: float, z: float) -> list[Array]:
-    """Curves (n, 2) of (θ, φ) with P = 0, for h1 = 1; azimuths run on beyond ± π where they do."""
+    """Curves (n, 2) of (θ, φ) with P = 0, for h1 = 1; azimuths run on beyond ± π, but
+    a closed curve ends at the very point at which it began."""
     pieces = [piece for branch in branches(kind, k, z) for piece in _azimuths(branch)]
     return _joined(pieces)
 
@@ -270,7 +271,7 @@ def _joined(pieces: list[Array]) -> list[Array]:
         curve = _chained(chain)
         closed = len(curve) > 2 and np.linalg.norm(_flat(curve[0]) - _flat(curve[-1])) < _JOINED
         if closed:
-            curve[-1] = curve[0] + [0.0, round((curve[-1, 1] - curve[0, 1]) / np.pi / 2) * 2 * np.pi]
+            curve[-1] = curve[0]
         curves.append(curve)
     return curves
 
