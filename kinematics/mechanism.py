@@ -35,6 +35,9 @@ from kinematics.singularities import (
     LocusCurves,
     LocusSpec,
     Measure,
+    MicrTable,
+    ModeChange,
+    OrientationCircle,
     Remedy,
     Singularity,
 )
@@ -276,6 +279,7 @@ class Mechanism(Protocol):
     def remedy(self, design: Any, posture: Posture) -> Remedy: ...
     def passed(self, design: Any, before: Posture, after: Posture) -> tuple[Event, ...]: ...
     def path(self, design: Any, posture: Posture, poses: ArrayLike) -> Followed: ...
+    def mode_change(self, design: Any, posture: Posture) -> ModeChange | None: ...
     def locus_specs(self, design: Any) -> tuple[LocusSpec, ...]: ...
     def locus(
         self, design: Any, key: str, pose: Sequence[float], mode: str, at: float | None = None
@@ -290,6 +294,13 @@ class Mechanism(Protocol):
 
     # ways that a mechanism's paper or trade runs, by name
     def trajectories(self, design: Any) -> tuple[NamedTrajectory, ...]: ...
+
+    # circles of orientations without a singularity, and machines to compare with
+    def circles(
+        self, design: Any, pose: Sequence[float], mode: str
+    ) -> tuple[OrientationCircle, ...]: ...
+    def micr(self, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike) -> MicrTable: ...
+    def counterparts(self, design: Any) -> tuple[Design, ...]: ...
 
     # solids
     def solids(self, design: Any) -> tuple[SolidSpec, ...]: ...
@@ -511,6 +522,24 @@ class Bare:
     def path(self, design: Any, posture: Posture, poses: ArrayLike) -> Followed:
         raise InputError("this mechanism does not follow paths of poses")
 
+    def mode_change(self, design: Any, posture: Posture) -> ModeChange | None:
+        """Where the mode may be changed without taking the machine apart; None where nowhere."""
+        return None
+
+    def circles(
+        self, design: Any, pose: Sequence[float], mode: str
+    ) -> tuple[OrientationCircle, ...]:
+        """About the pose's orientation, at its altitude: one circle for each limit."""
+        return ()
+
+    def micr(self, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike) -> MicrTable:
+        """MICR over circumradii and altitudes, which broadcast."""
+        raise InputError("this mechanism has no maximum inscribed circle (MICR)")
+
+    def counterparts(self, design: Any) -> tuple[Design, ...]:
+        """Other machines with the same numbers, which it is worth comparing with."""
+        return ()
+
     def locus_specs(self, design: Any) -> tuple[LocusSpec, ...]:
         return ()
 
@@ -537,7 +566,12 @@ class Bare:
 _NO_SECTIONS = "this mechanism has no solid workspace to cut or to measure"
 
 
-_MODULES = {"five_rpur": "kinematics.five_rpur"}
+# Where each kind's mechanism stands; one package may offer several.
+_MODULES = {
+    "five_rpur": ("kinematics.five_rpur", "MECHANISM"),
+    "three_rps": ("kinematics.three_rps_spr", "THREE_RPS"),
+    "three_spr": ("kinematics.three_rps_spr", "THREE_SPR"),
+}
 
 
 def mechanism_kinds() -> tuple[str, ...]:
@@ -552,10 +586,11 @@ def mechanism(kind: str) -> Mechanism:
     Raises:
         InputError: there is no such kind.
     """
-    module = _MODULES.get(kind)
-    if module is None:
+    place = _MODULES.get(kind)
+    if place is None:
         raise InputError(
             f"there is no mechanism {kind!r}; known are {', '.join(mechanism_kinds())}"
         )
-    found: Mechanism = import_module(module).MECHANISM
+    module, name = place
+    found: Mechanism = getattr(import_module(module), name)
     return found
