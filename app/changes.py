@@ -264,9 +264,7 @@ def change(review: Review, what: Change) -> tuple[Review, str]:
         case Drive(index, value):
             return _drive(review, index, value)
         case Flip(mode):
-            if mode not in review.mechanism.modes:
-                raise InputError(f"there is no working mode {mode!r}")
-            return replace(review, mode=mode), ""
+            return _flip(review, mode), ""
         case Visit(pose, mode):
             # Not kept within the sliders' range: a solution next to it would be none.
             if mode not in review.mechanism.modes or not all(map(math.isfinite, pose)):
@@ -316,6 +314,19 @@ def _completed(
 ) -> tuple[float, ...]:
     kind, design = review.mechanism, review.design
     return kind.complete_pose(design, pose, review.mode, moved, review.dependent)
+
+
+def _flip(review: Review, mode: str) -> Review:
+    """In another mode: at once where limbs can be put over, else where the modes meet."""
+    kind = review.mechanism
+    if mode not in kind.modes:
+        raise InputError(f"there is no {kind.mode_noun} {mode!r}")
+    way = kind.mode_change(review.design, review.posture)
+    if way is None or mode == review.mode:
+        return replace(review, mode=mode)
+    if not way.here:
+        raise InputError(way.text)
+    return replace(review, pose=way.other.pose, mode=way.other.mode)
 
 
 def _drive(review: Review, index: int, value: float) -> tuple[Review, str]:

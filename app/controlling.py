@@ -32,8 +32,9 @@ from app.requests import (
 )
 from app.state import Review
 from app.worker import Built, LaneName
+from kinematics.mechanism import Design
 from kinematics.sections import Sphere
-from kinematics.singularities import LocusCurves
+from kinematics.singularities import LocusCurves, Profile
 from kinematics.spatial import Array
 
 if TYPE_CHECKING:
@@ -57,6 +58,8 @@ class Controlling:
         self._late = False
         self._here: Here | None = None
         self._curves: tuple[object, LocusCurves] | None = None
+        self._profiles: tuple[object, tuple[tuple[Design, Profile], ...]] | None = None
+        self._beside: tuple[Here | None, LocusCurves | None] = (None, None)
         self._asked: Job | None = None  # for a ball
         self._ball: Sphere | None = None
         self._ball_of: object = None
@@ -95,6 +98,9 @@ class Controlling:
         if self._watched.pose != spot.pose:
             way = self._watched, spot.pose
             quick.append(Job(("passed", *way), "the way here", controller.passed, way))
+        other = counterpart(review)
+        if other is not None:
+            quick.append(Job(("beside", other), "the counterpart", controller.look, (other,)))
         self._quick.want(quick)
         if self._ball_of is not None and self._ball_of != _orientation(review):
             self._ball = self._ball_of = self._asked = None
@@ -108,6 +114,23 @@ class Controlling:
             key = ("curves", *_chart_key(review))
             arguments = spot, review.control.chart
             jobs.append(Job(key, "the singular curves", controller.curves, arguments, REST))
+            other = counterpart(review)
+            if other is not None:
+                key = ("curves beside", *_chart_key(review))
+                arguments = other, review.control.chart
+                jobs.append(
+                    Job(key, "the counterpart's curves", controller.curves, arguments, REST)
+                )
+        if review.mechanism.profile(review.design, review.pose) is not None:
+            jobs.append(
+                Job(
+                    ("profiles", *_profile_key(review)),
+                    "the profile",
+                    controller.profiles,
+                    (spot, review.control.ratios),
+                    REST,
+                )
+            )
         if review.control.shade:
             jobs += self._painter.jobs(review, spot)
         self._slow.want(jobs)
@@ -138,6 +161,12 @@ class Controlling:
                 self._watched = replace(before, pose=pose)
             case Done(Job(("curves", *_) as key), LocusCurves() as curves):
                 self._curves, self._late = (key, curves), True
+            case Done(Job(("beside", _)), Here() as here):
+                self._beside, self._late = (here, self._beside[1]), True
+            case Done(Job(("curves beside", *_)), LocusCurves() as curves):
+                self._beside, self._late = (self._beside[0], curves), True
+            case Done(Job(("profiles", *_) as key), tuple(profiles)):
+                self._profiles, self._late = (key, profiles), True
             case Done(Job(("field", *_) as key), np.ndarray() as values):
                 self._painter.take(key, values)
                 return True
@@ -274,10 +303,16 @@ class Controlling:
         if self._curves is not None and review.control.chart:
             key = ("curves", *_chart_key(review))
             curves = self._curves[1] if self._curves[0] == key else None
+        profiles: tuple[tuple[Design, Profile], ...] = ()
+        if self._profiles is not None:
+            known = self._profiles[0] == ("profiles", *_profile_key(review))
+            profiles = self._profiles[1] if known else ()
         return Controlled(
             self._nearly(),
             self._current() is None,
             curves,
+            profiles,
+            *(self._beside if review.control.compare else (None, None)),
             self._ball,
             self._asked is not None,
             self._log,
@@ -379,6 +414,16 @@ class Painter:
 def spot_of(review: Review) -> Spot:
     """Where the machine stands, with its load."""
     return Spot(review.design, review.pose, review.mode, review.control.load)
+
+
+def counterpart(review: Review) -> Spot | None:
+    """The counterpart at the same coordinates, where it is to be compared with."""
+    others = review.mechanism.counterparts(review.design) if review.control.compare else ()
+    return next((replace(spot_of(review), design=other) for other in others), None)
+
+
+def _profile_key(review: Review) -> tuple[object, ...]:
+    return review.design, review.pose[:1], review.control.ratios
 
 
 def _same_branch(one: Spot, other: Spot) -> bool:

@@ -324,9 +324,10 @@ class Page:
             self.scene.show(self._shown(), dragging=bool(self._dragging))
             self._show_solids(view)
             self._draw_panels()
-            if self._framed != review.design:
+            framed = review.design, review.control.compare
+            if self._framed != framed:
                 # Again when the first solid is there: it is larger than the machine.
-                self._framed, self._framed_with_solids = review.design, not view.wishes
+                self._framed, self._framed_with_solids = framed, not view.wishes
                 self._fit()
             for part in self._parts:
                 part.follow()
@@ -459,7 +460,8 @@ class Page:
     def _fit(self) -> None:
         review = self._history.present
         drawing = review.mechanism.drawing(review.design, review.posture)
-        low, high = machine_bounds(drawing)
+        other = compute.beside(review)
+        low, high = machine_bounds(drawing, *([] if other is None else [other.drawing]))
         for built in self._built.values():
             if built.solid.triangles:
                 placed = built.solid.mesh.vertices @ built.wish.placement[:3, :3].T

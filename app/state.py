@@ -19,6 +19,7 @@ Sort = Literal["distance", "condition", "height", "mode"]
 SORTS: tuple[Sort, ...] = ("distance", "condition", "height", "mode")
 SAME_MODE = "same"
 FAR = 1e4  # mm; a plane may stand this far off, where it cuts nothing
+MAX_RATIO, MAX_RATIOS = 100.0, 12  # of machines whose profiles are compared
 MAX_CELLS = 91  # of a map along one axis
 
 
@@ -95,6 +96,8 @@ class Control:
         locus: the singular surface, in the aspects' solid and in the section.
         chart: a key of the mechanism's `LocusSpec`s, whose curves are drawn; "" for none.
         shade: a key of the mechanism's `Measure`s, by which aspects and section are coloured.
+        compare: the mechanism's counterpart stands beside it, with the same numbers.
+        ratios: h₂/h₁ of further machines whose profile is drawn.
         load: [F, T] on the platform at O′, N and N·mm, base frame.
     """
 
@@ -103,6 +106,8 @@ class Control:
     locus: bool = True
     chart: str = ""
     shade: str = ""
+    compare: bool = False
+    ratios: tuple[float, ...] = ()
     load: tuple[float, ...] = (0.0, 0.0, -100.0, 0.0, 0.0, 0.0)
 
 
@@ -237,6 +242,10 @@ def checked_control(control: Control, review: Review) -> Control:
     charts = [spec.key for spec in kind.locus_specs(design)]
     if control.chart and control.chart not in charts:
         raise InputError(f"a chart of loci is one of {', '.join(charts)}, not {control.chart!r}")
+    if any(not (math.isfinite(r) and 0.0 < r <= MAX_RATIO) for r in control.ratios):
+        raise InputError(f"a ratio is a positive number up to {MAX_RATIO:g}")
+    if len(control.ratios) > MAX_RATIOS:
+        raise InputError(f"at most {MAX_RATIOS} ratios can be compared")
     if len(control.load) != 6 or not all(map(math.isfinite, control.load)):
         raise InputError("a load is six finite numbers: three forces (N), three moments (N·mm)")
     return control

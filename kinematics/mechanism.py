@@ -38,6 +38,7 @@ from kinematics.singularities import (
     MicrTable,
     ModeChange,
     OrientationCircle,
+    Profile,
     Remedy,
     Singularity,
 )
@@ -299,6 +300,11 @@ class Mechanism(Protocol):
     def circles(
         self, design: Any, pose: Sequence[float], mode: str
     ) -> tuple[OrientationCircle, ...]: ...
+    @property
+    def has_profile(self) -> bool: ...
+    def profile(
+        self, design: Any, pose: Sequence[float], ratios: Sequence[float] = ()
+    ) -> Profile: ...
     def micr(self, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike) -> MicrTable: ...
     def counterparts(self, design: Any) -> tuple[Design, ...]: ...
 
@@ -371,6 +377,7 @@ class Bare:
     """What a mechanism answers where it has nothing of the kind; to be inherited, overridden."""
 
     mode_noun = "working mode"
+    has_profile = False
 
     def about(self, topic: str) -> str:
         """Markdown about a topic of this mechanism: what it is, its paper's figures and equations.
@@ -531,6 +538,12 @@ class Bare:
     ) -> tuple[OrientationCircle, ...]:
         """About the pose's orientation, at its altitude: one circle for each limit."""
         return ()
+
+    def profile(
+        self, design: Any, pose: Sequence[float], ratios: Sequence[float] = ()
+    ) -> Profile:
+        """Such circles about the level platform against the altitude, if `has_profile`."""
+        raise InputError("this mechanism has no profile of circles over the altitude")
 
     def micr(self, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike) -> MicrTable:
         """MICR over circumradii and altitudes, which broadcast."""

@@ -145,6 +145,37 @@ class MicrTable(Frozen):
     barred: np.ndarray
 
 
+@dataclass(frozen=True, eq=False)
+class ProfileCurve(Frozen):
+    """One curve of a `Profile`: ``title`` and ``mode`` say of what, ``own`` whether of the very
+    machine; ``radius`` (N,) rad, π where nothing is met.
+    """
+
+    title: str
+    mode: str
+    own: bool
+    radius: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Profile(Frozen):
+    """Radii of circles of orientations, rad, against a ratio of lengths.
+
+    Attributes:
+        title, across, up: what it is, and what its axes are called.
+        x: (N,) the ratio.
+        at: where the machine stands.
+    """
+
+    title: str
+    across: str
+    up: str
+    x: Array
+    curves: tuple[ProfileCurve, ...]
+    at: float
+    figure: str = ""
+
+
 @dataclass(frozen=True, slots=True)
 class DesignChange:
     """A change of one number of the design; ``path`` as in `mechanism.DesignField`."""

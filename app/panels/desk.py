@@ -26,7 +26,7 @@ from app.worker import Built
 from kinematics.errors import BohemiaError
 from kinematics.mechanism import Design, Mechanism
 from kinematics.sections import Box, Sphere, Volume
-from kinematics.singularities import LocusCurves
+from kinematics.singularities import LocusCurves, Profile
 from kinematics.sweeps import Map
 
 log = logging.getLogger(__name__)
@@ -186,6 +186,8 @@ class Controlled:
     Attributes:
         here: of the present place, or while ``stale`` of one shortly before.
         curves: of the chosen chart; None while they are traced.
+        profiles: of the machine and of its counterparts, each with its design.
+        beside, curves_beside: the counterpart's, where it is compared with.
         ball: the largest one without a singularity, if a person asked for it; ``seeking`` it.
         log: what happened on the way, the newest first.
         scale: the steps of the measure that colours show.
@@ -195,6 +197,9 @@ class Controlled:
     here: Here | None
     stale: bool
     curves: LocusCurves | None
+    profiles: tuple[tuple[Design, Profile], ...]
+    beside: Here | None
+    curves_beside: LocusCurves | None
     ball: Sphere | None
     seeking: bool
     log: tuple[Logged, ...]

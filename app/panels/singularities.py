@@ -10,7 +10,8 @@ import viser
 
 from app import painting, palette
 from app.atlas import pose_text
-from app.changes import Fade, Place, SetControl, Show
+from app.changes import Fade, Move, Place, SetControl, Show
+from app.compute import short_title
 from app.controller import Here
 from app.panels import loci
 from app.panels.desk import (
@@ -43,9 +44,18 @@ from app.requests import (
     Swing,
 )
 from app.worker import Built
-from kinematics.mechanism import Design, Mechanism
+from kinematics.errors import InputError
+from kinematics.mechanism import Design, Mechanism, mechanism
 from kinematics.motion import Statics
-from kinematics.singularities import Clearance, LocusSpec, Measure, Remedy, Singularity
+from kinematics.singularities import (
+    AT,
+    Clearance,
+    LocusSpec,
+    Measure,
+    OrientationCircle,
+    Remedy,
+    Singularity,
+)
 
 ASPECTS = "aspects"
 NONE = "Nothing"
@@ -105,6 +115,10 @@ class SingularitiesPanel(Panel):
             self._offer_ball()
         if self._specs:
             self._offer_curves()
+        self._counterparts = kind.counterparts(design)
+        self._has_profile = kind.profile(design, review.pose) is not None
+        if self._has_profile:
+            self._offer_profile(sheet)
         self._offer_load(sheet)
         with gui.add_folder("What happened on the way", expand_by_default=False):
             self._log = gui.add_html(_log(()))
@@ -170,6 +184,8 @@ class SingularitiesPanel(Panel):
             answer(desk, self._chart, self._choose_chart)
             self._plot = Plot(desk, self._pointed)
             self._plotted: object = None
+            self._plot_beside = Plot(desk, self._pointed)
+            self._named_beside = gui.add_html("")
             self._curves = gui.add_html("")
             self._save = gui.add_button_group("Save as", ("CSV", "SVG"))
             clicked(
@@ -177,6 +193,31 @@ class SingularitiesPanel(Panel):
                 self._save,
                 lambda client: desk.ask(SaveLoci(self._save.value.lower(), client)),
             )
+
+    def _offer_profile(self, sheet: Sheet) -> None:
+        gui, desk, control = self._desk.gui, self._desk, sheet.view.review.control
+        with gui.add_folder("Largest circle of orientations"):
+            self._circles = gui.add_html("")
+            self._compare: viser.GuiCheckboxHandle | None = None
+            if self._counterparts:
+                title = short_title(mechanism(self._counterparts[0].mechanism))
+                self._compare = gui.add_checkbox(
+                    f"Beside the {title}",
+                    control.compare,
+                    hint="The same radii, stroke, altitude and orientation; in the scene too",
+                )
+                answer(
+                    desk,
+                    self._compare,
+                    lambda on, client: desk.send(SetControl("compare", on), client),
+                )
+            self._profile = Plot(desk, self._profile_pointed)
+            self._profiled: object = None
+            self._ratios = gui.add_text(
+                "Further h₂/h₁", _ratios_text(control.ratios), hint="Numbers with commas: 0.5, 1, 2"
+            )
+            answer(desk, self._ratios, self._set_ratios)
+            self._comparison = gui.add_html("")
 
     def _offer_load(self, sheet: Sheet) -> None:
         gui, desk, load = self._desk.gui, self._desk, sheet.view.review.control.load
@@ -207,6 +248,11 @@ class SingularitiesPanel(Panel):
             put(self._desk, self._locus, control.locus)
             put(self._desk, self._shade, self._title(control.shade))
             self.draw_solids(sheet)
+        if self._has_profile:
+            if self._compare is not None:
+                put(self._desk, self._compare, control.compare)
+            if _read_ratios(self._ratios.value) != control.ratios:
+                put(self._desk, self._ratios, _ratios_text(control.ratios))
         if self._specs:
             titles = {spec.key: title for title, spec in self._specs.items()}
             put(self._desk, self._chart, titles.get(control.chart, NONE))
@@ -228,6 +274,8 @@ class SingularitiesPanel(Panel):
         if self._solid is not None:
             put_prop(self._legend, "content", self._scale(controlled))
             self._draw_ball(controlled)
+        if self._has_profile:
+            self._draw_profile(controlled)
         if self._specs:
             self._draw_curves(sheet, controlled)
         put_prop(self._log, "content", _log(controlled.log))
@@ -258,6 +306,22 @@ class SingularitiesPanel(Panel):
         put_prop(self._go, "visible", ball is not None)
         put_prop(self._hide, "visible", ball is not None)
 
+    def _draw_profile(self, controlled: Controlled) -> None:
+        here, profiles = controlled.here, controlled.profiles
+        put_prop(self._circles, "content", _circles(here))
+        put_prop(self._comparison, "content", _comparison(here, controlled.beside))
+        if not profiles:
+            return
+        compared = self._sheet.view.review.control.compare
+        if (profiles, compared) != self._profiled:
+            self._profiled = profiles, compared
+            shown = profiles if compared else profiles[:1]
+            named = [(short_title(mechanism(d.mechanism)), p) for d, p in shown]
+            self._profile.draw(loci.profile_figure(named))
+        figure = self._profile.figure
+        if figure is not None:
+            self._profile.mark(loci.profile_mark(figure.axes, profiles[0][1].at))
+
     def _draw_curves(self, sheet: Sheet, controlled: Controlled) -> None:
         spec, curves = self._spec(sheet), controlled.curves
         put_prop(self._save, "visible", curves is not None)
@@ -270,9 +334,11 @@ class SingularitiesPanel(Panel):
             if self._plotted is None:
                 put_prop(self._curves, "content", box("Tracing the curves …"))
             return
-        if curves is not self._plotted:
-            self._plotted = curves
-            self._plot.draw(loci.figure(spec, curves))
+        here = controlled.here
+        circle = None if here is None else _singular_circle(here)
+        if (curves, circle) != self._plotted:
+            self._plotted = curves, circle
+            self._plot.draw(loci.figure(spec, curves, circle))
             worst = float(curves.residual.max(initial=0.0))
             size = f"{math.degrees(worst):.0e}°" if spec.units[0] == "rad" else f"{worst:.0e} mm"
             count = len(curves.kinds)
@@ -285,14 +351,27 @@ class SingularitiesPanel(Panel):
                     else "No singularity in this chart."
                 ),
             )
+        beside = controlled.curves_beside
+        name = ""
+        if beside is not None and sheet.view.beside is not None:
+            other = controlled.beside
+            circle = None if other is None else _singular_circle(other)
+            self._plot_beside.draw(loci.figure(spec, beside, circle))
+            title = short_title(mechanism(sheet.view.beside.design.mechanism))
+            name = box(f"Above: this machine, then the {esc(title)} beside it.")
+        else:
+            self._plot_beside.draw(None)
+        put_prop(self._named_beside, "content", name)
         self._draw_cross()
 
     def _draw_cross(self) -> None:
-        spec, figure = self._spec(self._sheet), self._plot.figure
-        if spec is None or figure is None:
+        spec = self._spec(self._sheet)
+        if spec is None:
             return
         at = _chart_place(self._sheet, spec)
-        self._plot.mark("" if at is None else loci.mark(spec, figure.axes, at))
+        for plot in (self._plot, self._plot_beside):
+            if plot.figure is not None:
+                plot.mark("" if at is None else loci.mark(spec, plot.figure.axes, at))
 
     def _scale(self, controlled: Controlled) -> str:
         shade = self._sheet.view.review.control.shade
@@ -330,6 +409,21 @@ class SingularitiesPanel(Panel):
         load = (*self._force.value, *self._moment.value)
         self._desk.send(SetControl("load", tuple(float(v) for v in load)), client)
 
+    def _set_ratios(self, text: str, client: viser.ClientHandle | None) -> None:
+        ratios = _read_ratios(text)
+        if ratios is None:
+            raise InputError("ratios are numbers with commas between them, as 0.5, 1, 2")
+        self._desk.send(SetControl("ratios", ratios), client)
+
+    def _profile_pointed(self, x: float, _: float, client: viser.ClientHandle | None) -> None:
+        """Go to the altitude that was pointed at."""
+        review, controlled = self._sheet.view.review, self._controlled
+        if controlled is None or not controlled.profiles or not controlled.profiles[0][1].at:
+            return
+        scale = abs(review.pose[0]) / controlled.profiles[0][1].at
+        sign = -1.0 if review.pose[0] < 0.0 else 1.0
+        self._desk.send(Move(0, sign * x * scale), client)
+
     def _pointed(self, x: float, y: float, client: viser.ClientHandle | None) -> None:
         spec = self._spec(self._sheet)
         if spec is None:
@@ -355,6 +449,22 @@ def _chart_place(sheet: Sheet, spec: LocusSpec) -> tuple[float, float] | None:
     if not all(symbol in known for symbol in spec.axes):
         return None
     return known[spec.axes[0]], known[spec.axes[1]]
+
+
+def _singular_circle(here: Here) -> OrientationCircle | None:
+    """The circle about the level platform that a singularity ends; None about another one."""
+    return next((c for c in here.circles if c.limit == "parallel"), None)
+
+
+def _read_ratios(text: str) -> tuple[float, ...] | None:
+    try:
+        return tuple(float(word) for word in text.replace(";", ",").split(",") if word.strip())
+    except ValueError:
+        return None
+
+
+def _ratios_text(ratios: tuple[float, ...]) -> str:
+    return ", ".join(f"{ratio:g}" for ratio in ratios)
 
 
 # --- HTML ----------------------------------------------------------------------------------
@@ -386,9 +496,10 @@ def _here(controlled: Controlled) -> str:
 
 def _card(singular: Singularity) -> str:
     color = palette.BEYOND
+    near = "Near a " if singular.measure > AT else "In a "
     return (
         f'<div style="border-left:4px solid {color};padding-left:.6em;margin-bottom:.4em">'
-        f'<b style="color:{color}">{esc(singular.kind.capitalize())} singularity</b><br>'
+        f'<b style="color:{color}">{near}{esc(singular.kind)} singularity</b><br>'
         f'{esc(singular.text)}<br><span style="opacity:.8">{esc(singular.cause)}</span></div>'
     )
 
@@ -515,6 +626,55 @@ def _pieces(sheet: Sheet) -> str:
         f'<div style="opacity:.75">together {volume_text(solid.volume, solid.volume_error)}'
         f"{exact}. Slices at this orientation: pieces may be joined through others.</div>"
     )
+
+
+def _circles(here: Here | None) -> str:
+    if here is None or not here.circles:
+        return ""
+    rows = "".join(
+        f'<div style="padding:.1em 0">{chip(_LIMIT[c.limit])}'
+        f"<b>{math.degrees(c.radius):.4f}°</b> {esc(c.text)}</div>"
+        for c in here.circles
+    )
+    return box(rows)
+
+
+_LIMIT = {
+    "parallel": palette.BEYOND,
+    "constraint": palette.BEYOND,
+    "stroke": palette.WORKSPACE,
+}
+
+
+def _comparison(here: Here | None, beside: Here | None) -> str:
+    """Two machines in numbers; the better one of each in bold."""
+    if here is None or beside is None:
+        return ""
+    names = [short_title(h.place.kind) for h in (here, beside)]
+    rows = []
+    for (measure, one), (_, two) in zip(here.measures, beside.measures, strict=False):
+        better = one > two if measure.better == "high" else one < two
+        if abs(one - two) > 1e-9 * max(abs(one), abs(two), 1.0):  # else it tells nothing
+            rows.append(_pair(measure.title, f"{one:.4g}", f"{two:.4g}", better))
+    for title, kind in (
+        ("Circle to a singularity", "parallel"),
+        ("Circle within strokes", "stroke"),
+    ):
+        found = [next((c for c in h.circles if c.limit == kind), None) for h in (here, beside)]
+        if found[0] is not None and found[1] is not None:
+            one, two = (math.degrees(c.radius) for c in found if c is not None)
+            rows.append(_pair(title, f"{one:.3f}°", f"{two:.3f}°", one > two))
+    head = "".join(f'<th style="text-align:right">{esc(name)}</th>' for name in names)
+    return box(f'<table style="width:100%"><tr><th></th>{head}</tr>{"".join(rows)}</table>')
+
+
+def _pair(title: str, one: str, two: str, better: bool) -> str:
+    bold = ("font-weight:600" if flag else "" for flag in (better, not better))
+    cells = "".join(
+        f'<td style="text-align:right;font-variant-numeric:tabular-nums;{style}">{esc(text)}</td>'
+        for style, text in zip(bold, (one, two), strict=True)
+    )
+    return f"<tr><td>{esc(title)}</td>{cells}</tr>"
 
 
 def _legend(measure: Measure, steps: painting.Scale) -> str:

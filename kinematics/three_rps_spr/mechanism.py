@@ -20,6 +20,7 @@ from kinematics.singularities import (
     MicrTable,
     ModeChange,
     OrientationCircle,
+    Profile,
     Remedy,
     Singularity,
 )
@@ -44,6 +45,7 @@ from kinematics.three_rps_spr import (
     loci,
     moving,
     posing,
+    profile,
     room,
     singularity,
     velocity,
@@ -58,6 +60,7 @@ class Tripod(Bare):
     """Nayak et al. (2017): Z, tilt and azimuth moved by three limbs ρ₁ … ρ₃, in two modes."""
 
     modes = designs.MODES
+    has_profile = True
     mode_noun = "operation mode"
 
     def __init__(self, kind: Kind, title: str) -> None:
@@ -228,6 +231,11 @@ class Tripod(Bare):
         self, design: TripodDesign, pose: Sequence[float], mode: str
     ) -> tuple[OrientationCircle, ...]:
         return circles.circles(design, tuple(pose), mode)
+
+    def profile(
+        self, design: TripodDesign, pose: Sequence[float], ratios: Sequence[float] = ()
+    ) -> Profile:
+        return profile.profile(design, float(pose[0]), ratios)
 
     def micr(self, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike) -> MicrTable:
         return inscribed.table(self.kind, base, platform, altitude)
