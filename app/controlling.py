@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections import OrderedDict
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from app import controller, painting, palette
+from app import controller
 from app.changes import Change, EditDesign, Place, Visit
 from app.compute import SolidWish, View
 from app.controller import Here
@@ -18,7 +17,8 @@ from app.exporting import ExportedFile, solid_name
 from app.held import Held
 from app.lane import Done, Job, Lane, Lost
 from app.locus_files import locus_bytes
-from app.painting import Coat, Scale
+from app.painter import Painter
+from app.painting import Coat
 from app.panels.desk import Controlled, Logged
 from app.parts import Stage
 from app.requests import (
@@ -35,7 +35,6 @@ from app.worker import Built, LaneName
 from kinematics.mechanism import Design
 from kinematics.sections import Sphere
 from kinematics.singularities import LocusCurves, Profile
-from kinematics.spatial import Array
 
 if TYPE_CHECKING:
     import viser
@@ -121,7 +120,7 @@ class Controlling:
                 jobs.append(
                     Job(key, "the counterpart's curves", controller.curves, arguments, REST)
                 )
-        if review.mechanism.profile(review.design, review.pose) is not None:
+        if review.mechanism.has_profile:
             jobs.append(
                 Job(
                     ("profiles", *_profile_key(review)),
@@ -342,75 +341,6 @@ class Controlling:
         self._stage.apart(client, lambda: self._stage.download(file, client))
 
 
-class Painter:
-    """Coats of solids, kept as long as nothing of them changes; asks for the measure's values."""
-
-    def __init__(self) -> None:
-        self._coats: dict[str, tuple[object, tuple[Coat, ...]]] = {}
-        self._fields: OrderedDict[object, Array] = OrderedDict()
-        self._solids: dict[str, tuple[Built, Array]] = {}  # those to paint, and their vertices
-        self._scale: tuple[object, Scale] | None = None
-        self.wants = False
-
-    def jobs(self, review: Review, spot: Spot) -> list[Job]:
-        """The values that are not known yet."""
-        self.wants = False
-        jobs = []
-        for key, (built, points) in self._solids.items():
-            what = _field_key(review, key, built)
-            if what not in self._fields:
-                arguments = spot, review.control.shade, points
-                jobs.append(Job(what, "the colours", controller.field, arguments, 0.0))
-        return jobs
-
-    def take(self, key: object, values: Array) -> None:
-        self._fields[key] = values
-        while len(self._fields) > 6:
-            self._fields.popitem(last=False)
-
-    def scale(self, review: Review) -> Scale | None:
-        """The steps of the measure that is on display."""
-        if self._scale is None or not review.control.shade:
-            return None
-        return self._scale[1] if self._scale[0] == review.control.shade else None
-
-    def coats(self, review: Review, wish: SolidWish, built: Built) -> tuple[Coat, ...]:
-        key, solid, control = wish.spec.key, built.solid, review.control
-        shade = control.shade if wish.spec.limb is None else ""
-        values: Array | None = None
-        if shade and solid.triangles:
-            what = _field_key(review, key, built)
-            values = self._fields.get(what)
-            if values is None:
-                points = solid.shaded.vertices @ wish.placement[:3, :3].T + wish.placement[:3, 3]
-                self._solids[key] = built, points.astype(float)
-                self.wants = True
-        made_of = solid, None if values is None else id(values), control.locus
-        known = self._coats.get(key)
-        if known is not None and known[0] == made_of:
-            return known[1]
-        coats = self._made(review, wish, built, shade, values)
-        self._coats[key] = made_of, coats
-        return coats
-
-    def _made(
-        self, review: Review, wish: SolidWish, built: Built, shade: str, values: Array | None
-    ) -> tuple[Coat, ...]:
-        solid = built.solid
-        if not solid.triangles:
-            return ()
-        color = palette.solid_color(wish.spec)
-        if values is not None:
-            measure = next(m for m in review.mechanism.measures(review.design) if m.key == shade)
-            steps = painting.scale(values, high=measure.better == "high", limits=measure.limits)
-            if steps is not None:
-                self._scale = shade, steps
-                return painting.shaded(solid, values, steps, color)
-        if solid.piece_of is not None and len(solid.pieces):
-            return painting.pieces(solid, locus=review.control.locus)
-        return painting.plain(solid, color)
-
-
 def spot_of(review: Review) -> Spot:
     """Where the machine stands, with its load."""
     return Spot(review.design, review.pose, review.mode, review.control.load)
@@ -449,15 +379,3 @@ def _chart_key(review: Review) -> tuple[object, ...]:
     chart = review.control.chart
     spec = next(s for s in review.mechanism.locus_specs(review.design) if s.key == chart)
     return chart, review.design, review.mode, *_held(review, spec.axes)
-
-
-def _field_key(review: Review, key: str, built: Built) -> tuple[object, ...]:
-    load = next(
-        (
-            review.control.load
-            for m in review.mechanism.measures(review.design)
-            if m.key == review.control.shade and m.needs_load
-        ),
-        None,
-    )
-    return "field", key, built.solid, review.design, review.mode, review.control.shade, load

@@ -116,8 +116,10 @@ def _circle(spec: LocusSpec, axes: Axes, circle: OrientationCircle) -> str:
     radius = in_units(spec, np.array([[circle.radius, 0.0]]))[0, 0]
     scale = axes.inner[0] / (axes.x[1] - axes.x[0])
     dots = "".join(
-        '<circle cx="{:.1f}" cy="{:.1f}" r="3.2" fill="{}"/>'.format(*axes.px(*p), palette.BEYOND)
-        for p in in_units(spec, np.array(circle.contacts).reshape(-1, 2)).tolist()
+        f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3.2" fill="{palette.BEYOND}"/>'
+        for x, y in (
+            axes.px(*p) for p in in_units(spec, np.array(circle.contacts).reshape(-1, 2)).tolist()
+        )
     )
     return (
         f'<circle class="micr" cx="{x0:g}" cy="{y0:g}" r="{radius * scale:.1f}" '
