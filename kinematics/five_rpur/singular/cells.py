@@ -88,11 +88,17 @@ class Cells:
 
 
 def _stations(determinant: Determinant, low: float, high: float, count: int) -> Array:
-    """Nodes along y', crowded towards ends of the span, and one beyond each end."""
+    """Nodes along y', crowded towards ends of the span, and one beyond each end.
+
+    At an end of the span the workspace has a flat side: that lies in the middle of a cell.
+    """
     ends = Field(determinant).span
     middle, half = 0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0])
     turn = np.arccos(np.clip((middle - np.array([low, high])) / half, -1.0, 1.0))
-    y = middle - half * np.cos(np.linspace(turn[0], turn[1], count))
+    shift = 0.5 * (turn[1] - turn[0]) / count
+    first = turn[0] + (shift if turn[0] < shift else 0.0)
+    last = turn[1] - (shift if turn[1] > np.pi - shift else 0.0)
+    y = middle - half * np.cos(np.linspace(first, last, count))
     step = (high - low) / count
     return np.concatenate([[min(low, y[0] - step)], y, [max(high, y[-1] + step)]])
 
