@@ -14,6 +14,8 @@ from kinematics.spatial import Array
 CELLS: dict[Resolution, int] = {"preview": 14, "normal": 30, "fine": 60}
 """Along each side of the workspace's box, were it a cube."""
 
+_SOME = 512  # nodes that tell whether F is anything but rounding
+
 _INNER = 1e-9
 """Part of the span of y' that is left out at its ends: there limbs are in serial singularities,
 and where two of them are at once the determinant is zero whatever x' and z'."""
@@ -73,11 +75,11 @@ class Cells:
         return cls(determinant, (x, y, z), values)
 
     def vanish(self) -> bool:
-        """Whether F is no more than rounding at all nodes that count."""
+        """Whether F is no more than rounding wherever nodes count."""
         index = np.argwhere(np.isfinite(self.values))
         points = np.stack([a[index[:, k]] for k, a in enumerate(self.axes)], axis=-1)
         points[:, 1] = np.clip(points[:, 1], *Field(self.determinant).span)
-        some = points[:: max(1, len(points) // 4096)]
+        some = points[:: max(1, len(points) // _SOME)]
         size, noise = np.abs(self.determinant.value(some)), self.determinant.roundoff(some)
         return bool((size <= noise).all())
 
