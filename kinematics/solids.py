@@ -390,6 +390,8 @@ def rounded(
     shells: NDArray[np.intp],
     thinnest: float,
     step: float | None = None,
+    *,
+    collapse: bool = True,
 ) -> tuple[TracedMesh, NDArray[np.intp], float]:
     """Every vertex on a float32 grid and, if that can be had, at a place of its own.
 
@@ -402,6 +404,8 @@ def rounded(
         shells: of each of its faces.
         thinnest: as in `finish`.
         step: of the grid, mm; None: the finest that holds the mesh.
+        collapse: whether edges may be; else ends that fall together are moved apart as well, and
+            no other vertex moves.
 
     Returns:
         the mesh, the shell of each face, and how far whole surfaces may have moved, mm.
@@ -413,7 +417,7 @@ def rounded(
     if not len(meshes.sharing(result.mesh.vertices)):
         return result, shells, 0.0
     moved = 0.0
-    for moved in (2.0 * step, 16.0 * step):
+    for moved in (2.0 * step, 16.0 * step) if collapse else ():
         simpler = solid.simplified(moved).traced()
         simpler, shells, _ = meshes.without_slivers(simpler, thinnest)
         result = meshes.on_grid(simpler, simpler.mesh.vertices, step)
