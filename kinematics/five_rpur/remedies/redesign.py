@@ -136,7 +136,7 @@ _LINK: _What = ("link",)
 
 
 def _of_limb(design: FiveRPURDesign, wanted: Posture, i: int) -> dict[_What, Way]:
-    """By what is changed: the smallest changes that do. Never empty."""
+    """By what is changed: the smallest changes that do, or none where the pose is far away."""
     single: dict[_What, Way] = {what: (change,) for what, change in _single(design, wanted, i)}
     if not single:
         single[_STROKE] = single[_LINK] = _pair(design, wanted, i)
@@ -145,10 +145,22 @@ def _of_limb(design: FiveRPURDesign, wanted: Posture, i: int) -> dict[_What, Way
 
 def _pair(design: FiveRPURDesign, wanted: Posture, i: int) -> Way:
     """The link made as long as it must be to close at all, the stroke to go with it."""
-    here = _closing(design, wanted, i)
-    rho = float(np.hypot(here.x, here.z))
-    link = _change(design, ("limb", i, "link"), abs(here.y))
-    return (link, _change(design, ("limb", i, "stroke", int(rho > here.limb.stroke[1])), rho))
+    limb = ("limb", i)
+    across = abs(_closing(design, wanted, i).y)
+    for nudge in _NUDGES:
+        link = across * (1.0 + max(nudge, 0.0))
+        try:
+            longer_link = with_field(design, (*limb, "link"), link)
+        except BohemiaError:  # no machine is that large
+            return ()
+        rho = posture(longer_link, wanted.pose, wanted.mode).joints[i]
+        if np.isfinite(rho):
+            longer = int(rho > design.stroke[i, 1])
+            return (
+                _change(design, (*limb, "link"), link),
+                _change(design, (*limb, "stroke", longer), rho),
+            )
+    return ()
 
 
 def _closing(design: FiveRPURDesign, wanted: Posture, i: int) -> _Closing:
