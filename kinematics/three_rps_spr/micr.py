@@ -94,7 +94,7 @@ def micr(kind: Kind, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike, 
 
 
 def critical_tilts(kind: Kind, k: float, z: float) -> list[float]:
-    """Tilts, in order, at which a root w of P enters or leaves [−1, 1] or two roots meet; h1 = 1."""
+    """Tilts, in order, at which a root w of P enters or leaves [−1, 1], or two meet; h1 = 1."""
     if z == 0.0:
         return []
     one = np.array([k]), np.array([abs(z)])
@@ -147,9 +147,15 @@ class _Found(NamedTuple):
     w: Array
 
 
-def _checked(base: ArrayLike, platform: ArrayLike, altitude: ArrayLike) -> tuple[Array, Array, Array]:
+def _checked(
+    base: ArrayLike, platform: ArrayLike, altitude: ArrayLike
+) -> tuple[Array, Array, Array]:
     found = []
-    for name, value in (("base radius", base), ("platform radius", platform), ("altitude", altitude)):
+    for name, value in (
+        ("base radius", base),
+        ("platform radius", platform),
+        ("altitude", altitude),
+    ):
         try:
             array = np.asarray(value, dtype=float)
         except (TypeError, ValueError):
@@ -315,9 +321,7 @@ def _vanishes(
     return np.asarray(good)
 
 
-def table(
-    kind: Kind, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike
-) -> MicrTable:
+def table(kind: Kind, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike) -> MicrTable:
     """MICR in both operation modes, mode 1 first, of radii and altitudes that broadcast (Figs. 4
     and 5: base 1, platform the ratio, altitude Z/h1).
 
