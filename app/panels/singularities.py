@@ -126,13 +126,9 @@ class SingularitiesPanel(Panel):
         gui, desk, review = self._desk.gui, self._desk, sheet.view.review
         with gui.add_folder("Aspects of the present mode"):
             shown = review.shown(ASPECTS)
-            self._aspects = gui.add_checkbox(
-                "Show", shown is not None, hint="Hotkey A"
-            )
+            self._aspects = gui.add_checkbox("Show", shown is not None, hint="Hotkey A")
             answer(desk, self._aspects, lambda on, client: desk.send(Show(ASPECTS, on), client))
-            self._locus = self._switch(
-                "Singular surface", "locus", "Where control is lost"
-            )
+            self._locus = self._switch("Singular surface", "locus", "Where control is lost")
             self._opacity = gui.add_slider(
                 "Opacity", 0.05, 1.0, 0.05, 0.5 if shown is None else shown.opacity
             )

@@ -59,6 +59,7 @@ def locus(design: TripodDesign, key: str, altitude: float, mode: str) -> LocusCu
     z = altitude / design.base_radius
     curves = singular_curves(design.mechanism, k, z)
     rim = np.stack([np.full(_RIM, np.pi), np.linspace(-np.pi, np.pi, _RIM)], axis=-1)
+    rim[-1] = rim[0]
     points = np.concatenate([*curves, rim])
     residual = np.concatenate([_residual(design.mechanism, k, z, points[:-_RIM]), np.zeros(_RIM)])
     kinds: list[SingularityKind] = ["parallel"] * len(curves)
