@@ -13,7 +13,16 @@ from collections.abc import Sequence
 from difflib import get_close_matches
 from typing import Any, NoReturn
 
-from app.commands import controlling, losing, mapping, measuring, serving, solids, solving
+from app.commands import (
+    controlling,
+    inscribing,
+    losing,
+    mapping,
+    measuring,
+    serving,
+    solids,
+    solving,
+)
 from kinematics.errors import BohemiaError, InputError
 
 # Their values may begin with a minus sign, which argparse takes for an option.
@@ -21,6 +30,7 @@ SIGNED_OPTIONS = frozenset(
     {
         *("--pose", "--joints", "--phi", "--theta", "--modes", "--mode", "--x", "--around", "--at"),
         *("--rates", "--accelerations", "--joint-rates", "--joint-accelerations", "--load"),
+        *("--base", "--platform", "--altitude", "--ratios", "--heights"),
     }
 )
 
@@ -96,7 +106,8 @@ def _parser() -> tuple[argparse.ArgumentParser, tuple[str, ...]]:
         added.set_defaults(command=run)
         return added
 
-    for family in (serving, solving, solids, measuring, mapping, controlling, losing):
+    families = (serving, solving, solids, measuring, mapping, controlling, losing, inscribing)
+    for family in families:
         family.register(command)
     return parser, tuple(commands.choices)
 

@@ -139,6 +139,10 @@ def locus_figure(found: LocusCurves, spec: LocusSpec, *, title: str = "", note: 
             label=name if name not in named else "_",
         )
         named.add(name)
+    for barrier in found.barriers if spec.polar else ():
+        turn = np.linspace(0.0, 2.0 * np.pi, 361)
+        radius = outer(np.array([[barrier, 0.0]]), spec)[0, 0]
+        panel.plot(turn, np.full_like(turn, radius), color=INK, linestyle=":", linewidth=0.9)
     labels = [
         f"{a} ({'°' if unit == 'rad' else unit})"
         for a, unit in zip(spec.axes, spec.units, strict=True)

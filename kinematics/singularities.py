@@ -137,12 +137,16 @@ class MicrTable(Frozen):
         radius: (M, ...) rad; NaN where no tilt is singular.
         contact: (M, ...) the azimuth that is met first, rad, one of those that symmetry makes.
         barred: (M, ...) the circle holds tilts without any position at this altitude.
+        printed: (M, ...) degrees, what the method of the mechanism's paper prints of it.
+        note: why that is another number; "" where there is no such paper.
     """
 
     modes: tuple[str, ...]
     radius: Array
     contact: Array
     barred: np.ndarray
+    printed: Array
+    note: str
 
 
 @dataclass(frozen=True, eq=False)

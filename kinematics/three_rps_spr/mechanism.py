@@ -14,6 +14,7 @@ from kinematics.motion import Motion, Statics, WrenchSystem
 from kinematics.singularities import (
     AT,
     Clearance,
+    Event,
     LocusCurves,
     LocusSpec,
     Measure,
@@ -44,6 +45,7 @@ from kinematics.three_rps_spr import (
     inverse,
     loci,
     moving,
+    passing,
     posing,
     profile,
     room,
@@ -139,9 +141,7 @@ class Tripod(Bare):
     ) -> Refreshed:
         return carrying.refresh(design, before, joints)
 
-    def transform(
-        self, design: TripodDesign, poses: ArrayLike, mode: str | Sequence[str]
-    ) -> Array:
+    def transform(self, design: TripodDesign, poses: ArrayLike, mode: str | Sequence[str]) -> Array:
         return posing.transform(design, poses, mode)
 
     def pose_from_transform(
@@ -205,8 +205,16 @@ class Tripod(Bare):
     ) -> tuple[Singularity, ...]:
         return singularity.singularities(design, posture, tolerance)
 
-    def clearances(self, design: TripodDesign, posture: Posture) -> tuple[Clearance, ...]:
-        return room.clearances(design, posture)
+    def clearances(
+        self, design: TripodDesign, posture: Posture, *, singular: bool = True
+    ) -> tuple[Clearance, ...]:
+        return room.clearances(design, posture, singular=singular)
+
+    def passed(self, design: TripodDesign, before: Posture, after: Posture) -> tuple[Event, ...]:
+        return passing.passed(design, before, after)
+
+    def path(self, design: TripodDesign, posture: Posture, poses: ArrayLike) -> Followed:
+        return passing.path(design, posture, poses)
 
     def remedy(self, design: TripodDesign, posture: Posture) -> Remedy:
         return room.remedy(design, posture)
