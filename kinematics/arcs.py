@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -316,7 +317,7 @@ def section_of(loops: Sequence[Sequence[Edge]], circles: Arcs | None = None) -> 
     start, end = every.at(0.0), every.at(1.0)
     counts = [len(one.radius) for one in shown]
     first = np.concatenate([[0], np.cumsum(counts)]).astype(int)
-    for a, b in zip(first[:-1], first[1:], strict=True):  # neighbours meet exactly
+    for a, b in pairwise(first.tolist()):  # neighbours meet exactly
         end[a : b - 1] = start[a + 1 : b]
         end[b - 1] = start[a]
     return Section(

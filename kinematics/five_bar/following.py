@@ -35,7 +35,7 @@ def follow(design: FiveBarDesign, start: Posture, joints: Sequence[float]) -> Fo
     q = np.array(start.joints)
     aim, blocked = _aim(design, q, wanted)
     side = _side(design, start)
-    crossing = first_crossing(design, q, aim)
+    crossing = first_crossing(design, q.tolist(), aim.tolist())
     if side == 0 or (crossing is not None and crossing.fraction == 0.0):
         text = "P stands in a parallel singularity, so the joints do not determine where it goes"
         return Followed(start, "singularity", text, 0.0)
@@ -67,7 +67,7 @@ def fold_ahead(design: FiveBarDesign, start: Posture, joints: Sequence[float]) -
     if not start.closes or _side(design, start) == 0:
         return None
     q = np.array(start.joints)
-    crossing = first_crossing(design, q, wanted)
+    crossing = first_crossing(design, q.tolist(), wanted.tolist())
     if crossing is None or crossing.fraction == 0.0:
         return None
     other = both_points(design, q)[1 if _side(design, start) > 0 else 0]
