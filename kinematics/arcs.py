@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,7 +52,7 @@ class Arcs(NamedTuple):
         points: Array = self.center + self.radius[:, None] * ray
         return points
 
-    def take(self, rows: object) -> Arcs:
+    def take(self, rows: Any) -> Arcs:
         """Some of them."""
         return Arcs(*(each[rows] for each in self))
 

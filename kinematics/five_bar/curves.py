@@ -185,13 +185,13 @@ def pieces(design: FiveBarDesign) -> tuple[Piece, ...]:
         ends = [*cuts[1:], cuts[0] + 2 * np.pi]
         middles = 0.5 * (np.array(cuts) + np.array(ends))
         point, joints = loop.points(middles)
-        ok = in_range(design, joints).all(axis=-1)
+        ok = np.atleast_1d(in_range(design, joints).all(axis=-1))
         modes = mode_of(design, point, joints)
         # Where θ_1 leaps (see _cuts), a piece ends beside the leap, a few nm before the point.
         aside = 1e-8 if _leaps(loop) else 0.0
-        serial: list[bool] = (np.abs(_bend(loop, middles)) < _ALWAYS).any(axis=-1).tolist()
+        serial = np.atleast_1d((np.abs(_bend(loop, middles)) < _ALWAYS).any(axis=-1))
         found += [
-            Piece(loop, a + aside, b - aside, mode, whole, flat)
+            Piece(loop, a + aside, b - aside, mode, whole, bool(flat))
             for a, b, mode, held, flat in zip(cuts, ends, modes, ok, serial, strict=True)
             if held and b - a > _SHORT
         ]

@@ -41,7 +41,9 @@ def drawing(design: FiveBarDesign, posture: Posture) -> Drawing:
             Bar(f"{name}/proximal", _t(a, low), _t(b[i], low), 1.25 * thick, "cylinder", limb),
             Bar(f"{name}/link", _t(b[i], high), _t(end, high), thick, "link", limb),
             # The motor below, its shaft up to the link; the elbow's pin through both links.
-            Bar(f"{name}/motor", _t(a, -1.6 * layer), _t(a, 0.2 * layer), 3.2 * thick, "base", limb),
+            Bar(
+                f"{name}/motor", _t(a, -1.6 * layer), _t(a, 0.2 * layer), 3.2 * thick, "base", limb
+            ),
             Bar(f"{name}/R_A", _t(a, 0.2 * layer), _t(a, low + thick), 1.7 * thick, "joint", limb),
             Bar(
                 f"{name}/R_B",
@@ -60,7 +62,9 @@ def drawing(design: FiveBarDesign, posture: Posture) -> Drawing:
             Mark(f"{name}/B", f"B{SUBSCRIPTS[i]}", _t(b[i], max(low, high) + thick), limb),
         ]
     bars.append(
-        Bar("R_P", _t(p, _DISTAL[0] * layer - 1.8 * thick), _t(p, 4.2 * layer), 1.3 * thick, "joint")
+        Bar(
+            "R_P", _t(p, _DISTAL[0] * layer - 1.8 * thick), _t(p, 4.2 * layer), 1.3 * thick, "joint"
+        )
     )
     points.append(Mark("P", "P", _t(p, 4.2 * layer)))
     tool = tuple((0.0, 0.0, z) for z in (0.45 * layer, 1.9 * layer))
@@ -84,7 +88,7 @@ def _each(posture: Posture) -> Iterator[tuple[int, float]]:
 
 
 def _toward(design: FiveBarDesign, i: int, p: Array) -> float:
-    """How a limb that cannot close stands: stretched towards P, or folded back as far as it goes."""
+    """How a limb that cannot close stands: stretched towards P, or folded back."""
     away = p - design.base[i]
     angle = float(np.arctan2(away[1], away[0]))
     reach = float(np.hypot(*away))
@@ -102,9 +106,7 @@ def _short(design: FiveBarDesign, i: int, b: Array, p: Array) -> Array:
     return tip
 
 
-def _stops(
-    design: FiveBarDesign, i: int, z: float, size: float, thick: float
-) -> Iterator[Bar]:
+def _stops(design: FiveBarDesign, i: int, z: float, size: float, thick: float) -> Iterator[Bar]:
     """Short pegs at the ends of a joint's range, beside the motor."""
     if design.limbs[i].joint_range_deg is None:
         return

@@ -18,8 +18,8 @@ from kinematics.five_bar import (
     loci,
     regions,
     singular,
-    ways,
     velocity,
+    ways,
 )
 from kinematics.five_bar import design as designs
 from kinematics.five_bar import findings as remarks
@@ -86,10 +86,10 @@ class FiveBar(Bare):
     def joint_coordinates(self, design: FiveBarDesign) -> tuple[Coordinate, ...]:
         found = []
         for i, (low, high) in enumerate(design.joint_range.tolist()):
-            free = bool(np.isinf(low))
-            ends = (-float(np.pi), float(np.pi)) if free else (low, high)
+            if bool(np.isinf(low)):
+                low, high = -float(np.pi), float(np.pi)
             symbol = f"θ{designs.SUBSCRIPTS[i]}"
-            found.append(Coordinate(f"theta{i + 1}", symbol, "rad", *ends, limb=i + 1))
+            found.append(Coordinate(f"theta{i + 1}", symbol, "rad", low, high, limb=i + 1))
         return tuple(found)
 
     # --- kinematics

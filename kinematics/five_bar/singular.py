@@ -143,7 +143,13 @@ def clearances(design: FiveBarDesign, at: Posture) -> tuple[Clearance, ...]:
 
 
 def _clearance(
-    design: FiveBarDesign, kind: ClearanceKind, p: Array, point: Array, what: str, limb: int, bound: str
+    design: FiveBarDesign,
+    kind: ClearanceKind,
+    p: Array,
+    point: Array,
+    what: str,
+    limb: int,
+    bound: str,
 ) -> Clearance:
     distance = float(np.hypot(*(point - p)))
     text = f"{distance:.1f} mm to where {what}"

@@ -136,7 +136,8 @@ def _bias(design: FiveBarDesign, b: Array, q: Array, v: Array, rate: Array) -> A
     across = np.stack([-e[..., 1], e[..., 0]], axis=-1)
     relative = v[..., None, :] - (design.proximal * rate)[..., None] * across
     along: Array = design.proximal * rate**2 * (b * e).sum(axis=-1)
-    return along + (relative**2).sum(axis=-1)
+    bias: Array = along + (relative**2).sum(axis=-1)
+    return bias
 
 
 def _solve(design: FiveBarDesign, b: Array, right: Array) -> Array:
@@ -249,7 +250,8 @@ def measure(
     if key == "force":
         if load is None:
             raise InputError("the largest torque needs a load, [Fx, Fy, Fz, Tx, Ty, Tz]")
-        return np.abs(statics(design, p, mode, load).forces).max(axis=-1)
+        largest: Array = np.abs(statics(design, p, mode, load).forces).max(axis=-1)
+        return largest
     known = ", ".join(each.key for each in MEASURES)
     raise InputError(f"there is no measure {key!r}; known are {known}")
 
