@@ -10,6 +10,7 @@ from kinematics.five_bar.design import LIMBS, SUBSCRIPTS, FiveBarDesign
 from kinematics.five_bar.forward import both_points
 from kinematics.five_bar.inverse import RANGE_SLACK, elbows, mode_of, normal_angles, posture
 from kinematics.five_bar.joints_line import Crossing, first_crossing
+from kinematics.five_bar.passing import warning
 from kinematics.solutions import Fold, Followed, Posture, Stop
 from kinematics.spatial import Array, finite
 
@@ -54,7 +55,7 @@ def follow(design: FiveBarDesign, start: Posture, joints: Sequence[float]) -> Fo
     elif blocked is not None:
         stop, limb = "stroke", blocked + 1
         text = _joined(text, _range_text(design, blocked, float(wanted[blocked])))
-    return Followed(moved, stop, text, fraction * share, limb)
+    return Followed(moved, stop, text, fraction * share, limb, warning(design, moved))
 
 
 def fold_ahead(design: FiveBarDesign, start: Posture, joints: Sequence[float]) -> Fold | None:

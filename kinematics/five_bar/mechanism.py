@@ -16,19 +16,22 @@ from kinematics.five_bar import (
     home,
     inverse,
     loci,
+    passing,
     regions,
-    singular,
     velocity,
     ways,
 )
 from kinematics.five_bar import design as designs
 from kinematics.five_bar import findings as remarks
+from kinematics.five_bar import singular as control
 from kinematics.five_bar.design import FiveBarDesign
 from kinematics.mechanism import Bare, Coordinate, DesignField, Drawing
 from kinematics.motion import Motion, Statics, WrenchSystem
 from kinematics.sections import Region, RegionSpec
 from kinematics.singularities import (
+    AT,
     Clearance,
+    Event,
     LocusCurves,
     LocusSpec,
     Measure,
@@ -187,14 +190,24 @@ class FiveBar(Bare):
     ) -> Array:
         return velocity.measure(design, poses, mode, key, load)
 
-    def singularities(self, design: FiveBarDesign, posture: Posture) -> tuple[Singularity, ...]:
-        return singular.singularities(design, posture)
+    def singularities(
+        self, design: FiveBarDesign, posture: Posture, tolerance: float = AT
+    ) -> tuple[Singularity, ...]:
+        return control.singularities(design, posture, tolerance)
 
-    def clearances(self, design: FiveBarDesign, posture: Posture) -> tuple[Clearance, ...]:
-        return singular.clearances(design, posture)
+    def clearances(
+        self, design: FiveBarDesign, posture: Posture, *, singular: bool = True
+    ) -> tuple[Clearance, ...]:
+        return control.clearances(design, posture, singular=singular)
 
     def remedy(self, design: FiveBarDesign, posture: Posture) -> Remedy:
-        return singular.remedy(design, posture)
+        return control.remedy(design, posture)
+
+    def passed(self, design: FiveBarDesign, before: Posture, after: Posture) -> tuple[Event, ...]:
+        return passing.passed(design, before, after)
+
+    def path(self, design: FiveBarDesign, posture: Posture, poses: ArrayLike) -> Followed:
+        return passing.path(design, posture, poses)
 
     def locus_specs(self, design: FiveBarDesign) -> tuple[LocusSpec, ...]:
         return loci.SPECS

@@ -6,8 +6,8 @@ the posture's working mode. Lengths mm, angles rad.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from functools import lru_cache, partial
+from collections.abc import Iterator
+from functools import lru_cache
 from itertools import product
 
 import numpy as np
@@ -28,6 +28,7 @@ from kinematics.five_bar.loci import base_points
 from kinematics.five_bar.velocity import sines
 from kinematics.sections import BOUNDS
 from kinematics.singularities import (
+    AT,
     Clearance,
     ClearanceKind,
     DesignChange,
@@ -38,8 +39,6 @@ from kinematics.singularities import (
 from kinematics.solutions import Posture, Reason
 from kinematics.spatial import Array
 
-AT = 1e-9
-"""|sin| of the angle between links at which a posture is called singular."""
 _SAMPLES = 257
 _LINK = BOUNDS.index("link")
 _IN = 1e-9  # of the size: how far inside the boundary the nearest posture is put
@@ -48,8 +47,13 @@ _IN = 1e-9  # of the size: how far inside the boundary the nearest posture is pu
 # --- at a posture --------------------------------------------------------------------------
 
 
-def singularities(design: FiveBarDesign, at: Posture) -> tuple[Singularity, ...]:
-    """What control is lost at a posture; empty as a rule, and where it does not close."""
+def singularities(
+    design: FiveBarDesign, at: Posture, tolerance: float = AT
+) -> tuple[Singularity, ...]:
+    """What control is lost at a posture; empty as a rule, and where it does not close.
+
+    Measures are sines of angles between links; below ``tolerance`` they count as none.
+    """
     if not at.closes:
         return ()
     p, q = np.array(at.pose), np.array(at.joints)
@@ -57,17 +61,17 @@ def singularities(design: FiveBarDesign, at: Posture) -> tuple[Singularity, ...]
     found: list[Singularity] = []
     for i in range(LIMBS):
         rho = float(np.hypot(*(p - design.base[i])))
-        if abs(float(limbs[i])) <= AT:
+        if abs(float(limbs[i])) <= tolerance:
             far = rho > float(design.proximal[i])
             cause = f"limb {i + 1} is {'stretched' if far else 'folded'}"
             text = f"P cannot be moved along limb {i + 1} by its actuator, whose two solutions meet"
             found.append(Singularity("serial", (i + 1,), cause, text, abs(float(limbs[i]))))
-        elif rho <= AT * design.size:
+        elif rho <= tolerance * design.size:
             text = f"with P on A{SUBSCRIPTS[i]} limb {i + 1} may turn as it likes"
             found.append(
                 Singularity("serial", (i + 1,), f"limb {i + 1} is folded onto its base", text, 0.0)
             )
-    if abs(float(between)) <= AT:
+    if abs(float(between)) <= tolerance:
         found.append(_parallel(design, p, q, abs(float(between))))
     return tuple(found)
 
@@ -99,18 +103,20 @@ def _parallel(design: FiveBarDesign, p: Array, q: Array, measure: float) -> Sing
 # --- how far away --------------------------------------------------------------------------
 
 
-def clearances(design: FiveBarDesign, at: Posture) -> tuple[Clearance, ...]:
+def clearances(
+    design: FiveBarDesign, at: Posture, *, singular: bool = True
+) -> tuple[Clearance, ...]:
     """How far P is from singularities, the boundary and the ends of joint ranges, nearest first.
 
     Of its own working mode: the nearest parallel singularity; the boundary; for each limb the place
     where its working mode changes, and the ends of its range. Empty where the posture cannot be
-    held.
+    held; without the parallel one if not ``singular``.
     """
     if not at.reachable:
         return ()
     p = np.array(at.pose)
     found: list[Clearance] = []
-    curve = nearest_parallel(design, at.mode, p)
+    curve = nearest_parallel(design, at.mode, p) if singular else None
     if curve is not None:
         point, extended = curve
         how = "B₁, P and B₂ come into line" if extended else "the distal links fold together"
@@ -194,15 +200,13 @@ def nearest_parallel(design: FiveBarDesign, mode: str, p: Array) -> tuple[Array,
     ranked = sorted(table, key=lambda each: float(np.hypot(*(each[2] - p).T).min()))
     for piece, share, points in ranked:
         distance = np.hypot(*(points - p).T)
-        if distance.min() > best + 2.0 * float(np.hypot(*np.diff(points, axis=0).T).max()):
+        if distance.min() > best + 2.0 * _longest(points):
             break
         inner = (distance <= np.roll(distance, 1)) & (distance <= np.roll(distance, -1))
-        for n in np.flatnonzero(inner):
-            low, high = share[max(int(n) - 1, 0)], share[min(int(n) + 1, len(share) - 1)]
-            at = _golden(partial(_apart, piece, p), float(low), float(high))
-            value = _apart(piece, p, at)
+        for n in np.flatnonzero(inner & (distance < best + 2.0 * _longest(points))).tolist():
+            low, high = share[max(n - 1, 0)], share[min(n + 1, len(share) - 1)]
+            point, value = _least(piece, p, float(low), float(high))
             if value < best:
-                point = piece.loop.points(piece.tau(at))[0]
                 best, found = value, (point, piece.loop.side == 1)
     return found
 
@@ -228,25 +232,19 @@ def _sampled(design: FiveBarDesign, mode: str) -> list[tuple[Piece, Array, Array
     return table
 
 
-def _apart(piece: Piece, p: Array, share: float) -> float:
-    return float(np.hypot(*(piece.loop.points(piece.tau(share))[0] - p)))
+def _longest(points: Array) -> float:
+    return float(np.hypot(*np.diff(points, axis=0).T).max())
 
 
-def _golden(function: Callable[[float], float], low: float, high: float) -> float:
-    """Where a function is least between two places, by golden sections."""
-    ratio = 0.5 * (5.0**0.5 - 1.0)
-    a, b = high - ratio * (high - low), low + ratio * (high - low)
-    fa, fb = function(a), function(b)
-    for _ in range(40):
-        if fa <= fb:
-            high, b, fb = b, a, fa
-            a = high - ratio * (high - low)
-            fa = function(a)
-        else:
-            low, a, fa = a, b, fb
-            b = low + ratio * (high - low)
-            fb = function(b)
-    return 0.5 * (low + high)
+def _least(piece: Piece, p: Array, low: float, high: float) -> tuple[Array, float]:
+    """The nearest point on a part of a piece, and how near, by ever finer samples."""
+    for _ in range(8):
+        share = np.linspace(low, high, 33)
+        points = piece.loop.points(piece.tau(share))[0]
+        distance = np.hypot(*(points - p).T)
+        n = int(distance.argmin())
+        low, high = float(share[max(n - 1, 0)]), float(share[min(n + 1, 32)])
+    return points[n], float(distance[n])
 
 
 # --- the way back in -----------------------------------------------------------------------
@@ -268,6 +266,7 @@ def remedy(design: FiveBarDesign, at: Posture) -> Remedy:
             nearest, distance = inside, float(np.hypot(*(np.array(inside.pose) - p)))
             break
     changes = _changes(design, at)
+    others = tuple(m for m in MODES if m != at.mode and posture(design, at.pose, m).reachable)
     if nearest is None:
         text = "the limbs do not reach a common place, so no pose can be held"
     elif nearest.mode == at.mode:
@@ -279,7 +278,7 @@ def remedy(design: FiveBarDesign, at: Posture) -> Remedy:
         )
     if changes:
         text += f"; or {' and '.join(change.text for change in changes[0])}"
-    return Remedy(nearest, distance, changes, text)
+    return Remedy(nearest, distance, changes, text, others, 2e-6 * design.size)
 
 
 def _into(design: FiveBarDesign, edge: Edge, point: Array, mode: str) -> Posture | None:

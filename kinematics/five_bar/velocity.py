@@ -217,8 +217,8 @@ def characteristic_length(design: FiveBarDesign) -> float:
 
 MEASURES = (
     Measure("conditioning", "Conditioning of the Jacobian, 1/κ", "", "high", (0.0, 1.0)),
-    Measure("transmission", "Sine of the angle between the distal links", "", "high", (0.0, 1.0)),
-    Measure("manipulability", "Manipulability |det A / det B|", "mm²/rad²", "high", (0.0, None)),
+    Measure("manipulability", "Manipulability", "", "high", (0.0, 1.0)),
+    Measure("transmission", "Transmission index", "", "high", (0.0, 1.0)),
     Measure("force", "Largest actuator torque", "N·mm", "low", (0.0, None), needs_load=True),
 )
 
@@ -232,6 +232,11 @@ def measure(
 ) -> Array:
     """One of `MEASURES` at poses (..., 2), (...); NaN where they do not close.
 
+    "conditioning": 1/κ of J; "manipulability": the area that the unit forces along the distal links
+    span, |sin| of the angle between them; "transmission": the least of it and of |sin| between each
+    limb's links (input and output index, Wang, Wu and Liu 2010); "force": the largest torque for
+    a load, infinite at parallel singularities.
+
     Raises:
         InputError: there is no such measure, or it needs a load.
     """
@@ -240,18 +245,16 @@ def measure(
     if key == "conditioning":
         answer: Array = 1.0 / condition(design, p, q)
         return answer
+    limbs, between = (np.abs(each) for each in sines(design, p, q))
     if key == "transmission":
-        return np.abs(sines(design, p, q)[1])
+        return np.asarray(np.minimum(limbs.min(axis=-1), between))
     if key == "manipulability":
-        a, b = determinants(design, p, q)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            ratio: Array = np.abs(a / b)
-        return ratio
+        return np.asarray(between)
     if key == "force":
         if load is None:
             raise InputError("the largest torque needs a load, [Fx, Fy, Fz, Tx, Ty, Tz]")
         largest: Array = np.abs(statics(design, p, mode, load).forces).max(axis=-1)
-        return largest
+        return np.where(np.isfinite(between) & np.isnan(largest), np.inf, largest)
     known = ", ".join(each.key for each in MEASURES)
     raise InputError(f"there is no measure {key!r}; known are {known}")
 
