@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from difflib import get_close_matches
 from typing import Any, NoReturn
 
-from app.commands import controlling, losing, mapping, measuring, serving, solids, solving
+from app.commands import controlling, losing, mapping, measuring, moving, serving, solids, solving
 from kinematics.errors import BohemiaError, InputError
 
 # Their values may begin with a minus sign, which argparse takes for an option.
@@ -96,7 +96,7 @@ def _parser() -> tuple[argparse.ArgumentParser, tuple[str, ...]]:
         added.set_defaults(command=run)
         return added
 
-    for family in (serving, solving, solids, measuring, mapping, controlling, losing):
+    for family in (serving, solving, solids, measuring, mapping, controlling, losing, moving):
         family.register(command)
     return parser, tuple(commands.choices)
 

@@ -340,6 +340,40 @@ def section_of(loops: Sequence[Sequence[Edge]], circles: Arcs | None = None) -> 
     )
 
 
+def together(sections: Sequence[Section]) -> Section:
+    """Several sections as one, their loops and pieces one after another; no moments."""
+    if len(sections) == 1:
+        return sections[0]
+    pieces = np.cumsum([0, *(s.pieces for s in sections[:-1])])
+    edges = np.cumsum([0, *(len(s.start) for s in sections[:-1])])
+    made = _construction(None)
+
+    def all_of(name: str) -> Any:
+        return np.concatenate([getattr(s, name) for s in sections])
+
+    starts = [s.loop_start[:-1] + n for s, n in zip(sections, edges, strict=True)]
+    return Section(
+        at=0.0,
+        start=all_of("start"),
+        end=all_of("end"),
+        limb=all_of("limb"),
+        bound=all_of("bound"),
+        center=all_of("center"),
+        radius=all_of("radius"),
+        sweep=all_of("sweep"),
+        loop_start=np.concatenate([*starts, [sum(len(s.start) for s in sections)]]).astype(int),
+        loop_area=all_of("loop_area"),
+        loop_piece=np.concatenate(
+            [s.loop_piece + n for s, n in zip(sections, pieces, strict=True)]
+        ),
+        area=sum(s.area for s in sections),
+        perimeter=sum(s.perimeter for s in sections),
+        centroid=np.full(2, np.nan),
+        second_moments=np.full(3, np.nan),
+        construct=lambda: made,
+    )
+
+
 def outline(loop: Sequence[Edge], step: float) -> Array:
     """A loop as a polygon (N, 2), chords about ``step`` mm; not closed."""
     points = []
