@@ -19,6 +19,7 @@ from app.commands import (
     losing,
     mapping,
     measuring,
+    moving,
     serving,
     solids,
     solving,
@@ -106,7 +107,17 @@ def _parser() -> tuple[argparse.ArgumentParser, tuple[str, ...]]:
         added.set_defaults(command=run)
         return added
 
-    families = (serving, solving, solids, measuring, mapping, controlling, losing, inscribing)
+    families = (
+        serving,
+        solving,
+        solids,
+        measuring,
+        mapping,
+        controlling,
+        losing,
+        inscribing,
+        moving,
+    )
     for family in families:
         family.register(command)
     return parser, tuple(commands.choices)

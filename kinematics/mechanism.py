@@ -586,6 +586,7 @@ _NO_SECTIONS = "this mechanism has no solid workspace to cut or to measure"
 # Where each kind's mechanism stands; one package may offer several.
 _MODULES = {
     "five_rpur": ("kinematics.five_rpur", "MECHANISM"),
+    "five_bar": ("kinematics.five_bar", "MECHANISM"),
     "three_rps": ("kinematics.three_rps_spr", "THREE_RPS"),
     "three_spr": ("kinematics.three_rps_spr", "THREE_SPR"),
 }

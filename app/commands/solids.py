@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app import tables
-from app.commands import common
+from app.commands import common, planar
 from kinematics.errors import ComputationError, InputError
 
 if TYPE_CHECKING:
@@ -26,6 +26,13 @@ def register(command: common.AddCommand) -> None:
         default="facets",
         help="facets, right on the average, or true: every vertex on the exact surfaces, more "
         "triangles, not for a preview (default %(default)s)",
+    )
+    workspace.add_argument(
+        "--regions",
+        default="workspace",
+        metavar="KEY",
+        help="of a plane workspace: workspace, or modes or aspects where the mechanism has them; "
+        "-o then writes .svg, .dxf or .csv (default %(default)s)",
     )
     _add_solid(workspace)
 
@@ -60,6 +67,12 @@ def _add_solid(parser: argparse.ArgumentParser) -> None:
 def _workspace(arguments: argparse.Namespace) -> None:
     design, mechanism = common.load(arguments.design)
     modes = common.chosen_modes(arguments.modes, mechanism.modes)
+    if planar.offered(mechanism, design):
+        axes = mechanism.pose_coordinates(design)
+        typed = {"phi": arguments.phi, "theta": arguments.theta}
+        pose = [radians(typed.get(axis.key, 0.0)) for axis in axes]
+        planar.workspace(arguments, design, mechanism, pose, modes)
+        return
     _solid(arguments, design, mechanism, "workspace", modes, arguments.surface)
 
 
