@@ -468,7 +468,7 @@ class Bare:
 _NO_SECTIONS = "this mechanism has no solid workspace to cut or to measure"
 
 
-_MODULES = {"five_rpur": "kinematics.five_rpur"}
+_MODULES = {"five_rpur": "kinematics.five_rpur", "four_sps_spr": "kinematics.four_sps_spr"}
 
 
 def mechanism_kinds() -> tuple[str, ...]:

@@ -182,7 +182,7 @@ def posture(
 
 def _constraint_reason(amount: float) -> Reason:
     text = (
-        f"limb 5 cannot close: A₅ lies {amount:.{_digits(amount)}f} mm off the plane normal to its "
+        f"limb 5 cannot close: A₅ lies {amount:.{digits(amount)}f} mm off the plane normal to its "
         "revolute axis; let one of the six coordinates follow from the constraint"
     )
     return Reason(SPR + 1, "link", amount, text)
@@ -190,7 +190,7 @@ def _constraint_reason(amount: float) -> Reason:
 
 def _stroke_reason(i: int, bound: Bound, length: float, end: float) -> Reason:
     amount = abs(length - end)
-    digits = _digits(amount)
+    digits = digits(amount)
     word, name = ("short", "l min") if bound == "rho_min" else ("long", "l max")
     text = (
         f"limb {i + 1} is {amount:.{digits}f} mm too {word} "
@@ -199,9 +199,9 @@ def _stroke_reason(i: int, bound: Bound, length: float, end: float) -> Reason:
     return Reason(i + 1, bound, amount, text)
 
 
-def _digits(amount: float) -> int:
-    """Decimals that show a positive amount: one, and more for less than 0.1 mm."""
-    return 1 if amount >= 0.1 else min(12, 1 - int(np.floor(np.log10(amount))))
+def digits(amount: float) -> int:
+    """Decimals that show an amount: one, and more for less than 0.1 mm."""
+    return 1 if amount >= 0.1 or amount == 0.0 else min(12, 1 - int(np.floor(np.log10(amount))))
 
 
 def _frozen(array: NDArray[_T]) -> NDArray[_T]:

@@ -6,14 +6,15 @@ Where angles would have a pole, rotations are turned by small vectors instead. S
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from kinematics.following import Linear
 from kinematics.four_sps_spr.design import LIMBS, SPR, FourSPSSPRDesign
-from kinematics.four_sps_spr.inverse import euler_angles, rotation, wrap_angle
+from kinematics.four_sps_spr.inverse import euler_angles, posture, rotation, wrap_angle
+from kinematics.solutions import Posture
 from kinematics.spatial import Array
 
 
@@ -102,3 +103,16 @@ def closed(closure: Closure, state: State, joints: Array, rounds: int = 12) -> S
             return None
         state = closure.moved(state, step)
     return best if error <= closure.tolerance else None
+
+
+def posture_maker(
+    design: FourSPSSPRDesign, near: Sequence[float]
+) -> Callable[[State, Array], Posture]:
+    """Makes the posture of a state with its lengths; its angles are those nearer to ``near``."""
+    closure = Closure(design)
+
+    def made(state: State, joints: Array) -> Posture:
+        sharp = closed(closure, state, joints, rounds=3) or state
+        return posture(design, pose_of(sharp, near), known=joints)
+
+    return made

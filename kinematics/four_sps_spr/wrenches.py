@@ -20,6 +20,7 @@ from kinematics.four_sps_spr.design import LIMBS, SPR, SUBSCRIPTS, FourSPSSPRDes
 from kinematics.four_sps_spr.inverse import CONSTRAINT_SLACK, POSE, rotation, violation
 from kinematics.motion import Statics, WrenchName, WrenchSystem
 from kinematics.spatial import Array, finite
+from kinematics.wrenches import equilibrium
 
 WRENCHES = LIMBS + 1
 NAMES = (
@@ -120,20 +121,8 @@ def statics(design: FourSPSSPRDesign, poses: ArrayLike, loads: ArrayLike) -> Sta
     Returns:
         Forces (..., 6), N: a leg's is positive where it pushes the platform, in compression.
     """
-    p = finite(poses, name="a pose", last=POSE)
-    load = finite(loads, name="a load", last=6)
-    length = design.length
-    weights = np.array([1.0, 1.0, 1.0, length, length, length])
-    g = np.where(closes(design, p)[..., None, None], matrix(legs(design, p)), np.nan)
-    shape = np.broadcast_shapes(g.shape[:-2], load.shape[:-1])
-    g = np.broadcast_to(scaled(g, length), (*shape, WRENCHES, 6))
-    wanted = np.broadcast_to(load / weights, (*shape, 6))
-    columns = g.swapaxes(-1, -2)
-    forces = solve(columns, -wanted)
-    left = wanted + (columns @ forces[..., None])[..., 0]
-    size = np.abs(wanted).max(axis=-1)
-    residual = np.abs(left).max(axis=-1) / np.where(size > 0.0, size, 1.0)
-    return Statics(NAMES, forces, np.asarray(residual))
+    system = wrench_system(design, poses)
+    return equilibrium(NAMES, system.rows, loads, design.length)
 
 
 def condition(design: FourSPSSPRDesign, poses: ArrayLike) -> Array:

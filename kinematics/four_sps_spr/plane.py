@@ -1,4 +1,4 @@
-"""The constant-orientation workspace of the 4-SPS + 1-SPR: a plane region, exactly.
+"""The plane of the constraint and in it the constant-orientation workspace of the 4-SPS + 1-SPR: a plane region, exactly.
 
 At a given R the constraint (A_5 − p)·m = b_5·n6, m = R n6, leaves p a plane. Leg i keeps p between
 two spheres about c_i = A_i − R b_i, which that plane cuts in circles: the workspace is an

@@ -1,0 +1,259 @@
+"""Singular places of the 4-SPS + 1-SPR at a constant orientation: a cubic curve in a plane.
+
+In the plane that the constraint leaves (`plane`) the leg vectors are linear in (u, v), and
+D(u, v) = l_1 … l_5 det G, moments by the characteristic length, is a polynomial of degree three. It
+is found by interpolation, to rounding; its zeros are the parallel singularities.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinematics.four_sps_spr.design import FourSPSSPRDesign
+from kinematics.four_sps_spr.plane import Plane, plane
+from kinematics.four_sps_spr.wrenches import legs, matrix, scaled
+from kinematics.spatial import Array
+
+_DEGREE = 3
+_NODES = 6  # along each axis of the interpolation
+_NOWHERE = 1e-10  # of what the determinant could be: it vanishes all over the plane
+_RAYS = 720
+_POWERS = [(i, j) for i in range(_DEGREE + 1) for j in range(_DEGREE + 1 - i)]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Cubic:
+    """D as a polynomial in ((u, v) − ``center``) / ``unit``: c[i, j] of the powers i and j.
+
+    ``everywhere``: the machine is singular all over the plane.
+    """
+
+    center: Array
+    unit: float
+    c: Array
+    everywhere: bool
+
+    def values(self, uv: Array) -> tuple[Array, Array]:
+        """D (...,) and its gradient (..., 2) by mm at points (..., 2)."""
+        x, y = np.moveaxis((uv - self.center) / self.unit, -1, 0)
+        c = self.c
+        value = np.polynomial.polynomial.polyval2d(x, y, c)
+        by_x = np.polynomial.polynomial.polyval2d(x, y, np.polynomial.polynomial.polyder(c, axis=0))
+        by_y = np.polynomial.polynomial.polyval2d(x, y, np.polynomial.polynomial.polyder(c, axis=1))
+        return value, np.stack([by_x, by_y], axis=-1) / self.unit
+
+    def second(self, uv: Array) -> Array:
+        """The second derivatives (2, 2) by mm² at a point (2,)."""
+        x, y = (uv - self.center) / self.unit
+        der = np.polynomial.polynomial.polyder
+        val = np.polynomial.polynomial.polyval2d
+        xx, yy = val(x, y, der(self.c, 2, axis=0)), val(x, y, der(self.c, 2, axis=1))
+        xy = val(x, y, der(der(self.c, axis=0), axis=1))
+        answer: Array = np.array([[xx, xy], [xy, yy]]) / self.unit**2
+        return answer
+
+    def distance(self, uv: Array) -> Array:
+        """|D| / |∇D|, mm: to the first order how far points (..., 2) are from the curve."""
+        value, gradient = self.values(uv)
+        slope = np.sqrt((gradient**2).sum(axis=-1))
+        return np.abs(value) / np.maximum(slope, 1e-300)
+
+    def settled(self, uv: Array, rounds: int = 8) -> Array:
+        """Points (n, 2) near the curve brought onto it, by the shortest way to first order."""
+        for _ in range(rounds):
+            value, gradient = self.values(uv)
+            square = np.maximum((gradient**2).sum(axis=-1), 1e-300)
+            uv = uv - (value / square)[..., None] * gradient
+        return uv
+
+
+@lru_cache(maxsize=64)
+def cubic(design: FourSPSSPRDesign, angles: tuple[float, float, float]) -> Cubic:
+    """The cubic at an orientation (α, β, γ), rad."""
+    here = plane(design, angles)
+    center = here.centers[:, 1:].mean(axis=0)
+    unit = 0.5 * float(design.stroke[:, 1].mean())
+    steps = np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES)
+    x, y = (v.ravel() for v in np.meshgrid(steps, steps, indexing="ij"))
+    values, bound = _determinants(design, here, angles, center + unit * np.stack([x, y], axis=1))
+    powers = np.stack([x**i * y**j for i, j in _POWERS], axis=1)
+    found = np.linalg.lstsq(powers, values, rcond=None)[0]
+    c = np.zeros((_DEGREE + 1, _DEGREE + 1))
+    for (i, j), value in zip(_POWERS, found, strict=True):
+        c[i, j] = value
+    return Cubic(center, unit, c, bool(np.abs(found).max() <= _NOWHERE * bound))
+
+
+def _determinants(
+    design: FourSPSSPRDesign, here: Plane, angles: Sequence[float], uv: Array
+) -> tuple[Array, float]:
+    """D at points (n, 2), and a bound of what it could be."""
+    places = here.place(uv)
+    poses = np.hstack([places, np.broadcast_to(np.asarray(angles), (len(places), 3))])
+    at = legs(design, poses)
+    rows = scaled(matrix(at), design.length)
+    product = np.prod(at.length, axis=1)
+    hadamard = np.prod(np.linalg.norm(rows, axis=-1), axis=-1)
+    answer: Array = np.linalg.det(rows) * product
+    return answer, float((product * hadamard).max())
+
+
+# --- the nearest singular place ------------------------------------------------------------
+
+
+def nearest_singular(curve: Cubic, point: Array) -> tuple[Array, float] | None:
+    """The nearest point (2,) of the curve to a point (2,), and how far it is, mm.
+
+    On every ray from the point the nearest zero is a root of a cubic; the nearest of all rays is
+    brought down to rounding by Newton's method on Lagrange's equations. None where there is none.
+    """
+    if curve.everywhere:
+        return point.copy(), 0.0
+    value, gradient = curve.values(point)
+    if float(curve.distance(point)) < 1e-12 * curve.unit:
+        return point.copy(), 0.0
+    angle = 2.0 * np.pi * np.arange(_RAYS) / _RAYS
+    ray = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    along = _along_rays(curve, point, ray, float(value), gradient)
+    candidates = np.flatnonzero(
+        np.isfinite(along) & (along <= np.roll(along, 1)) & (along <= np.roll(along, -1))
+    )
+    best: tuple[Array, float] | None = None
+    for k in candidates[np.argsort(along[candidates])][:12]:
+        there = _foot(curve, point, point + along[k] * ray[k])
+        distance = float(np.linalg.norm(there - point))
+        if distance > along[k] * (1.0 + 1e-9):  # it strayed: the ray's own zero is right
+            there, distance = point + along[k] * ray[k], float(along[k])
+        if best is None or distance < best[1]:
+            best = there, distance
+    return best
+
+
+def _along_rays(
+    curve: Cubic, point: Array, ray: Array, value: float, gradient: Array
+) -> Array:
+    """The distance (n,) to the first zero on each ray; infinite where there is none."""
+    unit = curve.unit
+    first = ray @ gradient * unit
+    second = 0.5 * np.einsum("ni,ij,nj->n", ray, curve.second(point), ray) * unit**2
+    top = curve.c[3, 0], curve.c[2, 1], curve.c[1, 2], curve.c[0, 3]
+    x, y = ray.T
+    third = top[0] * x**3 + top[1] * x**2 * y + top[2] * x * y**2 + top[3] * y**3
+    # With s = 1/t: value s³ + first s² + second s + third = 0; the largest positive s is nearest.
+    companion = np.zeros((len(ray), 3, 3))
+    companion[:, 1, 0] = companion[:, 2, 1] = 1.0
+    companion[:, 0, 2], companion[:, 1, 2], companion[:, 2, 2] = (
+        -third / value,
+        -second / value,
+        -first / value,
+    )
+    roots = np.linalg.eigvals(companion)
+    # A double root splits into a pair that is nearly real.
+    real = np.abs(roots.imag) <= 1e-7 * np.maximum(np.abs(roots), 1e-12)
+    s = np.where(real & (roots.real > 1e-9), roots.real, 0.0).max(axis=1)
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.where(s > 0.0, unit / np.where(s > 0.0, s, 1.0), np.inf))
+
+
+def _foot(curve: Cubic, point: Array, guess: Array) -> Array:
+    """The foot of the perpendicular near a guess: Newton's method on D = 0, q − p = λ ∇D."""
+    q = curve.settled(guess[None])[0]
+    _, gradient = curve.values(q)
+    factor = float((q - point) @ gradient) / max(float(gradient @ gradient), 1e-300)
+    for _ in range(20):
+        value, gradient = curve.values(q)
+        whole = np.zeros((3, 3))
+        whole[:2, :2] = np.eye(2) - factor * curve.second(q)
+        whole[:2, 2] = -gradient
+        whole[2, :2] = gradient
+        right = np.append(q - point - factor * gradient, value)
+        try:
+            step = np.linalg.solve(whole, -right)
+        except np.linalg.LinAlgError:
+            break
+        if not np.isfinite(step).all() or np.abs(step[:2]).max() > curve.unit:
+            break
+        q, factor = q + step[:2], factor + float(step[2])
+        if np.abs(step[:2]).max() < 1e-12 * curve.unit:
+            break
+    return np.asarray(curve.settled(q[None], rounds=2)[0])
+
+
+# --- the curve -----------------------------------------------------------------------------
+
+
+def traced(curve: Cubic, low: Array, high: Array, cells: int = 240) -> list[Array]:
+    """The curve in a box of the plane, (N, 2) each; closed if its ends are equal.
+
+    From the signs at the nodes of a grid, with every point then brought onto the curve. A loop that
+    is smaller than a cell is not seen.
+    """
+    if curve.everywhere:
+        return []
+    axes = [np.linspace(low[k], high[k], cells + 1) for k in range(2)]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    values, _ = curve.values(grid)
+    values = np.where(values == 0.0, 1e-300, values)
+    middle, _ = curve.values(0.5 * (grid[:-1, :-1] + grid[1:, 1:]))
+    links = _links(values > 0.0, middle > 0.0)
+    chains = _chains(links)
+    return [curve.settled(_crossings(grid, values, chain)) for chain in chains]
+
+
+Edge = tuple[int, int, int]
+"""Of the grid: the node (i, j) and 0 for the edge along u, 1 for that along v."""
+
+
+def _links(plus: NDArray[np.bool_], middle: NDArray[np.bool_]) -> dict[Edge, list[Edge]]:
+    """Which crossed edges of the grid the curve joins inside a cell (marching squares)."""
+    links: dict[Edge, list[Edge]] = {}
+    mixed = (plus[:-1, :-1] != plus[1:, :-1]) | (plus[:-1, :-1] != plus[:-1, 1:])
+    mixed |= plus[:-1, :-1] != plus[1:, 1:]
+    for i, j in np.argwhere(mixed).tolist():
+        around = [plus[i, j], plus[i + 1, j], plus[i + 1, j + 1], plus[i, j + 1]]
+        edges: list[Edge] = [(i, j, 0), (i + 1, j, 1), (i, j + 1, 0), (i, j, 1)]
+        crossed = [k for k in range(4) if around[k] != around[(k + 1) % 4]]
+        if len(crossed) == 2:
+            pairs = [(crossed[0], crossed[1])]
+        else:  # a saddle: its middle joins two opposite corners
+            pairs = [(0, 1), (2, 3)] if middle[i, j] == around[0] else [(3, 0), (1, 2)]
+        for one, two in pairs:
+            links.setdefault(edges[one], []).append(edges[two])
+            links.setdefault(edges[two], []).append(edges[one])
+    return links
+
+
+def _chains(links: dict[Edge, list[Edge]]) -> list[list[Edge]]:
+    """Crossed edges in the order of the curve; open chains first, as they begin at the rim."""
+    chains = []
+    left = dict(links)
+    for start in sorted(links, key=lambda edge: (len(links[edge]), edge)):
+        if start not in left:
+            continue
+        chain, here = [start], start
+        del left[start]
+        while True:
+            ahead = next((edge for edge in links[here] if edge in left), None)
+            if ahead is None:
+                break
+            chain.append(ahead)
+            del left[ahead]
+            here = ahead
+        if len(chain) > 2 and start in links[here]:
+            chain.append(start)
+        chains.append(chain)
+    return chains
+
+
+def _crossings(grid: Array, values: Array, chain: list[Edge]) -> Array:
+    i, j, way = np.array(chain).T
+    other = i + (way == 0), j + (way == 1)
+    a, b = values[i, j], values[other]
+    share = (a / (a - b))[:, None]
+    points: Array = (1.0 - share) * grid[i, j] + share * grid[other]
+    return points
