@@ -48,14 +48,14 @@ class Cubic:
         return value, np.stack([by_x, by_y], axis=-1) / self.unit
 
     def second(self, uv: Array) -> Array:
-        """The second derivatives (2, 2) by mm² at a point (2,)."""
-        x, y = (uv - self.center) / self.unit
+        """The second derivatives (..., 2, 2) by mm² at points (..., 2)."""
+        x, y = np.moveaxis((uv - self.center) / self.unit, -1, 0)
         der = np.polynomial.polynomial.polyder
         val = np.polynomial.polynomial.polyval2d
         xx, yy = val(x, y, der(self.c, 2, axis=0)), val(x, y, der(self.c, 2, axis=1))
         xy = val(x, y, der(der(self.c, axis=0), axis=1))
-        answer: Array = np.array([[xx, xy], [xy, yy]]) / self.unit**2
-        return answer
+        rows = np.stack([np.stack([xx, xy], axis=-1), np.stack([xy, yy], axis=-1)], axis=-2)
+        return np.asarray(rows / self.unit**2)
 
     def distance(self, uv: Array) -> Array:
         """|D| / |∇D|, mm: to the first order how far points (..., 2) are from the curve."""
@@ -64,11 +64,17 @@ class Cubic:
         return np.abs(value) / np.maximum(slope, 1e-300)
 
     def settled(self, uv: Array, rounds: int = 8) -> Array:
-        """Points (n, 2) near the curve brought onto it, by the shortest way to first order."""
+        """Points (n, 2) near the curve brought onto it, across it.
+
+        Newton's method for D/|∇D|, which finds double and triple lines as quickly as simple ones.
+        """
         for _ in range(rounds):
             value, gradient = self.values(uv)
-            square = np.maximum((gradient**2).sum(axis=-1), 1e-300)
-            uv = uv - (value / square)[..., None] * gradient
+            square = (gradient**2).sum(axis=-1)
+            bend = np.einsum("...i,...ij,...j->...", gradient, self.second(uv), gradient)
+            # A step towards where D/D' vanishes, but at most three of Newton's: m for an m-fold line.
+            slower = np.clip(1.0 - value * bend / np.maximum(square * square, 1e-300), 1.0 / 3.0, 2.0)
+            uv = uv - (value / np.maximum(square, 1e-300) / slower)[..., None] * gradient
         return uv
 
 
@@ -83,10 +89,13 @@ def cubic(design: FourSPSSPRDesign, angles: tuple[float, float, float]) -> Cubic
     values, bound = _determinants(design, here, angles, center + unit * np.stack([x, y], axis=1))
     powers = np.stack([x**i * y**j for i, j in _POWERS], axis=1)
     found = np.linalg.lstsq(powers, values, rcond=None)[0]
+    everywhere = bool(np.abs(found).max() <= _NOWHERE * bound)
+    # What is left of coefficients that vanish would split double and triple lines.
+    found = np.where(np.abs(found) <= _ROUNDING * np.abs(found).max(), 0.0, found)
     c = np.zeros((_DEGREE + 1, _DEGREE + 1))
     for (i, j), value in zip(_POWERS, found, strict=True):
         c[i, j] = value
-    return Cubic(center, unit, c, bool(np.abs(found).max() <= _NOWHERE * bound))
+    return Cubic(center, unit, c, everywhere)
 
 
 def _determinants(
@@ -127,7 +136,8 @@ def nearest_singular(curve: Cubic, point: Array) -> tuple[Array, float] | None:
     for k in candidates[np.argsort(along[candidates])][:12]:
         there = _foot(curve, point, point + along[k] * ray[k])
         distance = float(np.linalg.norm(there - point))
-        if distance > along[k] * (1.0 + 1e-9):  # it strayed: the ray's own zero is right
+        slack = 1e-9 * along[k] + _blur(curve, there, ray[k])
+        if distance > along[k] + slack:  # it strayed: the ray's own zero is right
             there, distance = point + along[k] * ray[k], float(along[k])
         if best is None or distance < best[1]:
             best = there, distance
