@@ -53,9 +53,7 @@ def dependent_values(design: FourSPSSPRDesign, poses: ArrayLike, index: int) -> 
     return np.asarray(np.where(np.isfinite(both), wrap_angle(both), np.nan))
 
 
-def angle_terms(
-    design: FourSPSSPRDesign, poses: Array, index: int
-) -> tuple[Array, Array, Array]:
+def angle_terms(design: FourSPSSPRDesign, poses: Array, index: int) -> tuple[Array, Array, Array]:
     """a, b, c of the constraint a cos + b sin = c in an angle (index 3, 4, 5), (...,) mm each."""
     d = design.base[SPR] - poses[..., :3]
     n = np.broadcast_to(design.axis, d.shape)

@@ -8,14 +8,24 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics import wrenches as shared
+from kinematics.causes import lost
 from kinematics.discs import nearest_point, rings_section
 from kinematics.errors import InputError
 from kinematics.four_sps_spr.design import LIMBS, SPR, FourSPSSPRDesign
 from kinematics.four_sps_spr.inverse import CONSTRAINT_SLACK, digits, violation
+from kinematics.four_sps_spr.motion import UPRIGHT, angular_axes
 from kinematics.four_sps_spr.plane import Plane, plane, rings
 from kinematics.four_sps_spr.singular import cubic, nearest_singular, traced
 from kinematics.four_sps_spr.wrenches import condition, statics, wrench_system
-from kinematics.singularities import Clearance, LocusCurves, LocusSpec, Measure, SingularityKind
+from kinematics.singularities import (
+    AT,
+    Clearance,
+    LocusCurves,
+    LocusSpec,
+    Measure,
+    Singularity,
+    SingularityKind,
+)
 from kinematics.solutions import Bound, Posture
 from kinematics.spatial import Array, finite
 
@@ -23,7 +33,9 @@ from kinematics.spatial import Array, finite
 
 MEASURES = (
     Measure("conditioning", "Conditioning 1/κ of G", "", "high", (0.0, 1.0)),
-    Measure("singular_value", "Smallest singular value of the unit wrenches", "", "high", (0.0, None)),
+    Measure(
+        "singular_value", "Smallest singular value of the unit wrenches", "", "high", (0.0, None)
+    ),
     Measure("largest_force", "Largest leg force", "N", "low", (0.0, None), needs_load=True),
     Measure("constraint_force", "Constraint force", "N", "low", (0.0, None), needs_load=True),
 )
@@ -55,6 +67,29 @@ def measure(
 def _largest(forces: Array) -> Array:
     answer: Array = forces[..., :LIMBS].max(axis=-1)
     return answer
+
+
+# --- singularities -------------------------------------------------------------------------
+
+
+def singularities(
+    design: FourSPSSPRDesign, posture: Posture, tolerance: float = AT
+) -> tuple[Singularity, ...]:
+    """The parallel singularities of a posture, one for each motion that is free.
+
+    There is no constraint singularity proper: the one constraint is a unit force.
+    """
+    pose = np.array(posture.pose)
+    axes = angular_axes(pose)
+    if abs(np.cos(pose[4])) <= UPRIGHT:
+        axes = np.full((3, 3), np.nan)  # the angles do not tell how the platform turns
+
+    def pose_rates(twist: Array) -> list[float]:
+        turning = np.linalg.solve(axes, twist[:3]) if np.isfinite(axes).all() else axes[0]
+        return [*twist[3:].tolist(), *turning.tolist()]
+
+    system = wrench_system(design, pose)
+    return lost(system, posture.pose[:3], design.length, pose_rates, tolerance)
 
 
 # --- clearances ----------------------------------------------------------------------------
@@ -96,9 +131,11 @@ def clearances(design: FourSPSSPRDesign, posture: Posture) -> tuple[Clearance, .
     a, b, c = angles
     near = nearest_singular(cubic(design, (a, b, c)), uv)
     if near is not None:
-        point, amount = near
+        point, amount, blur = near
         text = f"{_far(amount)} a parallel singularity"
-        found.append(Clearance("parallel", amount, _xyz(here.place(point)), text, error=error))
+        found.append(
+            Clearance("parallel", amount, _xyz(here.place(point)), text, error=error + blur)
+        )
     return tuple(sorted(found, key=lambda clearance: clearance.distance))
 
 
@@ -160,7 +197,7 @@ def locus(design: FourSPSSPRDesign, key: str, pose: Sequence[float]) -> LocusCur
     parts = traced(curve, low, high)
     points = np.concatenate([*parts, np.zeros((0, 2))])
     starts = np.cumsum([0, *(len(part) for part in parts)])
-    kinds: tuple[SingularityKind, ...] = ("parallel",) * len(parts)
+    kinds: tuple[SingularityKind, ...] = tuple("parallel" for _ in parts)
     return LocusCurves(
         points=points,
         start=np.asarray(starts, dtype=np.int64),

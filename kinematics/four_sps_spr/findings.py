@@ -145,4 +145,3 @@ def _ranks(design: FourSPSSPRDesign, poses: Array) -> np.ndarray:
     sizes = singular_values(scaled(matrix(legs(design, poses)), design.length))
     ranks: np.ndarray = (sizes > SINGULAR * sizes[:, :1]).sum(axis=1)
     return ranks
-

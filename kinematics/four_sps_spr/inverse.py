@@ -190,11 +190,11 @@ def _constraint_reason(amount: float) -> Reason:
 
 def _stroke_reason(i: int, bound: Bound, length: float, end: float) -> Reason:
     amount = abs(length - end)
-    digits = digits(amount)
+    places = digits(amount)
     word, name = ("short", "l min") if bound == "rho_min" else ("long", "l max")
     text = (
-        f"limb {i + 1} is {amount:.{digits}f} mm too {word} "
-        f"(l{SUBSCRIPTS[i]} = {length:.{digits}f} mm, {name} = {end:g} mm)"
+        f"limb {i + 1} is {amount:.{places}f} mm too {word} "
+        f"(l{SUBSCRIPTS[i]} = {length:.{places}f} mm, {name} = {end:g} mm)"
     )
     return Reason(i + 1, bound, amount, text)
 

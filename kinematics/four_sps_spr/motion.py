@@ -27,7 +27,8 @@ from kinematics.spatial import Array, finite
 
 HELD = 1e-9
 """Part of the rates' size by which they may violate the constraint, as rounding does."""
-_UPRIGHT = 1e-9  # |cos β| below which the angles do not determine how they change
+UPRIGHT = 1e-9
+"""|cos β| below which the angles do not determine how they change."""
 
 
 # --- angles and angular velocity -----------------------------------------------------------
@@ -180,7 +181,7 @@ def forward_motion(
     v = _solved(design, f.g, _with_zero(rates))
     bend = _quadratic(f.h, v)
     a = _solved(design, f.g, _with_zero(accelerations) - bend)
-    upright = np.abs(np.cos(p[..., 4])) <= _UPRIGHT
+    upright = np.abs(np.cos(p[..., 4])) <= UPRIGHT
     safe = np.where(upright[..., None, None], np.eye(6), f.by_pose)
 
     def of_pose(twist: Array) -> Array:
@@ -275,4 +276,4 @@ def _with_zero(values: Array) -> Array:
 def _solved(design: FourSPSSPRDesign, g: Array, right: Array) -> Array:
     length = design.length
     answer = solve(scaled(g, length), right)
-    return answer / np.array([1.0, 1.0, 1.0, length, length, length])
+    return np.asarray(answer / np.array([1.0, 1.0, 1.0, length, length, length]))

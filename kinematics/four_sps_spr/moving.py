@@ -96,7 +96,7 @@ def closed(closure: Closure, state: State, joints: Array, rounds: int = 12) -> S
         elif error <= closure.tolerance:
             break
         try:
-            step = np.linalg.solve(at.by_state, -at.residual)
+            step = np.asarray(np.linalg.solve(at.by_state, -at.residual), dtype=float)
         except np.linalg.LinAlgError:
             return None
         if not np.isfinite(step).all() or np.abs(step).max() > 10.0:

@@ -19,7 +19,9 @@ from kinematics.four_sps_spr.inverse import rotation
 from kinematics.sections import Section, SectionSpec
 from kinematics.spatial import Array, homogeneous
 
-SPEC = SectionSpec("Constant-orientation workspace, in the plane of the constraint", "m", ("u", "v"))
+SPEC = SectionSpec(
+    "Constant-orientation workspace, in the plane of the constraint", "m", ("u", "v")
+)
 
 
 class Plane(NamedTuple):

@@ -84,9 +84,7 @@ def _turned(design: FourSPSSPRDesign, wanted: Posture) -> tuple[Posture, float] 
     return best
 
 
-def _changes(
-    design: FourSPSSPRDesign, wanted: Posture
-) -> tuple[tuple[DesignChange, ...], ...]:
+def _changes(design: FourSPSSPRDesign, wanted: Posture) -> tuple[tuple[DesignChange, ...], ...]:
     """Longer strokes for all limbs at fault together; none where the constraint is violated."""
     if any(reason.bound == "link" for reason in wanted.reasons):
         return ()
@@ -107,4 +105,3 @@ def _changes(
 
 def _mm(distance: float) -> str:
     return f"{distance:.{digits(distance)}f} mm"
-

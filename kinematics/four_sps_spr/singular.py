@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,7 @@ _DEGREE = 3
 _NODES = 6  # along each axis of the interpolation
 _NOWHERE = 1e-10  # of what the determinant could be: it vanishes all over the plane
 _RAYS = 720
+_ROUNDING = 1e-14  # of the coefficients, relative to their sum
 _POWERS = [(i, j) for i in range(_DEGREE + 1) for j in range(_DEGREE + 1 - i)]
 
 
@@ -61,7 +63,7 @@ class Cubic:
         """|D| / |∇D|, mm: to the first order how far points (..., 2) are from the curve."""
         value, gradient = self.values(uv)
         slope = np.sqrt((gradient**2).sum(axis=-1))
-        return np.abs(value) / np.maximum(slope, 1e-300)
+        return np.asarray(np.abs(value) / np.maximum(slope, 1e-300))
 
     def settled(self, uv: Array, rounds: int = 8) -> Array:
         """Points (n, 2) near the curve brought onto it, across it.
@@ -73,7 +75,9 @@ class Cubic:
             square = (gradient**2).sum(axis=-1)
             bend = np.einsum("...i,...ij,...j->...", gradient, self.second(uv), gradient)
             # A step towards where D/D' vanishes, but at most three of Newton's: m for an m-fold line.
-            slower = np.clip(1.0 - value * bend / np.maximum(square * square, 1e-300), 1.0 / 3.0, 2.0)
+            slower = np.clip(
+                1.0 - value * bend / np.maximum(square * square, 1e-300), 1.0 / 3.0, 2.0
+            )
             uv = uv - (value / np.maximum(square, 1e-300) / slower)[..., None] * gradient
         return uv
 
@@ -115,17 +119,25 @@ def _determinants(
 # --- the nearest singular place ------------------------------------------------------------
 
 
-def nearest_singular(curve: Cubic, point: Array) -> tuple[Array, float] | None:
-    """The nearest point (2,) of the curve to a point (2,), and how far it is, mm.
+class Nearest(NamedTuple):
+    """A point (2,) of the curve, how far it is, and an estimate of that distance's error, mm."""
+
+    point: Array
+    distance: float
+    error: float
+
+
+def nearest_singular(curve: Cubic, point: Array) -> Nearest | None:
+    """The point of the curve nearest to a point (2,).
 
     On every ray from the point the nearest zero is a root of a cubic; the nearest of all rays is
     brought down to rounding by Newton's method on Lagrange's equations. None where there is none.
     """
     if curve.everywhere:
-        return point.copy(), 0.0
+        return Nearest(point.copy(), 0.0, 0.0)
     value, gradient = curve.values(point)
     if float(curve.distance(point)) < 1e-12 * curve.unit:
-        return point.copy(), 0.0
+        return Nearest(point.copy(), 0.0, _ROUNDING * curve.unit)
     angle = 2.0 * np.pi * np.arange(_RAYS) / _RAYS
     ray = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     along = _along_rays(curve, point, ray, float(value), gradient)
@@ -141,12 +153,32 @@ def nearest_singular(curve: Cubic, point: Array) -> tuple[Array, float] | None:
             there, distance = point + along[k] * ray[k], float(along[k])
         if best is None or distance < best[1]:
             best = there, distance
-    return best
+    if best is None:
+        return None
+    return Nearest(*best, _blur(curve, best[0], (best[0] - point) / max(best[1], 1e-300)))
 
 
-def _along_rays(
-    curve: Cubic, point: Array, ray: Array, value: float, gradient: Array
-) -> Array:
+def _blur(curve: Cubic, at: Array, direction: Array) -> float:
+    """How far rounding in the coefficients may move a zero along a direction, mm.
+
+    Much where zeros coincide: the m-th root of it for m of them.
+    """
+    noise = _ROUNDING * float(np.abs(curve.c).sum())
+    x, y = direction
+    _, gradient = curve.values(at)
+    c = curve.c
+    derivatives = (
+        float(gradient @ direction) * curve.unit,
+        float(direction @ curve.second(at) @ direction) * curve.unit**2 / 2.0,
+        float(c[3, 0] * x**3 + c[2, 1] * x**2 * y + c[1, 2] * x * y**2 + c[0, 3] * y**3),
+    )
+    shifts = [
+        (noise / abs(d)) ** (1.0 / (k + 1)) for k, d in enumerate(derivatives) if abs(d) > 0.0
+    ]
+    return curve.unit * min(shifts, default=np.inf)
+
+
+def _along_rays(curve: Cubic, point: Array, ray: Array, value: float, gradient: Array) -> Array:
     """The distance (n,) to the first zero on each ray; infinite where there is none."""
     unit = curve.unit
     first = ray @ gradient * unit

@@ -20,7 +20,7 @@ from kinematics.four_sps_spr.design import LIMBS, SPR, SUBSCRIPTS, FourSPSSPRDes
 from kinematics.four_sps_spr.inverse import CONSTRAINT_SLACK, POSE, rotation, violation
 from kinematics.motion import Statics, WrenchName, WrenchSystem
 from kinematics.spatial import Array, finite
-from kinematics.wrenches import equilibrium
+from kinematics.wrenches import determinant, equilibrium
 
 WRENCHES = LIMBS + 1
 NAMES = (
@@ -83,7 +83,7 @@ def closes(design: FourSPSSPRDesign, poses: ArrayLike) -> np.ndarray:
 
 def singular_values(g: Array) -> Array:
     """(..., 6) of matrices, largest first; zeros where there are no numbers."""
-    sound = np.isfinite(g).all(axis=(-1, -2))
+    sound = np.asarray(np.isfinite(g).all(axis=(-1, -2)))
     values = np.linalg.svd(np.where(sound[..., None, None], g, 0.0), compute_uv=False)
     return np.asarray(values)
 
@@ -104,11 +104,9 @@ def wrench_system(design: FourSPSSPRDesign, poses: ArrayLike) -> WrenchSystem:
     g = matrix(at)
     held = closes(design, p)
     rows = np.where(held[..., None, None], g, np.nan)
-    points = p[..., None, :3] + at.arm
-    sound = np.isfinite(rows).all(axis=(-1, -2))
-    safe = np.where(sound[..., None, None], scaled(rows, design.length), np.eye(WRENCHES))
-    determinant = np.where(sound, np.linalg.det(safe), np.nan)
-    return WrenchSystem(NAMES, rows, points, np.asarray(determinant))
+    return WrenchSystem(
+        NAMES, rows, p[..., None, :3] + at.arm, np.asarray(determinant(rows, design.length))
+    )
 
 
 def statics(design: FourSPSSPRDesign, poses: ArrayLike, loads: ArrayLike) -> Statics:

@@ -17,7 +17,7 @@ Arrays of unknowns are (8, paths).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -36,10 +36,10 @@ class Parameters(NamedTuple):
     Leading axes are machines; there may be one for each path.
     """
 
-    base: NDArray[np.generic]
-    platform: NDArray[np.generic]
-    axis: NDArray[np.generic]
-    squares: NDArray[np.generic]  # l_i²
+    base: NDArray[Any]
+    platform: NDArray[Any]
+    axis: NDArray[Any]
+    squares: NDArray[Any]  # l_i²
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -61,7 +61,9 @@ class Frame:
         return cls(base, platform, spread)
 
 
-def parameters(design: FourSPSSPRDesign, joints: ArrayLike, frame: Frame | None = None) -> Parameters:
+def parameters(
+    design: FourSPSSPRDesign, joints: ArrayLike, frame: Frame | None = None
+) -> Parameters:
     """The parameters of a design at lengths (..., 5), mm."""
     f = Frame.of(design) if frame is None else frame
     lengths = np.asarray(joints, dtype=float) / f.unit
@@ -234,7 +236,7 @@ def regularity(g: Parameters, u: Complex) -> Real:
     if not u.size:
         return np.zeros(0)
     _, by_u, _ = _system(coefficients(g), u)
-    sound = np.isfinite(by_u).all(axis=(1, 2))
+    sound = np.asarray(np.isfinite(by_u).all(axis=(1, 2)))
     sizes = np.linalg.svd(np.where(sound[:, None, None], by_u, 0.0), compute_uv=False)
     ratio: Real = sizes[:, -1] / np.maximum(sizes[:, 0], 1e-300)
     return ratio

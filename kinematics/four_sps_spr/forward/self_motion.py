@@ -93,7 +93,7 @@ def _closed(closure: Closure, guess: State, joints: Array) -> State | None:
         at = closure.linear(state, joints)
         if at.error <= 10.0 * closure.tolerance:
             return state
-        step = np.linalg.lstsq(at.by_state, -at.residual, rcond=1e-9)[0]
+        step = np.asarray(np.linalg.lstsq(at.by_state, -at.residual, rcond=1e-9)[0], dtype=float)
         size = float(np.abs(step).max())
         state = closure.moved(state, step * min(1.0, 0.2 / max(size, 1e-300)))
     return None
