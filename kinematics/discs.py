@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from kinematics.sections import BOUNDS, Construction, Ints, Section
 from kinematics.spatial import Array
 
-_SAME = 1e-11  # of the largest radius: circles and points that are one
+_SAME = 1e-11  # of the smallest outer radius: circles and points that are one
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)  # exact to rounding for half a circle
 
 
@@ -97,7 +97,7 @@ def _circles(rings: Rings) -> _Circles | None:
     limb = np.concatenate([rings.limb[bounded], rings.limb[hole]])
     count = int(bounded.sum())
     sign = np.concatenate([np.ones(count), -np.ones(int(hole.sum()))])
-    scale = float(radius.max())
+    scale = float(outer[bounded].min())  # nothing reaches further than that circle does
     keep: list[int] = []
     for k in range(len(radius)):
         twin = next(
@@ -294,7 +294,7 @@ def _integrals(arcs: _Arcs, origin: Array | None = None) -> Array:
     """∫1, ∫v, ∫w, ∫v², ∫w², ∫vw over the region to the left, by Green's theorem."""
     if not len(arcs.radius):
         return np.zeros(6)
-    about = arcs.center.mean(axis=0) if origin is None else origin
+    about = arcs.start.mean(axis=0) if origin is None else origin
     angle = arcs.first[:, None] + 0.5 * arcs.sweep[:, None] * (1.0 + _NODES)
     x = arcs.center[:, :1] - about[0] + arcs.radius[:, None] * np.cos(angle)
     y = arcs.center[:, 1:] - about[1] + arcs.radius[:, None] * np.sin(angle)
