@@ -18,6 +18,7 @@ from app.state import (
     checked,
     checked_chart,
     checked_control,
+    checked_way,
     new_review,
     within,
     within_reach,
@@ -203,6 +204,14 @@ class SetControl:
 
 
 @dataclass(frozen=True, slots=True)
+class GiveWay:
+    """Which pose coordinate follows from the others; "" leaves that to the mechanism."""
+
+    key: str
+    gesture: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class Restore:
     """Open a saved review."""
 
@@ -229,6 +238,7 @@ Change = (
     | MoveCut
     | SetChart
     | SetControl
+    | GiveWay
     | Restore
 )
 
@@ -244,12 +254,13 @@ def change(review: Review, what: Change) -> tuple[Review, str]:
             coordinate = review.mechanism.pose_coordinates(review.design)[index]
             value, note = within(coordinate, value)
             pose = (*review.pose[:index], value, *review.pose[index + 1 :])
-            return replace(review, pose=pose), note
+            return replace(review, pose=_completed(review, pose, index)), note
         case Place(pose):
             coordinates = review.mechanism.pose_coordinates(review.design)
             taken = [within(c, v) for c, v in zip(coordinates, pose, strict=True)]
             notes = " ".join(note for _, note in taken if note)
-            return replace(review, pose=tuple(value for value, _ in taken)), notes
+            pose = _completed(review, tuple(value for value, _ in taken))
+            return replace(review, pose=pose), notes
         case Drive(index, value):
             return _drive(review, index, value)
         case Flip(mode):
@@ -294,8 +305,17 @@ def change(review: Review, what: Change) -> tuple[Review, str]:
         case SetControl(name, value):
             control = replace(review.control, **{name: value})  # type: ignore[arg-type]
             return replace(review, control=checked_control(control, review)), ""
+        case GiveWay(key):
+            return replace(review, gives_way=checked_way(key, review)), ""
         case Restore(saved):
             return saved, ""
+
+
+def _completed(
+    review: Review, pose: tuple[float, ...], moved: int | None = None
+) -> tuple[float, ...]:
+    kind, design = review.mechanism, review.design
+    return kind.complete_pose(design, pose, review.mode, moved, review.dependent)
 
 
 def _drive(review: Review, index: int, value: float) -> tuple[Review, str]:

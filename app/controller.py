@@ -91,7 +91,8 @@ def _value(place: Place, measure: Measure) -> float:
 def ball(place: Place, here: bool) -> Sphere | None:
     """The largest ball without a singularity, about the place or anywhere."""
     kind, design = place.kind, place.design
-    center = kind.transform(design, place.pose, place.mode)[:3, 3] if here else None
+    position = kind.transform(design, place.pose, place.mode)[:3, 3]
+    center = tuple(position.tolist()) if here else None
     return kind.singularity_free_ball(design, place.pose, place.mode, center)
 
 

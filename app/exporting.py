@@ -83,6 +83,27 @@ def solid_bytes(built: BuiltSolid, placement: ArrayLike, kind: str) -> bytes:
     return encode(placed(built.mesh, placement), kind)
 
 
+def mesh_bytes(mesh: SolidMesh, placement: ArrayLike, kind: str, *, is_open: bool = False) -> bytes:
+    """A mesh in base coordinates (mm) as the content of a file.
+
+    Args:
+        mesh: a closed surface, or one with a rim if ``is_open``.
+        placement: 4x4 to the base frame.
+        kind: one of `FORMATS`, or "csv": the vertices.
+
+    Raises:
+        InputError: there is no such format, or the mesh is empty.
+        ComputationError: it is not sound.
+    """
+    from kinematics.solids import encode
+
+    moved = placed(mesh, placement)
+    if kind == "csv":
+        rows = [",".join(f"{value:.9g}" for value in point) for point in moved.vertices.tolist()]
+        return "\n".join(["x_mm,y_mm,z_mm", *rows, ""]).encode()
+    return encode(moved, kind, is_open=is_open)
+
+
 def solid_file(built: BuiltSolid, placement: ArrayLike, kind: str, *, name: str) -> ExportedFile:
     """A solid as a file to save; ``name`` comes from `solid_name`.
 

@@ -21,12 +21,11 @@ MOST = 8  # wrenches, and clearances, that are drawn
 REACH = 0.9  # of the machine's size: half a wrench's line
 SWING = 0.22  # of the machine's size: how far the free motion is shown
 PERIOD, SWINGS = 1.6, 2  # s, and how often
+# Those that are named in the scene; more labels would lie one over the other.
 _WHAT = {
     "parallel": "singular",
     "constraint": "singular",
     "boundary": "end of the workspace",
-    "stroke": "end of a stroke",
-    "mode": "change of mode",
 }
 _NO_LINE = np.zeros((1, 2, 3), dtype=np.float32)
 
@@ -161,13 +160,14 @@ class Held:
                 np.uint8,
             )
             self._ways.colors = np.repeat(colors[:, None], 2, axis=1)
+        named = [way for way in shown if way.kind in _WHAT]
         for n, label in enumerate(self._labels):
-            seen = n < len(shown)
+            seen = n < len(named)
             if label.visible != seen:
                 label.visible = seen
             if seen:
-                label.text = f"{signed(shown[n].distance)} mm · {_WHAT[shown[n].kind]}"
-                label.position = tuple(float(v) for v in shown[n].point)
+                label.text = f"{signed(named[n].distance)} mm · {_WHAT[named[n].kind]}"
+                label.position = tuple(float(v) for v in named[n].point)
 
     def swing(self, view: View, motion: tuple[float, ...], elapsed: float) -> bool:
         """The platform's ghost on its free motion; False when the show is over."""

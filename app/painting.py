@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 STEPS = 10
 """of a measure; each is a mesh."""
+LIFT = 1e-3
+"""of a solid's size, see `lifted`."""
 PIECES = 10
 """that have a mesh, and so a colour, of their own; smaller ones share the last."""
 
@@ -77,8 +79,9 @@ def pieces(solid: BuiltSolid, *, locus: bool) -> tuple[Coat, ...]:
     colors = piece_colors([piece.sign for piece in solid.pieces])
     owner = np.minimum(solid.piece_of, PIECES - 1)
     outside = ~solid.on_locus
+    vertices = lifted(mesh.vertices, mesh.faces[outside])
     coats = [
-        _part(mesh.vertices, mesh.faces[outside & (owner == n)], colors[n])
+        _part(vertices, mesh.faces[outside & (owner == n)], colors[n])
         for n in range(min(len(colors), PIECES))
     ]
     if locus:
@@ -87,6 +90,20 @@ def pieces(solid: BuiltSolid, *, locus: bool) -> tuple[Coat, ...]:
         one = solid.on_locus & (signs[solid.piece_of] > 0)
         coats.append(_part(mesh.vertices, mesh.faces[one], palette.BEYOND, 1.6))
     return tuple(coat for coat in coats if len(coat.faces))
+
+
+def lifted(vertices: NDArray[Any], faces: NDArray[Any]) -> NDArray[np.float32]:
+    """Vertices (V, 3) of faces moved outwards a little, for the eye only: where another solid has
+    the very same face the browser could not tell which of both is in front.
+    """
+    a, b, c = (vertices[faces[:, n]].astype(float) for n in range(3))
+    turned = np.cross(b - a, c - a)
+    normal = np.zeros((len(vertices), 3))
+    for n in range(3):
+        np.add.at(normal, faces[:, n], turned)
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+    size = float(np.ptp(vertices, axis=0).max(initial=0.0))
+    return (vertices + LIFT * size * normal).astype(np.float32)
 
 
 def scale(values: Array, *, high: bool, limits: tuple[float | None, float | None]) -> Scale | None:
@@ -110,20 +127,21 @@ def scale(values: Array, *, high: bool, limits: tuple[float | None, float | None
 def shaded(solid: BuiltSolid, values: Array, steps: Scale, bare: str) -> tuple[Coat, ...]:
     """Painted by values (V,) at the shaded mesh's vertices; ``bare`` where they are NaN."""
     mesh = solid.shaded
-    corners, at = mesh.vertices[mesh.faces], values[mesh.faces]
+    vertices = lifted(mesh.vertices, mesh.faces)
+    corners, at = vertices[mesh.faces], values[mesh.faces]
     known = np.isfinite(at).all(axis=1)
     coats = []
     if not known.all():
-        coats.append(_part(mesh.vertices, mesh.faces[~known], bare))
+        coats.append(_part(vertices, mesh.faces[~known], bare))
     triangles = np.concatenate([corners, at[:, :, None]], axis=2)[known].astype(float)
     edges = steps.edges.copy()
     edges[0], edges[-1] = -np.inf, np.inf
     for n in range(STEPS):
         inside = _clipped(_clipped(triangles, edges[n], 1.0), edges[n + 1], -1.0)
         if len(inside):
-            flat = inside[:, :, :3].reshape(-1, 3)
-            vertices, faces = np.unique(flat.astype(np.float32), axis=0, return_inverse=True)
-            coats.append(Coat(steps.color(n), vertices, faces.reshape(-1, 3).astype(np.uint32)))
+            flat = inside[:, :, :3].reshape(-1, 3).astype(np.float32)
+            used, faces = np.unique(flat, axis=0, return_inverse=True)
+            coats.append(Coat(steps.color(n), used, faces.reshape(-1, 3).astype(np.uint32)))
     return tuple(coats)
 
 

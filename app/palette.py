@@ -51,8 +51,8 @@ _PART_TINT = {"body": 0.45, "plus": 0.2, "minus": -0.25, "H1": 0.3, "H2": -0.35,
 
 
 def limb_color(limb: int) -> str:
-    """The colour of a limb, counted from 1."""
-    return LIMBS[(limb - 1) % len(LIMBS)]
+    """The colour of a limb, counted from 1; of none (0) that of what is singular."""
+    return BEYOND if limb == 0 else LIMBS[(limb - 1) % len(LIMBS)]
 
 
 def bar_color(bar: Bar, level: str) -> str:

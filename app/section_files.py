@@ -13,7 +13,12 @@ from kinematics.errors import InputError
 from kinematics.sections import BOUNDS, EdgeBound, Section, SectionSpec
 
 FORMATS: tuple[str, ...] = ("svg", "dxf", "csv")
-LINETYPES: dict[EdgeBound, str] = {"rho_max": "CONTINUOUS", "rho_min": "DASHED", "link": "DOT"}
+LINETYPES: dict[EdgeBound, str] = {
+    "rho_max": "CONTINUOUS",
+    "rho_min": "DASHED",
+    "link": "DOT",
+    "parallel": "CONTINUOUS",
+}
 
 Edge = dict[str, Any]
 

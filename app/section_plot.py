@@ -25,8 +25,9 @@ BOUND_TITLES: dict[EdgeBound, str] = {
     "rho_max": "ρ max",
     "rho_min": "ρ min",
     "link": "reach of the link",
+    "parallel": "parallel singularity",
 }
-DASHES: dict[EdgeBound, str] = {"rho_max": "", "rho_min": "6 4", "link": "1.5 3"}
+DASHES: dict[EdgeBound, str] = {"rho_max": "", "rho_min": "6 4", "link": "1.5 3", "parallel": ""}
 
 PAPER, PAPER_DARK = "#FFFFFF", "#1A1D21"
 FONT = 11.0  # px; a letter is about 0.56 of it wide

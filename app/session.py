@@ -21,6 +21,7 @@ from app.state import (
     checked,
     checked_chart,
     checked_control,
+    checked_way,
     new_review,
     within_reach,
 )
@@ -48,6 +49,7 @@ def to_text(review: Review) -> str:
         "options": {f.name: getattr(review.options, f.name) for f in fields(Options)},
         "solutions": {f.name: getattr(review.atlas, f.name) for f in fields(Atlas)},
         "section": {"on": review.cut.on, "at": review.cut.at},
+        "gives_way": review.gives_way,
         "control": {f.name: getattr(review.control, f.name) for f in fields(Control)},
     }
     axes = _map_axes(review)
@@ -112,6 +114,7 @@ def from_text(text: str, *, origin: str) -> Review:
         _chart(content, review, origin),
         _surface(content, origin),
         _control(content, review, origin),
+        _way(content, review, origin),
     )
 
 
@@ -188,6 +191,17 @@ def _control(content: dict[str, Any], review: Review, origin: str) -> Control:
         return checked_control(Control(**values), review)
     except InputError as error:
         raise InputError(f"{origin}: control: {error}") from None
+
+
+def _way(content: dict[str, Any], review: Review, origin: str) -> str:
+    """Which coordinate gives way; sessions saved before there was a choice leave it open."""
+    given = content.get("gives_way", "")
+    if not isinstance(given, str):
+        raise InputError(f"{origin}: 'gives_way' is not of the right kind")
+    try:
+        return checked_way(given, review)
+    except InputError as error:
+        raise InputError(f"{origin}: gives_way: {error}") from None
 
 
 def _surface(content: dict[str, Any], origin: str) -> SurfaceKind:

@@ -111,7 +111,8 @@ class Review:
     """Everything a review consists of; equal reviews look the same.
 
     ``modes`` says which working modes the workspace is of: all, the current one, or a set;
-    ``surface`` what its solid is made of.
+    ``surface`` what its solid is made of. ``gives_way`` is the key of the pose coordinate that
+    follows from the others, where a mechanism has such; "" leaves that to the mechanism.
     """
 
     design: Design
@@ -125,10 +126,17 @@ class Review:
     chart: Chart = Chart()
     surface: SurfaceKind = "facets"
     control: Control = Control()
+    gives_way: str = ""
 
     @property
     def mechanism(self) -> Mechanism:
         return mechanism(self.design.mechanism)
+
+    @property
+    def dependent(self) -> int | None:
+        """The pose coordinate that gives way; None where that is left to the mechanism."""
+        axes = self.mechanism.pose_coordinates(self.design)
+        return next((n for n, c in enumerate(axes) if c.key == self.gives_way), None)
 
     @property
     def posture(self) -> Posture:
@@ -232,6 +240,19 @@ def checked_control(control: Control, review: Review) -> Control:
     if len(control.load) != 6 or not all(map(math.isfinite, control.load)):
         raise InputError("a load is six finite numbers: three forces (N), three moments (N·mm)")
     return control
+
+
+def checked_way(key: str, review: Review) -> str:
+    """The same, once it is known to be a coordinate that may give way, or "".
+
+    Raises:
+        InputError: it is none.
+    """
+    axes = review.mechanism.pose_coordinates(review.design)
+    known = [axes[n].key for n in review.mechanism.dependent_coordinates(review.design)]
+    if key and key not in known:
+        raise InputError(f"what gives way is one of {', '.join(known)}, not {key!r}")
+    return key
 
 
 def checked(atlas: Atlas, kind: Mechanism) -> Atlas:

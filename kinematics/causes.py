@@ -39,12 +39,12 @@ def lost(
     """
     if system.rows.ndim != 2 or not np.isfinite(system.rows).all():
         return ()
-    found = geometry(system.rows, length, tolerance, point)
-    constraints = {n for n, name in enumerate(system.names) if name.kind == "constraint"}
+    constraints = [n for n, name in enumerate(system.names) if name.kind == "constraint"]
+    found = geometry(system.rows, length, tolerance, point, constraints)
     answer: list[Singularity] = []
     for n, circuit in enumerate(found.circuits[: len(found.twists)]):
         kind: SingularityKind = (
-            "constraint" if constraints.issuperset(circuit.members) else "parallel"
+            "constraint" if set(constraints).issuperset(circuit.members) else "parallel"
         )
         twist = np.array(found.twists[n])
         measure = _measure(found, n)
@@ -52,7 +52,7 @@ def lost(
             Singularity(
                 kind=kind,
                 limbs=_limbs(circuit.members, system.names),
-                cause=cause(circuit, system.names),
+                cause=("nearly: " if measure >= AT else "") + cause(circuit, system.names),
                 text=_text(kind, measure, found, n),
                 measure=measure,
                 motion=_motion(twist, pose_rates, length),
@@ -210,6 +210,6 @@ def _common(v: Variety, *, one: bool) -> str:
             pitch = "" if isinf(axis.pitch) else f" with pitch {axis.pitch:.3g} mm/rad"
             return f"belong to a general linear complex about {_line(axis)}{pitch}"
         case "screws":
-            return "are dependent screws"
+            return "are dependent"
         case "space":
             return "are more than six"

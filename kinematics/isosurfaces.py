@@ -224,18 +224,24 @@ def _placed(
     within = np.isfinite(fa + fb)
     vertices = 0.5 * (a + b)
     residual = np.full(len(vertices), np.nan)
-    vertices[within], residual[within] = _zeros(
+    vertices[within], residual[within] = zeros_between(
         field, a[within], b[within], fa[within], fb[within], tolerance
     )
     return vertices, residual
 
 
-def _zeros(
+def zeros_between(
     field: Field, a: Array, b: Array, fa: Array, fb: Array, tolerance: float
 ) -> tuple[Array, Array]:
-    """The zeros of a function between points (N, 3) where its signs differ, and residuals.
+    """The zeros of a function between points (N, D) where its signs differ, and residuals.
 
     Newton's method between ends that close in, halved where a step would leave them.
+
+    Args:
+        field: the function; D is 3, or what it takes.
+        a, b: (N, D) the points.
+        fa, fb: (N,) the values there.
+        tolerance: as for `positive_part`.
     """
     along = b - a
     length = np.linalg.norm(along, axis=1)

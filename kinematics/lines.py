@@ -49,7 +49,9 @@ VarietyKind = Literal[
 
 EXACT = 1e-7
 """Singular values below this are zero but for rounding, whatever the caller's tolerance."""
+_ALIKE = 1e-6  # singular values below which one free twist is as good as another
 _FLAT = 1e-6  # a form is zero below this, of its largest possible value
+_COARSE = 0.05  # the same at most, however inexact a span is
 _AS_GOOD = 3.0  # a subset explains what is at most so many times as exact
 _FAR = 1e6  # characteristic lengths; an axis further off is a direction
 
@@ -120,8 +122,8 @@ class Geometry:
         singular_values: of the normalised rows, largest first.
         circuits: as many as rows can be left out without loss, the smallest first.
         twists: independent twists [ω, v], rad and mm, that do no work on any row, of unit size with
-            ω times the characteristic length; translations and pure turns first where there are
-            such.
+            ω times the characteristic length; translations first and pure turns where there are
+            such, or those with the least work first where that is not nothing.
         screws: of each of them.
     """
 
@@ -133,7 +135,11 @@ class Geometry:
 
 
 def geometry(
-    rows: ArrayLike, length: float, tolerance: float, point: Sequence[float] = (0.0, 0.0, 0.0)
+    rows: ArrayLike,
+    length: float,
+    tolerance: float,
+    point: Sequence[float] = (0.0, 0.0, 0.0),
+    kept: Sequence[int] = (),
 ) -> Geometry:
     """Rank, circuits with what they have in common, and reciprocal twists.
 
@@ -142,6 +148,7 @@ def geometry(
         length: mm, the characteristic length, > 0.
         tolerance: singular values of normalised rows below it count as zero.
         point: mm, the reference point of moments and twists.
+        kept: rows to which the twists are reciprocal exactly, where others only nearly are.
     """
     unit = normalised(rows, length)
     origin = np.asarray(point, dtype=float)
@@ -154,7 +161,10 @@ def geometry(
         circuits.append(found)
         heaviest = int(np.argmax(np.abs(found.weights)))
         left.remove(found.members[heaviest])
-    free = _twists(right[rank:], length)
+    null = right[rank:] if not kept else _weakest(unit, list(kept), 6 - rank, tolerance)
+    exact = len(values) == rank or float(values[rank]) < _ALIKE
+    null = _telling(null) if exact else null[::-1]  # the one with the least work first
+    free = [np.concatenate([row[3:] / length, row[:3]]) for row in map(_upright_row, null)]
     return Geometry(
         rank=rank,
         singular_values=tuple(values.tolist()),
@@ -199,13 +209,15 @@ def variety(
     unit = normalised(_moved(np.asarray(rows, dtype=float), origin - center), reach)
     values, right = _spectrum(unit)
     rank = int((values >= EXACT).sum()) if rank is None else rank
-    flat = max(_FLAT, blur)
+    flat = min(max(_FLAT, blur), _COARSE)
     if rank <= 0:
         return Variety("zero")
     if rank > 5:
         return Variety("space")
+    # Three dependent lines are of a pencil, however nearly: only wrenches with a pitch are not.
+    straight = bool((np.abs((unit[:, :3] * unit[:, 3:]).sum(axis=1)) <= _FLAT).all())
     common = (
-        _few(right[:rank], rank, reach, center, flat)
+        _few(right[:rank], rank, reach, center, 1.0 if rank == 2 and straight else flat, flat)
         if rank <= 3
         else _many(right[rank:], rank, reach, center, flat)
     )
@@ -252,11 +264,20 @@ def _least(unit: Array) -> float:
     return float(np.linalg.svd(unit, compute_uv=False)[-1])
 
 
-def _twists(null: Array, length: float) -> list[Array]:
-    """A basis of reciprocal twists from right null vectors (n, 6) in [v, ω length]."""
-    if not len(null):
-        return []
-    # Translations first: combinations without ω.
+def _weakest(unit: Array, kept: list[int], count: int, tolerance: float) -> Array:
+    """The twists [v, ω length] on which the rows do least work, and the kept ones none."""
+    values, right = _spectrum(unit[kept])
+    allowed = right[int((values >= tolerance).sum()) :]
+    others = np.delete(unit, kept, axis=0)
+    _, weak = np.linalg.svd(others @ allowed.T, full_matrices=True)[1:]
+    answer: Array = weak[max(len(weak) - count, 0) :] @ allowed
+    return answer
+
+
+def _telling(null: Array) -> Array:
+    """Another basis of twists [v, ω length]: translations first, turns of two if there are two."""
+    if len(null) < 2:
+        return null
     left, sizes, _ = np.linalg.svd(null[:, 3:], full_matrices=True)
     sizes = np.concatenate([sizes, np.zeros(len(null) - len(sizes))])
     still = left[:, sizes <= _FLAT].T @ null
@@ -265,8 +286,7 @@ def _twists(null: Array, length: float) -> list[Array]:
         real = _isotropic(turning, _FLAT)
         if len(real) == 2:
             turning = np.array(real)
-    basis = np.concatenate([still, turning])
-    return [np.concatenate([row[3:] / length, row[:3]]) for row in map(_upright_row, basis)]
+    return np.concatenate([still, turning])
 
 
 # --- varieties -----------------------------------------------------------------------------
@@ -278,13 +298,15 @@ def _form(basis: Array) -> Array:
     return product + product.T
 
 
-def _few(basis: Array, rank: int, length: float, center: Array, flat: float) -> Variety:
-    """Ranks 1 to 3, from the span itself."""
+def _few(
+    basis: Array, rank: int, length: float, center: Array, flat: float, thin: float
+) -> Variety:
+    """Ranks 1 to 3, from the span itself; ``thin``: below this there are no forces in it."""
     form = _form(basis)
     values, vectors = np.linalg.eigh(form)
     zero = np.abs(values) <= flat
     _, sizes, directions = np.linalg.svd(basis[:, :3], full_matrices=True)
-    finite = int((sizes > flat).sum())
+    finite = int((sizes > thin).sum())
     if not zero.all():
         return _quadric(basis, values, vectors, zero, finite, rank, length, center)
     if finite == 0:

@@ -17,13 +17,27 @@ from numpy.typing import ArrayLike
 
 from kinematics.errors import InputError
 from kinematics.motion import Motion, Statics, WrenchSystem
-from kinematics.sections import Box, MapCells, MapSpec, Section, SectionSpec, Sphere, Volume
+from kinematics.sections import (
+    Box,
+    MapCells,
+    MapSpec,
+    Region,
+    RegionSpec,
+    Section,
+    SectionSpec,
+    Sphere,
+    Volume,
+)
 from kinematics.singularities import (
     AT,
     Clearance,
+    Event,
     LocusCurves,
     LocusSpec,
     Measure,
+    MicrTable,
+    ModeChange,
+    OrientationCircle,
     Remedy,
     Singularity,
 )
@@ -40,6 +54,7 @@ from kinematics.spatial import Array
 
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
     from kinematics.solids import BuiltSolid
+    from kinematics.trajectories import NamedTrajectory
 
 Resolution = Literal["preview", "normal", "fine"]
 RESOLUTIONS: tuple[Resolution, ...] = ("preview", "normal", "fine")
@@ -194,8 +209,14 @@ class Mechanism(Protocol):
     # coordinates
     def pose_coordinates(self, design: Any) -> tuple[Coordinate, ...]: ...
     def joint_coordinates(self, design: Any) -> tuple[Coordinate, ...]: ...
+    def dependent_coordinates(self, design: Any) -> tuple[int, ...]: ...
     def complete_pose(
-        self, design: Any, pose: Sequence[float], mode: str, moved: int | None = None
+        self,
+        design: Any,
+        pose: Sequence[float],
+        mode: str,
+        moved: int | None = None,
+        dependent: int | None = None,
     ) -> tuple[float, ...]: ...
 
     # kinematics
@@ -252,12 +273,34 @@ class Mechanism(Protocol):
     def singularities(
         self, design: Any, posture: Posture, tolerance: float = AT
     ) -> tuple[Singularity, ...]: ...
-    def clearances(self, design: Any, posture: Posture) -> tuple[Clearance, ...]: ...
+    def clearances(
+        self, design: Any, posture: Posture, *, singular: bool = True
+    ) -> tuple[Clearance, ...]: ...  # not singular: without what takes longer to find
     def remedy(self, design: Any, posture: Posture) -> Remedy: ...
+    def passed(self, design: Any, before: Posture, after: Posture) -> tuple[Event, ...]: ...
+    def path(self, design: Any, posture: Posture, poses: ArrayLike) -> Followed: ...
+    def mode_change(self, design: Any, posture: Posture) -> ModeChange | None: ...
     def locus_specs(self, design: Any) -> tuple[LocusSpec, ...]: ...
     def locus(
         self, design: Any, key: str, pose: Sequence[float], mode: str, at: float | None = None
     ) -> LocusCurves: ...
+
+    # a workspace that lies in a plane: its regions; the frame is from (u, v, normal) to the base's
+    def region_specs(self, design: Any) -> tuple[RegionSpec, ...]: ...
+    def region_frame(self, design: Any, pose: Sequence[float]) -> Array: ...
+    def regions(
+        self, design: Any, key: str, pose: Sequence[float], modes: tuple[str, ...] | None
+    ) -> tuple[Region, ...]: ...
+
+    # ways that a mechanism's paper or trade runs, by name
+    def trajectories(self, design: Any) -> tuple[NamedTrajectory, ...]: ...
+
+    # circles of orientations without a singularity, and machines to compare with
+    def circles(
+        self, design: Any, pose: Sequence[float], mode: str
+    ) -> tuple[OrientationCircle, ...]: ...
+    def micr(self, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike) -> MicrTable: ...
+    def counterparts(self, design: Any) -> tuple[Design, ...]: ...
 
     # solids
     def solids(self, design: Any) -> tuple[SolidSpec, ...]: ...
@@ -309,6 +352,9 @@ class Mechanism(Protocol):
         modes: tuple[str, ...] | None,
         center: Sequence[float] | None = None,
     ) -> Box | None: ...
+    def singularity_free_ball(
+        self, design: Any, pose: Sequence[float], mode: str, center: Sequence[float] | None = None
+    ) -> Sphere | None: ...
     def map_spec(self, design: Any) -> MapSpec | None: ...
     def map_cells(
         self,
@@ -334,14 +380,23 @@ class Bare:
         """
         return ""
 
+    def dependent_coordinates(self, design: Any) -> tuple[int, ...]:
+        """Those pose coordinates of which one, whichever is chosen, follows from the others."""
+        return ()
+
     def complete_pose(
-        self, design: Any, pose: Sequence[float], mode: str, moved: int | None = None
+        self,
+        design: Any,
+        pose: Sequence[float],
+        mode: str,
+        moved: int | None = None,
+        dependent: int | None = None,
     ) -> tuple[float, ...]:
-        """The pose with its dependent coordinates made true, where a mechanism has such.
+        """The pose with its dependent coordinate made true, where a mechanism has such.
 
         Args:
-            pose: one coordinate may be NaN: that one is solved for. Else, where ``moved`` was just
-                set by hand, another one gives way.
+            pose: one coordinate may be NaN: that one is solved for. Else ``dependent`` gives way
+                or, where that is the one that was ``moved`` by hand or None, another one.
 
         Raises:
             InputError: there is no such pose, or the mechanism has no dependent coordinate.
@@ -417,6 +472,11 @@ class Bare:
     ) -> Box | None:
         raise InputError(_NO_SECTIONS)
 
+    def singularity_free_ball(
+        self, design: Any, pose: Sequence[float], mode: str, center: Sequence[float] | None = None
+    ) -> Sphere | None:
+        return None
+
     def map_spec(self, design: Any) -> MapSpec | None:
         return None
 
@@ -456,6 +516,30 @@ class Bare:
     def remedy(self, design: Any, posture: Posture) -> Remedy:
         return Remedy(None, nan, (), "")
 
+    def passed(self, design: Any, before: Posture, after: Posture) -> tuple[Event, ...]:
+        return ()
+
+    def path(self, design: Any, posture: Posture, poses: ArrayLike) -> Followed:
+        raise InputError("this mechanism does not follow paths of poses")
+
+    def mode_change(self, design: Any, posture: Posture) -> ModeChange | None:
+        """Where the mode may be changed without taking the machine apart; None where nowhere."""
+        return None
+
+    def circles(
+        self, design: Any, pose: Sequence[float], mode: str
+    ) -> tuple[OrientationCircle, ...]:
+        """About the pose's orientation, at its altitude: one circle for each limit."""
+        return ()
+
+    def micr(self, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike) -> MicrTable:
+        """MICR over circumradii and altitudes, which broadcast."""
+        raise InputError("this mechanism has no maximum inscribed circle (MICR)")
+
+    def counterparts(self, design: Any) -> tuple[Design, ...]:
+        """Other machines with the same numbers, which it is worth comparing with."""
+        return ()
+
     def locus_specs(self, design: Any) -> tuple[LocusSpec, ...]:
         return ()
 
@@ -464,11 +548,31 @@ class Bare:
     ) -> LocusCurves:
         raise InputError(f"this mechanism has no loci {key!r}")
 
+    def region_specs(self, design: Any) -> tuple[RegionSpec, ...]:
+        return ()
+
+    def region_frame(self, design: Any, pose: Sequence[float]) -> Array:
+        raise InputError("this mechanism's workspace does not lie in a plane")
+
+    def regions(
+        self, design: Any, key: str, pose: Sequence[float], modes: tuple[str, ...] | None
+    ) -> tuple[Region, ...]:
+        raise InputError(f"this mechanism has no regions {key!r}")
+
+    def trajectories(self, design: Any) -> tuple[NamedTrajectory, ...]:
+        return ()
+
 
 _NO_SECTIONS = "this mechanism has no solid workspace to cut or to measure"
 
 
-_MODULES = {"five_rpur": "kinematics.five_rpur", "four_sps_spr": "kinematics.four_sps_spr"}
+# Where each kind's mechanism stands; one package may offer several.
+_MODULES = {
+    "five_rpur": ("kinematics.five_rpur", "MECHANISM"),
+    "four_sps_spr": ("kinematics.four_sps_spr", "MECHANISM"),
+    "three_rps": ("kinematics.three_rps_spr", "THREE_RPS"),
+    "three_spr": ("kinematics.three_rps_spr", "THREE_SPR"),
+}
 
 
 def mechanism_kinds() -> tuple[str, ...]:
@@ -483,10 +587,11 @@ def mechanism(kind: str) -> Mechanism:
     Raises:
         InputError: there is no such kind.
     """
-    module = _MODULES.get(kind)
-    if module is None:
+    place = _MODULES.get(kind)
+    if place is None:
         raise InputError(
             f"there is no mechanism {kind!r}; known are {', '.join(mechanism_kinds())}"
         )
-    found: Mechanism = import_module(module).MECHANISM
+    module, name = place
+    found: Mechanism = getattr(import_module(module), name)
     return found

@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 from kinematics.spatial import Array, Frozen
 
 Ints = NDArray[np.int64]
-EdgeBound = Literal["rho_min", "rho_max", "link"]
-BOUNDS: tuple[EdgeBound, ...] = ("rho_min", "rho_max", "link")
-"""What an edge is due to: an end of the stroke, or the reach |y| = l of the second link."""
+EdgeBound = Literal["rho_min", "rho_max", "link", "parallel"]
+BOUNDS: tuple[EdgeBound, ...] = ("rho_min", "rho_max", "link", "parallel")
+"""What an edge is due to: an end of the stroke (of a joint's range), the reach of the links, where
+the limb's two solutions meet; or, of no limb, a parallel singularity."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +54,7 @@ class Section(Frozen):
     Attributes:
         at: where the plane stands, mm.
         start, end: (E, 2) mm.
-        limb: (E,) from 1: whose bound the edge is.
+        limb: (E,) from 1: whose bound the edge is; 0 of a parallel singularity.
         bound: (E,) indices into `BOUNDS`.
         center: (E, 2) mm of an arc; NaN of a line.
         radius: (E,) mm of an arc; inf of a line.
@@ -129,6 +130,48 @@ class Section(Frozen):
         )
         points[0], points[-1] = self.start[edge], self.end[edge]
         return np.asarray(points)
+
+
+@dataclass(frozen=True, slots=True)
+class RegionSpec:
+    """Regions of a plane that a mechanism can show: "workspace", "modes", "aspects", …
+
+    Attributes:
+        key, title: how it is called.
+        axes: the symbols of the plane's coordinates.
+        uses_modes: it depends on the chosen set of modes.
+    """
+
+    key: str
+    title: str
+    axes: tuple[str, str]
+    figure: str = ""
+    uses_modes: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Region(Frozen):
+    """A region of a mechanism's plane with its boundary.
+
+    Attributes:
+        title: one line for the user.
+        section: its boundary, loop by loop; its area and moments are those of the true boundary.
+        deviation: mm by which an edge may leave the true boundary; 0 where all are true arcs.
+            Of a curve that is no arc every edge is an arc through three points of it.
+        mode: the mode it belongs to; "" where it is of several.
+        sign: of the wrenches' determinant all over it; 0 where that changes.
+        group: regions with the same number can be joined through serial singularities; 0 of one
+            that was not asked.
+        inside: (2,) mm, a point well inside; NaN of an empty region.
+    """
+
+    title: str
+    section: Section
+    deviation: float
+    mode: str
+    sign: int
+    group: int
+    inside: Array
 
 
 @dataclass(frozen=True, eq=False)

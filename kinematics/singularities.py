@@ -10,6 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 from kinematics.sections import Ints
 from kinematics.solutions import Posture
 from kinematics.spatial import Array, Frozen
@@ -77,6 +79,73 @@ class Clearance:
 
 
 @dataclass(frozen=True, slots=True)
+class ModeChange:
+    """The way to the place where a machine can change its operation or working mode.
+
+    Attributes:
+        at: the nearest such posture found, in the present mode; its own where it stands in it.
+        other: the same configuration in the other mode, from which that one can be gone on with.
+        here: the machine stands in it: the mode may be changed now.
+        turn: rad, by how much the platform has to turn until there; 0 where it is there.
+        blocked: on the straight way there a parallel singularity or an end of a stroke is met.
+        text: one sentence for the user.
+    """
+
+    at: Posture
+    other: Posture
+    here: bool
+    turn: float
+    blocked: bool
+    text: str
+
+
+CircleLimit = Literal["parallel", "constraint", "stroke"]
+
+
+@dataclass(frozen=True, slots=True)
+class OrientationCircle:
+    """The largest circle of orientations about one, at a fixed position, that one limit leaves.
+
+    Attributes:
+        limit: which.
+        radius: rad, the angle by which the platform can turn from the centre in every direction;
+            π where nothing is met.
+        contacts: (tilt, azimuth) of the orientations that are met first, rad; none at π.
+        limb: from 1, whose stroke ends; None for singularities.
+        bound: "rho_min" or "rho_max", likewise.
+        barred: within the circle there are orientations without any position at this altitude.
+        error: rad, an estimate from above of the error of ``radius``.
+        text: one sentence for the user.
+    """
+
+    limit: CircleLimit
+    radius: float
+    contacts: tuple[tuple[float, float], ...]
+    text: str
+    limb: int | None = None
+    bound: str = ""
+    barred: bool = False
+    error: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class MicrTable(Frozen):
+    """Maximum inscribed circle radii (MICR) about the level platform, of many machines.
+
+    Attributes:
+        modes: M operation modes.
+        radius: (M, ...) rad; NaN where no tilt is singular.
+        contact: (M, ...) the azimuth that is met first, rad, one of those that symmetry makes.
+        barred: (M, ...) the circle holds tilts without any position at this altitude.
+    """
+
+    modes: tuple[str, ...]
+    radius: Array
+    contact: Array
+    barred: np.ndarray
+
+
+@dataclass(frozen=True, slots=True)
 class DesignChange:
     """A change of one number of the design; ``path`` as in `mechanism.DesignField`."""
 
@@ -112,6 +181,31 @@ class Remedy:
     error: float = 0.0
 
 
+EventKind = Literal["parallel", "serial", "stroke"]
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something that a move of the pose, in one mode, passes on its way.
+
+    Attributes:
+        kind: a parallel or a serial singularity; an end of a limb's stroke.
+        fraction: of the way, 0 to 1.
+        pose: there.
+        limb: from 1; None of parallel singularities.
+        text: one sentence for the user, in the past tense.
+        stops: a machine driven along the way would have to stop there; not so where a singularity
+            is only passed nearby, or a limb comes back within its bounds.
+    """
+
+    kind: EventKind
+    fraction: float
+    pose: tuple[float, ...]
+    limb: int | None
+    text: str
+    stops: bool
+
+
 @dataclass(frozen=True, slots=True)
 class LocusSpec:
     """A chart of singularity loci that a mechanism can draw: two coordinates, all else held.
@@ -140,6 +234,7 @@ class LocusCurves(Frozen):
         residual: (N,) what the defining function leaves at each point, as a distance in the
             chart's first unit (|f| / |grad f|).
         bounds: (2, 2) lowest and highest of both coordinates that were searched.
+        barriers: radii of a polar chart at which there is no posture at all.
     """
 
     points: Array
@@ -148,6 +243,7 @@ class LocusCurves(Frozen):
     limb: Ints
     residual: Array
     bounds: Array
+    barriers: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

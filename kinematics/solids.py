@@ -429,8 +429,8 @@ def rounded(
 # --- files -------------------------------------------------------------------------------------
 
 
-def encode(mesh: SolidMesh, kind: str) -> bytes:
-    """The bytes of a file of ``kind``, one of `KINDS`.
+def encode(mesh: SolidMesh, kind: str, *, is_open: bool = False) -> bytes:
+    """The bytes of a file of ``kind``, one of `KINDS`; a surface ``is_open`` if it has a rim.
 
     Coordinates are mm in every format. 3MF says so in its unit, STL in its header, PLY and OBJ
     in a comment, GLB in ``asset.extras``: glTF means metres, but a designer who loads the same
@@ -438,13 +438,17 @@ def encode(mesh: SolidMesh, kind: str) -> bytes:
 
     Raises:
         InputError: there is no such kind, or the mesh has no faces.
-        ComputationError: the mesh is not a closed surface of finite numbers.
+        ComputationError: the mesh is not a closed surface (unless open) of finite numbers.
     """
     if kind not in KINDS:
         raise InputError(f"there is no export as {kind!r}; use one of {', '.join(KINDS)}")
     if not len(mesh.faces):
         raise InputError("the solid is empty, there is nothing to export")
-    Solid.from_mesh(mesh.vertices, mesh.faces)  # raises on NaN and on an open surface
+    if is_open:
+        if not np.isfinite(mesh.vertices).all():
+            raise ComputationError("a vertex is NaN or infinite")
+    else:
+        Solid.from_mesh(mesh.vertices, mesh.faces)  # raises on NaN and on an open surface
     import trimesh  # slow to import, and only exports need it
 
     surface = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)

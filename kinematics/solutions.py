@@ -109,6 +109,8 @@ class Followed:
         text: one sentence for the user; empty when the target was reached without events.
         fraction: the part of the way that was covered, 0 to 1.
         limb: the limb at its stroke end, if that is what stopped it (from 1).
+        warning: one phrase where the posture is near a singularity, as "about 2.3 mm from a
+            parallel singularity"; else empty.
     """
 
     posture: Posture
@@ -116,6 +118,7 @@ class Followed:
     text: str
     fraction: float
     limb: int | None = None
+    warning: str = ""
 
 
 @dataclass(frozen=True, slots=True)

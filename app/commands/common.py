@@ -117,26 +117,26 @@ def numbers(option: str, text: str, axes: Sequence[Coordinate]) -> list[float]:
     ]
 
 
-def pose_numbers(text: str, axes: Sequence[Coordinate]) -> list[float]:
-    """A pose as typed, mm and degrees; NaN for a coordinate that is left to the mechanism, "-"."""
+def open_numbers(option: str, text: str, axes: Sequence[Coordinate]) -> list[float]:
+    """As `numbers`, but NaN for one coordinate that is left to the mechanism, "-"."""
     words = text.split(",")
     free = [n for n, word in enumerate(words) if word.strip() in _DASHES]
     if len(free) > 1:
-        raise InputError(f"--pose: only one coordinate may be -, got {len(free)}")
+        raise InputError(f"{option}: only one coordinate may be -, got {len(free)}")
     rest = ",".join("0" if n in free else word for n, word in enumerate(words))
-    return [nan if n in free else value for n, value in enumerate(numbers("--pose", rest, axes))]
+    return [nan if n in free else value for n, value in enumerate(numbers(option, rest, axes))]
 
 
 _DASHES = frozenset("-−–")
 
 
-def add_pose(parser: argparse.ArgumentParser) -> None:
+def add_pose(parser: argparse.ArgumentParser, *, required: bool = True) -> None:
     parser.add_argument(
         "--pose",
-        required=True,
-        metavar="x,y,z,phi,theta",
-        help="mm and degrees, in the mechanism's own coordinates; - for one that the mechanism's "
-        "constraint gives",
+        required=required,
+        metavar="x,y,...",
+        help="mm and degrees, in the mechanism's own coordinates (5-RPUR: x,y,z,phi,theta); - for "
+        "one that the mechanism's constraint gives",
     )
 
 

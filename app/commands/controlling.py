@@ -27,7 +27,11 @@ def register(command: common.AddCommand) -> None:
     common.add_pose(velocity)
     common.add_mode(velocity, "that of the home posture")
     for name, what, other in (
-        ("rates", "d(pose)/dt, mm/s and degrees/s", "joint rates are computed"),
+        (
+            "rates",
+            "d(pose)/dt, mm/s and degrees/s, - for one that the constraint gives",
+            "joint rates are computed",
+        ),
         ("joint-rates", "actuator rates, mm/s (angles: degrees/s)", "the platform's are computed"),
     ):
         velocity.add_argument(f"--{name}", metavar="v1,...", help=f"{what}; {other}")
@@ -106,7 +110,7 @@ def _optional(option: str, text: str | None, axes: Sequence[Coordinate]) -> list
 
 def _inner(option: str, text: str, axes: Sequence[Coordinate]) -> list[float]:
     """Rates or accelerations as typed, in mm and rad."""
-    typed = common.numbers(option, text, axes)
+    typed = common.open_numbers(option, text, axes)
     return [tables.inner(value, axis) for value, axis in zip(typed, axes, strict=True)]
 
 

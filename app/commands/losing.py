@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app import tables
-from app.commands import common
+from app.commands import aspects, common
 from app.commands.place import Place
 from kinematics.errors import InputError
 
@@ -21,10 +21,12 @@ if TYPE_CHECKING:
 
 def register(command: common.AddCommand) -> None:
     singularity = command(
-        "singularity", _singularity, "Where control is lost: at a pose, or as curves."
+        "singularity",
+        _singularity,
+        "Where control is lost: at a pose, as curves, or as surfaces in the workspace.",
     )
     common.add_design(singularity)
-    common.add_pose(singularity)
+    common.add_pose(singularity, required=False)
     common.add_mode(singularity, "that of the home posture")
     singularity.add_argument(
         "--tolerance",
@@ -37,13 +39,31 @@ def register(command: common.AddCommand) -> None:
     )
     singularity.add_argument("--at", metavar="A", help="where a section chart's plane stands, mm")
     singularity.add_argument(
-        "-o", "--output", type=Path, metavar="FILE", help="write the chart as .csv or .svg"
+        "-o",
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help="write the chart as .csv or .svg; without --pose the singular surface or a piece as "
+        ".stl, .3mf, .ply, .glb or .obj, the surface's points as .csv",
+    )
+    aspects.add_arguments(singularity)
+    singularity.epilog = (
+        "Without --pose: the workspace of the mode at an orientation, parted by its singular "
+        "surface into pieces on which control is kept."
     )
     common.add_json(singularity)
 
 
 def _singularity(arguments: argparse.Namespace) -> None:
-    # The loci of a whole orientation as a mesh (--phi, --theta, -o FILE.ply) branch off here.
+    if arguments.pose is None:
+        for option in ("chart", "at", "tolerance"):
+            if getattr(arguments, option) is not None:
+                raise InputError(f"--{option} goes with --pose")
+        aspects.run(arguments)
+        return
+    foreign = aspects.foreign(arguments)
+    if foreign is not None:
+        raise InputError(f"{foreign} is for all positions together; leave it or --pose out")
     if arguments.chart is not None:
         _chart(arguments)
         return
@@ -63,7 +83,7 @@ def _at_pose(arguments: argparse.Namespace) -> None:
     lost = mechanism.singularities(design, posture, tolerance) if posture.closes else ()
     held = _conditioning(place)
     with common.progress("Clearances"):
-        clearances = mechanism.clearances(design, posture) if posture.closes else ()
+        clearances = mechanism.clearances(design, posture)
     remedy = None
     if not posture.reachable:
         with common.progress("The nearest posture"):
@@ -79,7 +99,7 @@ def _at_pose(arguments: argparse.Namespace) -> None:
             "within_stroke": posture.reachable,
             "reasons": [reason.text for reason in posture.reasons],
             "tolerance": tolerance,
-            "singular": bool(lost) if posture.closes else None,
+            "singular": any(each.measure < AT for each in lost) if posture.closes else None,
             "kinds": list(dict.fromkeys(each.kind for each in lost)),
             "singularities": [_singular(each, place.axes) for each in lost],
             "conditioning": held,
@@ -168,6 +188,8 @@ def _remedy(remedy: Remedy, place: Place) -> dict[str, Any]:
             "joints": tables.outer(nearest.joints, place.joints),
         },
         "distance_mm": common.finite(remedy.distance),
+        "error_mm": common.finite(remedy.error),
+        "modes": list(remedy.modes),
         "changes": [
             [
                 {
@@ -197,7 +219,7 @@ def _lost_lines(
     if not posture.reachable:
         lines += ["Not reachable:", *(f"  {reason.text}" for reason in posture.reasons)]
     for each in lost:
-        lines += [f"{each.kind}: {each.text}", f"  measure {each.measure:.2g}"]
+        lines += [each.text, f"  {each.cause}", f"  measure {each.measure:.2g}", ""]
     if posture.closes and not lost:
         lines.append("Not singular.")
     smallest, condition = held["smallest_singular_value"], held["condition"]
@@ -212,7 +234,9 @@ def _lost_lines(
         for each in _measures(place)
         if each["value"] is not None
     ]
-    lines += [f"{each.distance:.3f} mm: {each.text}" for each in clearances]
+    if clearances:
+        lines += ["", "What is nearest, at this orientation:"]
+        lines += [f"  {each.text}" for each in clearances]
     if remedy is not None and remedy.text:
         lines.append(remedy.text)
         lines += ["  " + "; ".join(change.text for change in way) for way in remedy.changes]
@@ -245,6 +269,7 @@ def _chart(arguments: argparse.Namespace) -> None:
         place.head()
         print("\n".join(_chart_lines(found, spec, path)))
         return
+    curves = locus_files.curves(found, spec)
     common.print_json(
         {
             **place.entries(),
@@ -252,8 +277,8 @@ def _chart(arguments: argparse.Namespace) -> None:
             "title": spec.title,
             "at_mm": at,
             "coordinates": list(locus_files.columns(spec)),
-            "curves": locus_files.curves(found, spec),
-            "residual": common.finite(max(found.residual.tolist(), default=0.0)),
+            "curves": curves,
+            "residual": max((each["residual"] for each in curves), default=0.0),
             "bounds": locus_files.outer(found.bounds.T, spec).T.tolist(),
             "file": None if path is None else str(path),
         }

@@ -31,7 +31,7 @@ class Place:
     def of(arguments: argparse.Namespace) -> Place:
         design, mechanism = common.load(arguments.design)
         axes = mechanism.pose_coordinates(design)
-        shown = common.pose_numbers(arguments.pose, axes)
+        shown = common.open_numbers("--pose", arguments.pose, axes)
         mode = common.chosen_mode(arguments.mode, design, mechanism)
         pose = tuple(tables.inner(value, axis) for value, axis in zip(shown, axes, strict=True))
         if any(isnan(value) for value in pose):

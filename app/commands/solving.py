@@ -48,7 +48,7 @@ def register(command: common.AddCommand) -> None:
 def _ik(arguments: argparse.Namespace) -> None:
     design, mechanism = common.load(arguments.design)
     axes = mechanism.pose_coordinates(design)
-    typed = common.pose_numbers(arguments.pose, axes)
+    typed = common.open_numbers("--pose", arguments.pose, axes)
     modes = mechanism.modes
     if arguments.mode is not None:
         modes = (common.chosen_mode(arguments.mode, design, mechanism),)

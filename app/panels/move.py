@@ -7,7 +7,7 @@ from functools import partial
 import viser
 
 from app import palette
-from app.changes import Drive, Flip, GoHome, Move
+from app.changes import Drive, Flip, GiveWay, GoHome, Move
 from app.compute import (
     JointRow,
     from_page_units,
@@ -34,6 +34,8 @@ from kinematics.mechanism import Coordinate, Mechanism
 
 STEP = {"mm": 0.1, "rad": 0.1}  # on the page: mm and degrees
 
+FREE = "what suits best"
+
 HELP = """
 The mechanism at one pose. **Drag the coloured handle** on the platform, or move the **pose**
 sliders: the inverse kinematics gives the actuators at once. Move an **actuator** slider and the
@@ -59,6 +61,16 @@ class MovePanel(Panel):
                     zip(kind.pose_coordinates(design), view.posture.pose, strict=True)
                 )
             ]
+            self._way: viser.GuiDropdownHandle[str] | None = None
+            axes = kind.pose_coordinates(design)
+            self._ways = {axes[n].symbol: axes[n].key for n in kind.dependent_coordinates(design)}
+            if self._ways:
+                self._way = gui.add_dropdown(
+                    "Gives way",
+                    (FREE, *self._ways),
+                    hint="The coordinate that follows from the others",
+                )
+                answer(desk, self._way, self._give_way)
         with gui.add_folder("Actuators"):
             self._joints = [
                 self._slider(desk, c, partial(self._drive, desk, n, c), row.value)
@@ -106,6 +118,9 @@ class MovePanel(Panel):
             slider.draw(
                 in_page_units(c, c.lower), in_page_units(c, c.upper), in_page_units(c, value)
             )
+        if self._way is not None:
+            symbols = {key: symbol for symbol, key in self._ways.items()}
+            put(self._desk, self._way, symbols.get(view.review.gives_way, FREE))
         for slider, row in zip(self._joints, view.joints, strict=True):
             slider.draw(row.low, row.high, row.value)
         self._mode = view.posture.mode
@@ -143,6 +158,9 @@ class MovePanel(Panel):
         desk: Desk, n: int, c: Coordinate, value: float, client: viser.ClientHandle | None
     ) -> None:
         desk.send(Drive(n, from_page_units(c, value)), client)
+
+    def _give_way(self, symbol: str, client: viser.ClientHandle | None) -> None:
+        self._desk.send(GiveWay(self._ways.get(symbol, "")), client)
 
     def _flip(self, desk: Desk, n: int, on: bool, client: viser.ClientHandle | None) -> None:
         mode = self._mode[:n] + ("+" if on else "-") + self._mode[n + 1 :]

@@ -52,6 +52,7 @@ NONE = "Nothing"
 LISTED = 8  # pieces that the page lists
 TOLD = 9  # clearances
 LINES = 20  # of the log
+WAYS = 5  # in which the design may change
 
 HELP = """
 **Clearance** is how far the platform may move at its present orientation until it meets a
@@ -91,7 +92,8 @@ class SingularitiesPanel(Panel):
             self._escape = button(
                 desk, "Go to the nearest reachable pose", lambda client: desk.ask(Escape(client))
             )
-            self._way = gui.add_dropdown("Or change", (NONE,))
+            self._offers = gui.add_html("")
+            self._way = gui.add_dropdown("Change", (NONE,), hint="Which of these")
             self._change = button(desk, "Change the design so", self._change_design)
         self._measures = {m.title: m for m in kind.measures(design)}
         # What lies in the plane of a section is drawn there.
@@ -126,9 +128,9 @@ class SingularitiesPanel(Panel):
         gui, desk, review = self._desk.gui, self._desk, sheet.view.review
         with gui.add_folder("Aspects of the present mode"):
             shown = review.shown(ASPECTS)
-            self._aspects = gui.add_checkbox("Show", shown is not None, hint="In the scene (hotkey A)")
+            self._aspects = gui.add_checkbox("Show", shown is not None, hint="Hotkey A")
             answer(desk, self._aspects, lambda on, client: desk.send(Show(ASPECTS, on), client))
-            self._locus = self._switch("Singular surface", "locus", "Red-orange: where control is lost")
+            self._locus = self._switch("Singular surface", "locus", "Where control is lost")
             self._opacity = gui.add_slider(
                 "Opacity", 0.05, 1.0, 0.05, 0.5 if shown is None else shown.opacity
             )
@@ -239,7 +241,8 @@ class SingularitiesPanel(Panel):
             lines.append(esc(pose_text(self._sheet.view.review, remedy.nearest.pose)))
         put_prop(self._remedy, "content", box("<br>".join(lines)))
         put_prop(self._escape, "visible", remedy.nearest is not None)
-        ways = tuple("; ".join(c.text for c in way) for way in remedy.changes)
+        ways = tuple(f"{n + 1}" for n in range(min(len(remedy.changes), WAYS)))
+        put_prop(self._offers, "content", _ways(remedy))
         put_prop(self._way, "visible", bool(ways))
         put_prop(self._change, "visible", bool(ways))
         if ways and tuple(self._way.options) != ways:
@@ -438,6 +441,17 @@ def _clearance(way: Clearance) -> str:
         f'<td style="text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums">'
         f"{way.distance:.2f} mm</td></tr>".replace(">-", ">−")
     )
+
+
+def _ways(remedy: Remedy) -> str:
+    if not remedy.changes:
+        return ""
+    rows = "".join(
+        f'<tr><td style="vertical-align:top;padding-right:.6em">{n + 1}</td>'
+        f"<td>{'<br>'.join(esc(change.text) for change in way)}</td></tr>"
+        for n, way in enumerate(remedy.changes[:WAYS])
+    )
+    return box(f"Or change the design, the pose as it is:<table>{rows}</table>")
 
 
 def _forces(statics: Statics | None) -> str:

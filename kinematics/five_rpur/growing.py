@@ -6,6 +6,7 @@ trust region; it is taken only where the body really becomes larger. Lengths mm.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -132,25 +133,65 @@ def clearance(region: Region, center: Array, band: float) -> tuple[float, Contac
     return float(min(near.value.min(initial=np.inf), ends)), near
 
 
-def grow_ball(region: Region, center: Array, steps: int = STEPS) -> tuple[Array, float]:
-    """The centre and radius of the largest ball uphill of a centre."""
+@dataclass(frozen=True, eq=False)
+class Obstacles:
+    """What else a ball must not hold: its nearest points, with first and second derivatives.
+
+    Attributes:
+        value: (N,) distances from the centre, mm, nearest first.
+        normal: (N, 3) their gradients, and
+        bend: (N, 3, 3) their Hessians by the centre.
+    """
+
+    value: Array
+    normal: Array
+    bend: Array
+
+
+Seeing = Callable[[Array, float], Obstacles]
+"""The obstacles about a centre (3,): the nearest, and others up to so many mm farther."""
+
+_NONE = Obstacles(np.empty(0), np.empty((0, 3)), np.empty((0, 3, 3)))
+
+
+def grow_ball(
+    region: Region, center: Array, steps: int = STEPS, seeing: Seeing | None = None
+) -> tuple[Array, float]:
+    """The centre and radius of the largest ball uphill of a centre.
+
+    Args:
+        region: holds the ball.
+        center: (3,) where it begins.
+        steps: at most.
+        seeing: finds obstacles that it must not hold either. No step then leaves the ball, so that
+            none leads across them.
+    """
+
+    def look(at: Array, band: float) -> tuple[float, Contacts | None, Obstacles]:
+        radius, near = clearance(region, at, band)
+        if seeing is None or near is None:
+            return radius, near, _NONE
+        others = seeing(at, band)
+        return min(radius, float(others.value.min(initial=np.inf))), near, others
+
+    within = np.inf if seeing is None else 0.5
     reach = _REACH * region.size
-    radius, near = clearance(region, center, 4.0 * reach)
-    reach = min(reach, 4.0 * radius)
+    radius, near, others = look(center, 4.0 * reach)
+    reach = min(reach, 4.0 * radius, within * radius)
     for _ in range(steps):
         if near is None or radius <= 0.0 or reach < ERROR * region.size:
             break
-        move, hoped, linear = _ball_step(region, center, near, radius, reach)
+        move, hoped, linear = _ball_step(region, center, near, others, radius, reach)
         if linear <= 0.1 * ERROR * region.size:
             break
         if hoped <= radius:
             reach *= 0.25
             continue
-        there, beyond = clearance(region, center + move, 8.0 * reach)
+        there, beyond, obstacles = look(center + move, 8.0 * reach)
         share = (there - radius) / (hoped - radius)
         if there > radius:
-            center, radius, near = center + move, there, beyond
-        reach = _next(reach, share, region)
+            center, radius, near, others = center + move, there, beyond, obstacles
+        reach = min(_next(reach, share, region), within * radius)
     return center, radius
 
 
@@ -173,7 +214,12 @@ def _next(reach: float, share: float, region: Region) -> float:
 
 
 def _ball_step(
-    region: Region, center: Array, near: Contacts, radius: float, reach: float
+    region: Region,
+    center: Array,
+    near: Contacts,
+    others: Obstacles,
+    radius: float,
+    reach: float,
 ) -> tuple[Array, float, float]:
     """The best move by the contacts' distances to second order, the radius that it promises, and
     what it would gain to first order.
@@ -181,12 +227,12 @@ def _ball_step(
     use = np.flatnonzero((near.value <= radius + 4.0 * reach) & (near.value > 0.0))
     value, away = near.value[use], center - near.point[use]
     low, high = region.span
-    room = np.concatenate([value, [center[1] - low, high - center[1]]]) - radius
-    normal = np.zeros((len(room), 3))
-    normal[:-2] = away / value[:, None]
-    normal[-2:, 1] = 1.0, -1.0
-    bend = np.zeros((len(room), 3, 3))
-    bend[:-2] = _bend(region, near, use, away)
+    ends = np.array([center[1] - low, high - center[1]])
+    room = np.concatenate([value, others.value, ends]) - radius
+    facing = np.array([[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
+    normal = np.concatenate([away / value[:, None], others.normal, facing])
+    flat = np.zeros((2, 3, 3))
+    bend = np.concatenate([_bend(region, near, use, away), others.bend, flat])
     # In units of the reach: the move, and what the radius gains.
     rows = np.column_stack([normal, np.full(len(room), -1.0)])
     curvature = np.zeros((4, 4))

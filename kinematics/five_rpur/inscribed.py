@@ -58,7 +58,7 @@ def sphere(
     region = Region.at(design, phi, theta, modes)
     error = 2.0 * ERROR * region.size
     if center is not None:
-        middle = _point(center)
+        middle = point_of(center)
         return Sphere(middle, clearance(region, middle, 0.0)[0], error)
     balls = [grow_ball(region, c) for c, _ in _young(region)[:_FINALISTS]]
     return max((Sphere(c, r, error) for c, r in balls), key=lambda ball: ball.radius, default=None)
@@ -85,7 +85,7 @@ def box(
         if starts:
             starts += _cuboids(region)
     else:
-        middle = _point(center)
+        middle = point_of(center)
         radius, _ = clearance(region, middle, 0.0)
         found = [_cube(middle, radius)]
         starts = _centred_starts(region, middle, radius) if radius > error else []
@@ -98,7 +98,7 @@ def box(
 
 def _young(region: Region) -> list[tuple[Array, float]]:
     """Balls that have begun to grow, largest first."""
-    places = _starts(region, _grid(region, _NODES), _PLACES)
+    places = starts_in(region, grid_of(region, _NODES), _PLACES)
     places.sort(key=lambda place: -clearance(region, place, 0.0)[0])
     young = [grow_ball(region, start, 3) for start in places[:_STARTS]]
     return sorted(young, key=lambda ball: -ball[1])
@@ -110,7 +110,7 @@ def _cube(center: Array, radius: float) -> Array:
     return np.stack([center - half, center + half])
 
 
-def _point(center: Sequence[float]) -> Array:
+def point_of(center: Sequence[float]) -> Array:
     middle = finite(center, name="the centre", last=3)
     if middle.shape != (3,):
         raise InputError("the centre must be one point of 3 numbers (x, y, z)")
@@ -120,11 +120,11 @@ def _point(center: Sequence[float]) -> Array:
 # --- starts --------------------------------------------------------------------------------------
 
 
-_Grid = tuple[Array, Array, Mask]
+Grid = tuple[Array, Array, Mask]
 """The first node (3,), the step (3,) and which nodes are inside."""
 
 
-def _grid(region: Region, count: int) -> _Grid | None:
+def grid_of(region: Region, count: int) -> Grid | None:
     """A grid of about count³ nodes about all that may be inside.
 
     None where the region is proven to be empty.
@@ -155,7 +155,7 @@ def _grid(region: Region, count: int) -> _Grid | None:
     return np.array([a[0] for a in axes]), step, inside
 
 
-def _starts(region: Region, grid: _Grid | None, wanted: int) -> list[Array]:
+def starts_in(region: Region, grid: Grid | None, wanted: int) -> list[Array]:
     """Places inside, far from the complement and from each other, best first."""
     if grid is None:
         return []
@@ -203,7 +203,7 @@ def _spread(points: Array, wanted: int) -> list[Array]:
 
 def _cuboids(region: Region) -> list[Array]:
     """The largest cuboids (2, 3) of grid nodes, all of which are inside."""
-    grid = _grid(region, 28)
+    grid = grid_of(region, 28)
     if grid is None:
         return []
     first, step, inside = grid

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ from kinematics.five_rpur import (
     inscribed,
     inverse,
     maps,
+    measures,
     motion,
     room,
     section,
@@ -31,7 +33,9 @@ from kinematics.five_rpur.continuation import following
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.forward import assembly, carrying
 from kinematics.five_rpur.remedies import causes
+from kinematics.five_rpur.singular import ball, curves
 from kinematics.five_rpur.slicing import acceleration
+from kinematics.five_rpur.watching import nearness, passing, paths
 from kinematics.mechanism import (
     SURFACES,
     Bare,
@@ -45,7 +49,16 @@ from kinematics.mechanism import (
 )
 from kinematics.motion import Motion, Statics, WrenchSystem
 from kinematics.sections import Box, MapCells, MapSpec, Section, SectionSpec, Sphere, Volume
-from kinematics.singularities import AT, Clearance, Remedy, Singularity
+from kinematics.singularities import (
+    AT,
+    Clearance,
+    Event,
+    LocusCurves,
+    LocusSpec,
+    Measure,
+    Remedy,
+    Singularity,
+)
 from kinematics.solutions import (
     Finding,
     Fold,
@@ -135,7 +148,11 @@ class FiveRPUR(Bare):
         return inverse.inverse(design, poses)
 
     def follow(self, design: FiveRPURDesign, posture: Posture, joints: Sequence[float]) -> Followed:
-        return following.follow(design, posture, joints)
+        followed = following.follow(design, posture, joints)
+        stopped = followed.stop == "singularity"
+        return replace(
+            followed, warning=nearness.warning(design, followed.posture, stopped=stopped)
+        )
 
     def fold_ahead(
         self, design: FiveRPURDesign, posture: Posture, joints: Sequence[float]
@@ -208,11 +225,48 @@ class FiveRPUR(Bare):
 
     # --- how far to the bounds, and the ways out
 
-    def clearances(self, design: FiveRPURDesign, posture: Posture) -> tuple[Clearance, ...]:
-        return room.clearances(design, posture)
+    def clearances(
+        self, design: FiveRPURDesign, posture: Posture, *, singular: bool = True
+    ) -> tuple[Clearance, ...]:
+        found = room.clearances(design, posture)
+        return room.with_singularity(design, posture, found) if singular else found
 
     def remedy(self, design: FiveRPURDesign, posture: Posture) -> Remedy:
         return causes.remedy(design, posture)
+
+    # --- what a move of the pose passes
+
+    def passed(self, design: FiveRPURDesign, before: Posture, after: Posture) -> tuple[Event, ...]:
+        return passing.passed(design, before, after)
+
+    def path(self, design: FiveRPURDesign, posture: Posture, poses: ArrayLike) -> Followed:
+        return paths.path(design, posture, poses)
+
+    def measures(self, design: FiveRPURDesign) -> tuple[Measure, ...]:
+        return measures.MEASURES
+
+    def measure(
+        self,
+        design: FiveRPURDesign,
+        poses: ArrayLike,
+        mode: str,
+        key: str,
+        load: Sequence[float] | None = None,
+    ) -> Array:
+        return measures.measure(design, poses, mode, key, load)
+
+    def locus_specs(self, design: FiveRPURDesign) -> tuple[LocusSpec, ...]:
+        return curves.SPECS
+
+    def locus(
+        self,
+        design: FiveRPURDesign,
+        key: str,
+        pose: Sequence[float],
+        mode: str,
+        at: float | None = None,
+    ) -> LocusCurves:
+        return curves.locus(design, key, pose, mode, at)
 
     # --- solids
 
@@ -341,6 +395,15 @@ class FiveRPUR(Bare):
         center: Sequence[float] | None = None,
     ) -> Box | None:
         return inscribed.box(design, pose[3], pose[4], modes, center)
+
+    def singularity_free_ball(
+        self,
+        design: FiveRPURDesign,
+        pose: Sequence[float],
+        mode: str,
+        center: Sequence[float] | None = None,
+    ) -> Sphere | None:
+        return ball.singularity_free_ball(design, pose[3], pose[4], mode, center)
 
     def map_spec(self, design: FiveRPURDesign) -> MapSpec:
         return maps.SPEC

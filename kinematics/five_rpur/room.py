@@ -14,6 +14,7 @@ from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.five_rpur.feet import ERROR, feet
 from kinematics.five_rpur.inverse import decimals, signs
 from kinematics.five_rpur.offsets import offset_points
+from kinematics.five_rpur.singular.nearest import nearest_singularity
 from kinematics.singularities import Clearance
 from kinematics.solutions import Bound, Posture
 from kinematics.spatial import Array, rotation_y
@@ -56,6 +57,23 @@ def clearances(design: FiveRPURDesign, posture: Posture) -> tuple[Clearance, ...
         edge = next(c for c in found if c.bound != "rho_min" or design.stroke[_at(c), 0] > 0.0)
         found.insert(found.index(edge), _boundary(edge))
     return tuple(found)
+
+
+def with_singularity(
+    design: FiveRPURDesign, posture: Posture, found: tuple[Clearance, ...]
+) -> tuple[Clearance, ...]:
+    """The same and the room to the nearest parallel singularity, which takes longer to find."""
+    singular = nearest_singularity(design, posture.pose, posture.mode)
+    if singular is None:
+        return found
+    more = Clearance(
+        "parallel",
+        singular.distance,
+        _xyz(singular.point),
+        f"{_far(singular.distance)} a parallel singularity",
+        error=singular.error,
+    )
+    return tuple(sorted((*found, more), key=lambda c: c.distance))
 
 
 def _at(clearance: Clearance) -> int:

@@ -153,11 +153,13 @@ def _everywhere(design: FiveRPURDesign, posture: Posture, limbs: Sequence[int]) 
 
 def _architectural(design: FiveRPURDesign, posture: Posture, found: Singularity) -> Singularity:
     reasons = " ".join(arrangements(design).reasons)
-    text = reasons or (
+    why = reasons or (
         f"In working mode {posture.mode} the wrenches of limbs {listed(found.limbs)} are dependent "
         "at every pose."
     )
-    return replace(found, kind="architectural", text=f"Architectural singularity: {text}")
+    free = found.text.partition(": ")[2]
+    text = f"Architectural singularity: {why} Here, {free}"
+    return replace(found, kind="architectural", text=text)
 
 
 def _named(design: FiveRPURDesign, posture: Posture) -> str:

@@ -20,7 +20,6 @@ import numpy as np
 import pytest
 import trimesh
 
-from app import cli
 from kinematics.designs import load_design
 from kinematics.mechanism import mechanism
 from tests.conftest import ROOT, Finished, answered, command_environment, refused
@@ -29,20 +28,6 @@ Run = Callable[..., Finished]
 
 POSE = "-10,100,450,5,-3"  # within reach of Table 1
 JOINTS = "320,360,345,305,375"  # within its strokes
-
-
-@pytest.fixture
-def here(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> Run:
-    """As `bohemia`, but in this process: for long tables, each kind of which is a process once."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments: str) -> Finished:
-        code = cli.main(arguments)
-        return Finished(code, *capsys.readouterr())
-
-    return run
 
 
 # --- the command itself --------------------------------------------------------------------

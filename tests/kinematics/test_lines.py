@@ -331,6 +331,21 @@ def test_a_variety_that_is_missed_by_little_keeps_its_name(
         assert [circuit.variety.kind for circuit in found.circuits] == [kind]
 
 
+def test_three_lines_that_are_nearly_dependent_are_nearly_a_pencil() -> None:
+    """Whatever is left over: lines have no other way to be dependent in threes."""
+    for seed in range(40):
+        rng = np.random.default_rng(300 + seed)
+        rows = pencil(rng) if seed % 2 else parallel_pencil(rng)
+        size = 10.0 ** rng.uniform(-4, -1.5)
+        about = np.cross(rows[:, :3], rows[:, 3:]) + size * rng.normal(size=(3, 3))
+        tilted = lines(about, rows[:, :3] + size * rng.normal(size=(3, 3)))
+        others = lines(rng.normal(size=(3, 3)), unit(rng, 3))
+        found = geometry(np.concatenate([tilted, others]), 1.0, 0.1)
+        for circuit in found.circuits:
+            if circuit.members == (0, 1, 2):
+                assert "pencil" in circuit.variety.kind
+
+
 def test_independent_lines_have_no_circuit_and_no_free_twist() -> None:
     for seed in range(50):
         rng = np.random.default_rng(seed)

@@ -132,27 +132,8 @@ class Determinant:
         return own / self.size, q / self.size
 
     def _terms(self, points: Array) -> tuple[Array, Array]:
-        """The ten terms of F, and an upper bound of the parts of each, summed, (10, ...)."""
-        x, y, q, p = self._limbs(points)
         ahead = (slice(None),) + (None,) * (points.ndim - 1)
-        cx, cy, cz = (column[ahead] / self.size for column in self.tip.T)
-        lean = cy * q - cz * y
-        front = _SIGN[ahead] * (p[_A] * p[_B] * p[_C]) * (q[_D] * q[_E])
-        minor = _minor(y, q, lean)
-        inner = (
-            x[_D] * x[_E] * (q[_D] - q[_E] + cz[_E] - cz[_D])
-            - cx[_E] * x[_D] * p[_E]
-            + cx[_D] * x[_E] * p[_D]
-        )
-        terms = front * minor * inner
-        ay, aq, al = np.abs(y), np.abs(q), np.abs(cy * q) + np.abs(cz * y)
-        most = (
-            np.abs(x[_D] * x[_E]) * (aq[_D] + aq[_E] + np.abs(cz[_E]) + np.abs(cz[_D]))
-            + np.abs(cx[_E] * x[_D] * p[_E])
-            + np.abs(cx[_D] * x[_E] * p[_D])
-        )
-        bound = np.abs(front) * _permanent(ay, aq, al) * most
-        return terms, np.asarray(bound.sum(axis=0))
+        return terms(*self._limbs(points), self.tip.T[(slice(None), *ahead)] / self.size)
 
     def _slopes(self, points: Array) -> tuple[Array, Array]:
         x, y, q, p = self._limbs(points)
@@ -235,6 +216,36 @@ class Determinant:
         w = np.power.outer((z - center[1]) / self.size, np.arange(5))
         values: Array = u @ (a @ w.T)  # (ny, nx, nz)
         return np.ascontiguousarray(values.transpose(1, 0, 2))
+
+
+def terms(x: Array, y: Array, q: Array, p: Array, tip: Array) -> tuple[Array, Array]:
+    """The ten terms of F, and an upper bound of the size of their parts, summed.
+
+    Args:
+        x, y, q, p: X, Y, q and p of the limbs, (5, ...), in one unit of length.
+        tip: (3, 5, ...) c_x, c_y and c_z likewise; broadcasts with them.
+
+    Returns:
+        (10, ...) and (...,).
+    """
+    cx, cy, cz = tip
+    lean = cy * q - cz * y
+    sign = _SIGN[(slice(None),) + (None,) * (q.ndim - 1)]
+    front = sign * (p[_A] * p[_B] * p[_C]) * (q[_D] * q[_E])
+    minor = _minor(y, q, lean)
+    inner = (
+        x[_D] * x[_E] * (q[_D] - q[_E] + cz[_E] - cz[_D])
+        - cx[_E] * x[_D] * p[_E]
+        + cx[_D] * x[_E] * p[_D]
+    )
+    ay, aq, al = np.abs(y), np.abs(q), np.abs(cy * q) + np.abs(cz * y)
+    most = (
+        np.abs(x[_D] * x[_E]) * (aq[_D] + aq[_E] + np.abs(cz[_E]) + np.abs(cz[_D]))
+        + np.abs(cx[_E] * x[_D] * p[_E])
+        + np.abs(cx[_D] * x[_E] * p[_D])
+    )
+    bound = np.abs(front) * _permanent(ay, aq, al) * most
+    return front * minor * inner, np.asarray(bound.sum(axis=0))
 
 
 _CHUNK = 2048  # points at a time, so that the temporaries stay in the cache

@@ -108,7 +108,7 @@ def zeros_near(
         return None
     if abs(float(determinant.value(center))) <= float(determinant.roundoff(center)):
         return center[None], np.zeros(1), np.zeros(1)
-    chart = _Chart.about(determinant, center)
+    chart = Chart.about(determinant, center)
     limit = _LAST * determinant.size if most is None else most
     reach = min(_FIRST * determinant.size, limit)
     while True:
@@ -132,7 +132,7 @@ def zeros_near(
 
 
 @dataclass(frozen=True, eq=False)
-class _Chart:
+class Chart:
     """Positions about a centre as (x', half β, z'), mm."""
 
     determinant: Determinant
@@ -141,7 +141,7 @@ class _Chart:
     half: float
 
     @classmethod
-    def about(cls, determinant: Determinant, center: Array) -> _Chart:
+    def about(cls, determinant: Determinant, center: Array) -> Chart:
         low, high = determinant.span
         return cls(determinant, center, 0.5 * (low + high), 0.5 * (high - low))
 
@@ -150,6 +150,12 @@ class _Chart:
         points = u.copy()
         points[..., 1] = self.middle - self.half * np.cos(u[..., 1] / self.half)
         return points
+
+    def lift(self, points: Array) -> Array:
+        """The other way round: (..., 3) of points in x'y'z' within the span."""
+        u = points.copy()
+        u[..., 1] = self.half * self._beta(points[..., 1])
+        return u
 
     def _beta(self, y: Array) -> Array:
         return np.asarray(np.arccos(np.clip((self.middle - y) / self.half, -1.0, 1.0)))
@@ -182,7 +188,7 @@ class _Chart:
         apart = np.linalg.norm(self.place(starts) - self.center, axis=1)
         sides = np.stack([a[cells[:, k] + 1] - a[cells[:, k]] for k, a in enumerate((x, y, z))])
         farthest = apart + 0.5 * np.linalg.norm(sides, axis=0)
-        found = self.polished(starts[_spread(starts, apart, 0.3 * reach)], 0.5 * reach)
+        found = self.polished(starts[spread(starts, apart, 0.3 * reach)], 0.5 * reach)
         # A cell in which the sign changes is proof of a zero: if it is nearer, look again there.
         changed = changes[tuple(cells.T)]
         for _ in range(_ROUNDS):
@@ -190,7 +196,7 @@ class _Chart:
             nearer = np.flatnonzero(changed & (farthest < best))
             if not len(nearer):
                 break
-            chosen = nearer[_spread(starts[nearer], apart[nearer], 0.1 * reach)]
+            chosen = nearer[spread(starts[nearer], apart[nearer], 0.1 * reach)]
             changed[nearer[apart[nearer] <= apart[chosen].min()]] = False
             changed[chosen] = False
             more = self.polished(starts[chosen], 2.0 * reach / nodes)
@@ -288,7 +294,7 @@ def _along(normal: Array, slope: Array, whole: Array) -> Array:
     return -np.asarray(np.einsum("nia,na->ni", basis, move))
 
 
-def _spread(points: Array, apart: Array, gap: float) -> NDArray[np.intp]:
+def spread(points: Array, apart: Array, gap: float) -> NDArray[np.intp]:
     """Up to `_STARTS` of some points, the least ``apart`` first, none within a gap of another."""
     left = np.argsort(apart, kind="stable")
     chosen: list[int] = []

@@ -1,0 +1,1 @@
+"""The planar five-bar (5R) of Sosa-López, Arias-Montiel and Lugo-González (2017)."""

@@ -1,0 +1,290 @@
+"""Forward kinematics: all 16 solutions, 8 in each operation mode, for given limb lengths.
+
+Each mode is solved in closed form by `conics` as complex numbers; only then are the real ones told
+from the others. Solutions come in pairs, mirrored by the plane of the triangle that carries the
+revolute joints: Z changes its sign, the tilt stays, the azimuth turns by π in mode 2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kinematics.errors import InputError
+from kinematics.solutions import ForwardSolutions, SelfMotion
+from kinematics.spatial import Array, finite
+from kinematics.three_rps_spr import conics, posing
+from kinematics.three_rps_spr.conics import Complex
+from kinematics.three_rps_spr.design import LIMBS, MODES, SUBSCRIPTS, TripodDesign, mode_sign
+from kinematics.three_rps_spr.inverse import STROKE_SLACK
+from kinematics.three_rps_spr.posing import Reduced
+from kinematics.three_rps_spr.wrenches import characteristic_length, condition, wrench_system
+
+EXPECTED = 16
+_EACH = 8  # in one operation mode
+_REAL = 1e-9  # largest imaginary part, relative, of what is real but for rounding
+_SAME = 3e-7  # distance, relative, of solutions that are one, seen several times
+_FAR = 1e6  # beyond it a solution is at infinity
+_MISS = 1e-12  # what a solution may leave of the equations, relative
+_CHUNK = 512  # length vectors at a time
+_METHOD = "two conics a mode in closed form, polished"
+
+
+def forward(design: TripodDesign, joints: ArrayLike) -> tuple[ForwardSolutions, ...]:
+    """All assembly modes for each of some vectors of limb lengths.
+
+    Args:
+        joints: (3,) or (..., 3) mm, > 0.
+
+    Returns:
+        One set for each vector, in their order; ``roots`` are Study parameters (8, 16), complex,
+        mode 1 first, mirror pairs next to each other. Lengths beyond a stroke are answered too.
+
+    Raises:
+        InputError: not three finite positive lengths each.
+    """
+    rho = finite(joints, name="the joints", last=LIMBS).reshape(-1, LIMBS)
+    if (rho <= 0.0).any():
+        row, limb = (int(n) for n in np.argwhere(rho <= 0.0)[0])
+        raise InputError(
+            f"actuator lengths must be positive (mm), got ρ{SUBSCRIPTS[limb]} = {rho[row, limb]:g}"
+        )
+    answers: list[ForwardSolutions] = []
+    for part in (rho[n : n + _CHUNK] for n in range(0, len(rho), _CHUNK)):
+        began = perf_counter()
+        h = design.revolute_radius / design.spherical_radius
+        scaled = part / design.spherical_radius
+        found = [conics.roots(h, mode_sign(mode), scaled) for mode in MODES]
+        seconds = perf_counter() - began
+        for row, one in enumerate(part):
+            began = perf_counter()
+            sets = [
+                _distinct(
+                    np.stack([r.x0[row], r.x1[row], r.x2[row], r.v[row]], axis=-1), r.miss[row]
+                )
+                for r in found
+            ]
+            curve = [bool(r.curve[row]) for r in found]
+            spent = seconds / len(part) + perf_counter() - began
+            answers.append(_answer(design, one, sets, curve, spent))
+    return tuple(answers)
+
+
+def mirrored(design: TripodDesign, poses: ArrayLike, mode: str) -> Array:
+    """The other pose of each pair, (..., 3): the same limb lengths, v → −v."""
+    p = posing.read_poses(poses)
+    x0, x1, x2, v = posing.reduce_poses(design, p, mode)
+    return posing.to_poses(design, Reduced(x0, -x1, -x2, -v), mode)
+
+
+# --- inside --------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class _Distinct:
+    """The solutions of one mode: (n, 4) complex, how often each counts, which are real."""
+
+    points: Complex
+    multiplicity: NDArray[np.intp]
+    real: NDArray[np.bool_]
+    everything: Complex
+
+    @property
+    def count(self) -> int:
+        return int(self.multiplicity.sum())
+
+
+def _distinct(points: Complex, miss: Array) -> _Distinct:
+    """Join those that coincide but for rounding; leave out those at infinity."""
+    with np.errstate(invalid="ignore"):
+        size = np.abs(points).max(axis=-1)
+    good = np.isfinite(size) & (size < _FAR) & (miss < _MISS)
+    points = points[good]
+    both = np.stack([points * np.array([s, s, s, 1.0]) for s in (1.0, -1.0)])
+    apart = np.abs(both[:, :, None] - points[None, None]).max(axis=-1).min(axis=0)
+    alike = apart <= _SAME * (1.0 + np.abs(points).max(axis=-1, initial=0.0))
+    left = np.ones(len(points), dtype=bool)
+    joined, counts = [], []
+    for n in range(len(points)):
+        if not left[n]:
+            continue
+        group = np.flatnonzero(alike[n] & left)
+        left[group] = False
+        turn = np.where(
+            np.abs(both[0, group] - points[n]).max(axis=-1)
+            <= np.abs(both[1, group] - points[n]).max(axis=-1),
+            1.0,
+            -1.0,
+        )
+        same = points[group].copy()
+        same[:, :3] *= turn[:, None]
+        joined.append(same.mean(axis=0))
+        counts.append(len(group))
+    one = np.array(joined, dtype=complex).reshape(-1, 4)
+    number = np.array(counts, dtype=np.intp)
+    # The mean of solutions that coincide is far better known than each of them.
+    bound = _REAL * (1.0 + np.abs(one).max(axis=-1, initial=0.0))
+    real = (np.abs(one.imag) <= bound[:, None]).all(axis=-1)
+    return _Distinct(one, number, real, points)
+
+
+def _answer(
+    design: TripodDesign, rho: Array, sets: list[_Distinct], curve: list[bool], seconds: float
+) -> ForwardSolutions:
+    began = perf_counter()
+    radius = design.spherical_radius
+    poses, modes, numbers, roots = [], [], [], []
+    for mode, one in zip(MODES, sets, strict=True):
+        x0, x1, x2, v = (one.points[one.real].real[:, n] for n in range(4))
+        norm = np.sqrt(x0 * x0 + x1 * x1 + x2 * x2)
+        reduced = Reduced(x0 / norm, x1 / norm, x2 / norm, radius * v)
+        poses.append(posing.to_poses(design, reduced, mode))
+        modes += [mode] * len(v)
+        numbers.append(one.multiplicity[one.real])
+        x0, x1, x2, v = (one.everything[:, n] for n in range(4))
+        roots.append(posing.to_study(design, Reduced(x0, x1, x2, radius * v), mode))
+    pose = np.concatenate(poses)
+    residual, number, determinant = (np.empty(len(pose)) for _ in range(3))
+    for mode in MODES:
+        own = np.array([m == mode for m in modes], dtype=bool)
+        residual[own] = np.abs(posing.limb_lengths(design, pose[own], mode) - rho).max(
+            axis=-1, initial=0.0
+        )
+        number[own] = condition(design, pose[own], mode)
+        determinant[own] = wrench_system(design, pose[own], mode).determinant
+    count = sum(one.count for one in sets)
+    closed = all(_closed(one.everything) for one in sets)
+    motions = _self_motions(design, rho, curve)
+    low, high = design.stroke
+    within = bool(((rho >= low - STROKE_SLACK) & (rho <= high + STROKE_SLACK)).all())
+    arrays = (pose, residual, number, determinant)
+    for array in arrays:
+        array.setflags(write=False)
+    return ForwardSolutions(
+        joints=tuple(rho.tolist()),
+        poses=pose,
+        modes=tuple(modes),
+        residual=residual,
+        condition=number,
+        determinant=determinant,
+        within_stroke=_readonly(np.full(len(pose), within)),
+        multiplicity=_readonly(np.concatenate(numbers)),
+        gap=_readonly(gaps(design, pose, tuple(modes))),
+        identities=tuple(range(len(pose))),
+        complex_count=count,
+        expected_count=EXPECTED,
+        complete=count == EXPECTED and closed and not any(curve),
+        method=_METHOD,
+        seconds=seconds + perf_counter() - began,
+        notes=_notes(count, len(pose), motions, determinant, number),
+        self_motions=motions,
+        roots=_readonly(np.concatenate(roots).T),
+    )
+
+
+def _closed(points: Complex) -> bool:
+    """The conjugate of every solution is a solution."""
+    if not len(points):
+        return True
+    other = np.stack([points * np.array([s, s, s, 1.0]) for s in (1.0, -1.0)]).conj()
+    apart = np.abs(other[:, :, None] - points[None, None]).max(axis=-1).min(axis=(0, 2))
+    return bool((apart <= 1e-6 * (1.0 + np.abs(points).max(axis=-1))).all())
+
+
+def gaps(design: TripodDesign, poses: Array, modes: tuple[str, ...]) -> Array:
+    """(N,) distance of each pose to the nearest other one, mm, angles times h2; inf of a single."""
+    if len(poses) < 2:
+        return np.full(len(poses), np.inf)
+    apart = distances(design, poses, modes, poses, modes)
+    np.fill_diagonal(apart, np.inf)
+    return np.asarray(apart.min(axis=1))
+
+
+def distances(
+    design: TripodDesign,
+    poses: Array,
+    modes: tuple[str, ...],
+    others: Array,
+    other_modes: tuple[str, ...],
+) -> Array:
+    """(N, M) mm: √(|ΔO′|² + (h2 · angle)²) between all poses of two sets, whatever their modes."""
+    a, b = posing.transform(design, poses, modes), posing.transform(design, others, other_modes)
+    shift = np.linalg.norm(a[:, None, :3, 3] - b[None, :, :3, 3], axis=-1)
+    # |R1 − R2| = 2 √2 sin(angle/2), which is exact for small angles too.
+    turn = np.linalg.norm(a[:, None, :3, :3] - b[None, :, :3, :3], axis=(-1, -2))
+    angle = 2.0 * np.arcsin(np.clip(turn / np.sqrt(8.0), 0.0, 1.0))
+    return np.asarray(np.hypot(shift, characteristic_length(design) * angle))
+
+
+def _self_motions(
+    design: TripodDesign, rho: Array, curve: list[bool]
+) -> tuple[SelfMotion, ...]:
+    """Equal limbs where the spherical triangle is twice the revolute one leave a curve free.
+
+    There r² = D0 for all limbs wherever v = −k Im ζ³/x0 and (E + k²) q − E = k² (Re ζ³)²,
+    E = D0 − (k − h)², k = 2 h. The pose given has Re ζ³ = 0.
+    """
+    found = []
+    for mode, free in zip(MODES, curve, strict=True):
+        k, h = mode_sign(mode) * design.spherical_radius, design.revolute_radius
+        e = float((rho**2).mean()) - (k - h) ** 2
+        if not free or e <= 0.0:
+            continue
+        q = e / (e + k * k)
+        s = float(np.sqrt(q))
+        azimuth = np.pi / 6.0
+        x0 = float(np.sqrt(1.0 - q))
+        lift = -k * s**3 / x0
+        reduced = Reduced(
+            np.array(x0), np.array(s * np.cos(azimuth)), np.array(s * np.sin(azimuth)), np.array(lift)
+        )
+        pose = posing.to_poses(design, reduced, mode)
+        found.append(
+            SelfMotion(
+                tuple(pose.tolist()),
+                mode,
+                free_direction(design, pose, mode),
+                "With three equal limbs and a triangle of spherical joints twice as large as that "
+                f"of the revolute ones, the platform stays free in operation mode {mode} although "
+                "all actuators are locked.",
+            )
+        )
+    return tuple(found)
+
+
+def free_direction(design: TripodDesign, pose: Array, mode: str) -> tuple[float, ...]:
+    """d(Z, θ, φ) of unit length, angles times h2, that changes the limb lengths least."""
+    length = characteristic_length(design)
+    step = 1e-6
+    scale = np.array([length, 1.0, 1.0]) * step
+    up, down = (
+        posing.limb_lengths(design, pose + sign * np.diag(scale), mode) for sign in (1.0, -1.0)
+    )
+    slopes = (up - down).T / (2.0 * scale) / np.array([1.0, length, length])
+    direction = np.linalg.svd(slopes)[2][-1] / np.array([1.0, length, length])
+    return tuple(float(v) for v in direction)
+
+
+def _notes(
+    count: int,
+    real: int,
+    motions: tuple[SelfMotion, ...],
+    determinant: Array,
+    number: Array,
+) -> tuple[str, ...]:
+    notes = [motion.text for motion in motions]
+    if count < EXPECTED and not motions:
+        notes.append(f"{EXPECTED - count} of {EXPECTED} solutions are at infinity for these lengths.")
+    if not real and not motions:
+        notes.append("There is no real solution: the limbs cannot be assembled with these lengths.")
+    if (~np.isfinite(number)).any():
+        notes.append("Some solutions are singular: the platform is not held there.")
+    return tuple(notes)
+
+
+def _readonly(array: NDArray[np.generic]) -> np.ndarray:
+    array.setflags(write=False)
+    return array
