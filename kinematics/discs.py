@@ -23,8 +23,8 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)  # exact to rounding for 
 class Rings(NamedTuple):
     """Rings about ``center`` (N, 2) between ``inner`` and ``outer`` (N,), mm, one a limb.
 
-    An inner radius of zero or less, or NaN, is no hole; an outer one of zero or less, or NaN, leaves
-    nothing; an infinite one does not bound. ``limb`` (N,) counts from 1.
+    An inner radius of zero or less, or NaN, is no hole; an outer one of zero or less, or NaN,
+    leaves nothing; an infinite one does not bound. ``limb`` (N,) counts from 1.
     """
 
     center: Array
@@ -49,6 +49,29 @@ def inside(rings: Rings, points: ArrayLike) -> NDArray[np.bool_]:
     away = np.sqrt(((p[..., None, :] - rings.center) ** 2).sum(axis=-1))
     within: NDArray[np.bool_] = (away <= rings.outer) & ~(away < rings.inner)
     return np.asarray(within.all(axis=-1))
+
+
+def roomiest(rings: Rings, section: Section) -> Array:
+    """A point (2,) well inside the region, of a grid the one with most room; NaN if it is empty."""
+    if not section.loops:
+        return np.full(2, np.nan)
+    rim = np.concatenate([section.polyline(n, np.inf) for n in range(section.loops)])
+    low, high = rim.min(axis=0), rim.max(axis=0)
+    best = section.start[0]
+    span = 0.5 * (high - low)
+    middle = 0.5 * (low + high)
+    steps = np.linspace(-1.0, 1.0, 41)
+    # Of places that are as good the one with the largest second coordinate, which comes first.
+    v, u = np.meshgrid(steps[::-1], steps, indexing="ij")
+    grid = np.stack([u, v], axis=-1).reshape(-1, 2)
+    for _ in range(3):
+        tried = middle + span * grid
+        away = np.sqrt(((tried[:, None, :] - rings.center) ** 2).sum(axis=-1))
+        inner = np.where(rings.inner > 0.0, away - rings.inner, np.inf)
+        room = np.minimum(rings.outer - away, inner).min(axis=1)
+        best = tried[int(np.argmax(room >= room.max() - 1e-9 * abs(room.max())))]
+        middle, span = best, 0.1 * span
+    return np.asarray(best)
 
 
 def nearest_point(section: Section, point: ArrayLike) -> tuple[Array, int] | None:
@@ -144,7 +167,17 @@ class _Arcs(NamedTuple):
         return cls(pairs, pairs, pairs, zero, zero, zero, ints, ints, 1.0)
 
     def take(self, rows: list[int]) -> _Arcs:
-        return _Arcs(*(v[rows] if isinstance(v, np.ndarray) else v for v in self))
+        return _Arcs(
+            self.start[rows],
+            self.end[rows],
+            self.center[rows],
+            self.radius[rows],
+            self.first[rows],
+            self.sweep[rows],
+            self.limb[rows],
+            self.bound[rows],
+            self.scale,
+        )
 
 
 def _kept_arcs(c: _Circles) -> _Arcs:

@@ -105,7 +105,8 @@ class SolidSpec:
     """A solid that a mechanism can show: "workspace", "aspects", "limb1/whole", "limb1/H2", …
 
     It may depend on the chosen set of modes (``uses_modes``), or on the present mode alone
-    (``of_present_mode``), which is then all that `solid_request` is handed.
+    (``of_present_mode``), which is then all that `solid_request` is handed. ``follows``: the pose
+    coordinate that is not held but follows from the others (`dependent_coordinates`).
     """
 
     key: str
@@ -116,6 +117,7 @@ class SolidSpec:
     uses_modes: bool = False
     of_present_mode: bool = False
     surfaces: tuple[SurfaceKind, ...] = ("facets",)
+    follows: int | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -86,7 +86,8 @@ def complete_pose(
             nearest to zero.
         moved: the coordinate that was just set by hand, which stays.
         dependent: the coordinate that gives way, where none is NaN; of two angles the one nearest
-            to its value now. By default the position that has to move least.
+            to its value now. By default, and where that one was moved, the position that has to
+            move least.
 
     Raises:
         InputError: not six numbers, more than one NaN, or no value of that coordinate is enough.
@@ -101,7 +102,7 @@ def complete_pose(
     if len(open_ones) == 1:
         index, near = int(open_ones[0]), 0.0
     else:
-        index = _least(design, values, moved) if dependent is None else dependent
+        index = dependent if dependent not in (None, moved) else _least(design, values, moved)
         near = float(values[index])
     found = dependent_values(design, values, index)
     found = found[np.isfinite(found)]

@@ -11,7 +11,7 @@ from kinematics import wrenches as shared
 from kinematics.causes import lost
 from kinematics.discs import nearest_point, rings_section
 from kinematics.errors import InputError
-from kinematics.four_sps_spr.design import LIMBS, SPR, FourSPSSPRDesign
+from kinematics.four_sps_spr.design import LIMBS, FourSPSSPRDesign
 from kinematics.four_sps_spr.inverse import CONSTRAINT_SLACK, digits, violation
 from kinematics.four_sps_spr.motion import UPRIGHT, angular_axes
 from kinematics.four_sps_spr.plane import Plane, plane, rings
@@ -32,11 +32,9 @@ from kinematics.spatial import Array, finite
 # --- measures ------------------------------------------------------------------------------
 
 MEASURES = (
-    Measure("conditioning", "Conditioning 1/κ of G", "", "high", (0.0, 1.0)),
-    Measure(
-        "singular_value", "Smallest singular value of the unit wrenches", "", "high", (0.0, None)
-    ),
-    Measure("largest_force", "Largest leg force", "N", "low", (0.0, None), needs_load=True),
+    Measure("conditioning", "Conditioning", "", "high", (0.0, 1.0)),
+    Measure("manipulability", "Manipulability", "", "high", (0.0, 1.0)),
+    Measure("force", "Largest leg force", "N", "low", (0.0, None), needs_load=True),
     Measure("constraint_force", "Constraint force", "N", "low", (0.0, None), needs_load=True),
 )
 
@@ -44,7 +42,15 @@ MEASURES = (
 def measure(
     design: FourSPSSPRDesign, poses: ArrayLike, key: str, load: Sequence[float] | None = None
 ) -> Array:
-    """One of `MEASURES` at poses (..., 6); moments are divided by the characteristic length.
+    """One of `MEASURES` at poses (..., 6), mm and rad; moments by the characteristic length.
+
+    Args:
+        key: "conditioning", 1/κ of G; "manipulability", |det| of the six wrenches, each of unit
+            size; "force", the largest of the legs', and "constraint_force", N.
+        load: [F, T] at p, N and N·mm, which the forces need.
+
+    Returns:
+        (...,); NaN where the constraint is violated, and of forces at singularities.
 
     Raises:
         InputError: there is no such measure, or it needs a load.
@@ -52,16 +58,16 @@ def measure(
     p = finite(poses, name="a pose", last=6)
     if key == "conditioning":
         return np.asarray(1.0 / condition(design, p))
-    if key == "singular_value":
-        rows = wrench_system(design, p).rows
-        return np.asarray(shared.singular_values(rows, design.length)[..., -1])
-    if key not in ("largest_force", "constraint_force"):
+    if key == "manipulability":
+        values = shared.singular_values(wrench_system(design, p).rows, design.length)
+        return np.asarray(np.prod(values, axis=-1))
+    if key not in ("force", "constraint_force"):
         known = ", ".join(each.key for each in MEASURES)
-        raise InputError(f"there is no measure {key!r}; known are {known}")
+        raise InputError(f"there is no measure {key!r}; use one of {known}")
     if load is None:
-        raise InputError(f"the measure {key!r} needs a load")
+        raise InputError("a largest force is that for a load; none is given")
     forces = np.abs(statics(design, p, load).forces)
-    return np.asarray(forces[..., SPR + 1] if key == "constraint_force" else _largest(forces))
+    return np.asarray(forces[..., LIMBS] if key == "constraint_force" else _largest(forces))
 
 
 def _largest(forces: Array) -> Array:
@@ -99,7 +105,9 @@ _NAMES = {"rho_min": "l min", "rho_max": "l max"}
 _EXACT = 1e-9  # of the machine's size
 
 
-def clearances(design: FourSPSSPRDesign, posture: Posture) -> tuple[Clearance, ...]:
+def clearances(
+    design: FourSPSSPRDesign, posture: Posture, *, singular: bool = True
+) -> tuple[Clearance, ...]:
     """How far p may move in the plane that its orientation leaves, until something happens.
 
     To every stroke end, where it lies in the plane at all; to the boundary of the
@@ -129,7 +137,7 @@ def clearances(design: FourSPSSPRDesign, posture: Posture) -> tuple[Clearance, .
                 Clearance("boundary", amount, _xyz(here.place(point)), text, limb, bound, error)
             )
     a, b, c = angles
-    near = nearest_singular(cubic(design, (a, b, c)), uv)
+    near = nearest_singular(cubic(design, (a, b, c)), uv) if singular else None
     if near is not None:
         point, amount, blur = near
         text = f"{_far(amount)} a parallel singularity"
@@ -194,16 +202,15 @@ def locus(design: FourSPSSPRDesign, key: str, pose: Sequence[float]) -> LocusCur
     here = plane(design, (a, b, c))
     curve = cubic(design, (a, b, c))
     low, high = bounds(design, here)
-    parts = traced(curve, low, high)
-    points = np.concatenate([*parts, np.zeros((0, 2))])
-    starts = np.cumsum([0, *(len(part) for part in parts)])
-    kinds: tuple[SingularityKind, ...] = tuple("parallel" for _ in parts)
+    found = traced(curve, low, high)
+    count = len(found.start) - 1
+    kinds: tuple[SingularityKind, ...] = tuple("parallel" for _ in range(count))
     return LocusCurves(
-        points=points,
-        start=np.asarray(starts, dtype=np.int64),
+        points=found.points,
+        start=found.start,
         kinds=kinds,
-        limb=np.zeros(len(parts), dtype=np.int64),
-        residual=curve.distance(points) if len(points) else np.zeros(0),
+        limb=np.zeros(count, dtype=np.int64),
+        residual=found.residual,
         bounds=np.stack([low, high], axis=1),
     )
 

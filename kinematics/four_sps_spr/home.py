@@ -40,8 +40,9 @@ def reach(design: FourSPSSPRDesign) -> tuple[tuple[float, ...], tuple[float, ...
 def home(design: FourSPSSPRDesign) -> Posture:
     """Level if the machine can be, above its base, with the largest smallest margin.
 
-    On the z axis if the constraint allows it, as in Wang et al. (2017) at the initial time. Where nothing is reachable at any of `TILTS`, the posture that misses by least. Whether the
-    posture is singular does not matter: a design that is, at home, says so (`findings`).
+    On the z axis if the constraint allows it, as in Wang et al. (2017) at the initial time. Where
+    nothing is reachable at any of `TILTS`, the posture that misses by least. Whether the posture is
+    singular does not matter: a design that is, at home, says so (`findings`).
     """
     fallback: tuple[float, Posture] | None = None
     upright = _on_axis(design)

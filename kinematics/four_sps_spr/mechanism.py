@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics import following
+from kinematics.errors import InputError
 from kinematics.four_sps_spr import (
     about,
     constraint,
@@ -20,17 +21,31 @@ from kinematics.four_sps_spr import (
     inverse,
     motion,
     moving,
+    passing,
+    plane,
     remedy,
+    volume,
     wrenches,
 )
 from kinematics.four_sps_spr import design as designs
 from kinematics.four_sps_spr.design import FourSPSSPRDesign
 from kinematics.four_sps_spr.forward import assembly, carrying
-from kinematics.mechanism import Bare, Coordinate, DesignField, Drawing
+from kinematics.mechanism import (
+    Bare,
+    Coordinate,
+    DesignField,
+    Drawing,
+    Resolution,
+    SolidRequest,
+    SolidSpec,
+    SurfaceKind,
+)
 from kinematics.motion import Motion, Statics, WrenchSystem
+from kinematics.sections import Region, RegionSpec
 from kinematics.singularities import (
     AT,
     Clearance,
+    Event,
     LocusCurves,
     LocusSpec,
     Measure,
@@ -47,6 +62,9 @@ from kinematics.solutions import (
     Refreshed,
 )
 from kinematics.spatial import Array
+
+if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
+    from kinematics.solids import BuiltSolid
 
 SYMBOLS = tuple(f"l{index}" for index in designs.SUBSCRIPTS)
 
@@ -98,6 +116,9 @@ class FourSPSSPR(Bare):
             Coordinate(f"l{i + 1}", SYMBOLS[i], "mm", *limb.stroke, limb=i + 1)
             for i, limb in enumerate(design.limbs)
         )
+
+    def dependent_coordinates(self, design: FourSPSSPRDesign) -> tuple[int, ...]:
+        return tuple(range(inverse.POSE))
 
     def complete_pose(
         self,
@@ -224,8 +245,15 @@ class FourSPSSPR(Bare):
     ) -> tuple[Singularity, ...]:
         return control.singularities(design, posture, tolerance)
 
-    def clearances(self, design: FourSPSSPRDesign, posture: Posture) -> tuple[Clearance, ...]:
-        return control.clearances(design, posture)
+    def clearances(
+        self, design: FourSPSSPRDesign, posture: Posture, *, singular: bool = True
+    ) -> tuple[Clearance, ...]:
+        return control.clearances(design, posture, singular=singular)
+
+    def passed(
+        self, design: FourSPSSPRDesign, before: Posture, after: Posture
+    ) -> tuple[Event, ...]:
+        return passing.passed(design, before, after)
 
     def remedy(self, design: FourSPSSPRDesign, posture: Posture) -> Remedy:
         return remedy.remedy(design, posture)
@@ -243,6 +271,49 @@ class FourSPSSPR(Bare):
     ) -> LocusCurves:
         return control.locus(design, key, pose)
 
+    # --- the workspace: plane at a constant orientation, a solid where one angle gives way
+
+    def region_specs(self, design: FourSPSSPRDesign) -> tuple[RegionSpec, ...]:
+        return plane.REGIONS
+
+    def region_frame(self, design: FourSPSSPRDesign, pose: Sequence[float]) -> Array:
+        return plane.region_frame(design, tuple(pose[3:]))
+
+    def regions(
+        self,
+        design: FourSPSSPRDesign,
+        key: str,
+        pose: Sequence[float],
+        modes: tuple[str, ...] | None,
+    ) -> tuple[Region, ...]:
+        return plane.regions(design, key, tuple(pose[3:]))
+
+    def solids(self, design: FourSPSSPRDesign) -> tuple[SolidSpec, ...]:
+        return _SOLIDS
+
+    def solid_request(
+        self,
+        design: FourSPSSPRDesign,
+        key: str,
+        pose: Sequence[float],
+        modes: tuple[str, ...] | None,
+        resolution: Resolution,
+        surface: SurfaceKind = "facets",
+    ) -> SolidRequest:
+        index = _follows(key)
+        request = volume.request_at(design, tuple(pose), index)
+        arguments = (design.limbs, design.revolute_axis, request)
+        return SolidRequest(self.kind, arguments, resolution)
+
+    def solid_placement(self, design: FourSPSSPRDesign, key: str, pose: Sequence[float]) -> Array:
+        """It is built in the base frame."""
+        _follows(key)
+        return np.eye(4)
+
+    def build_solid(self, request: SolidRequest) -> BuiltSolid:
+        limbs, axis, what = request.arguments
+        return volume.build(FourSPSSPRDesign(limbs, axis), what, request.resolution)
+
     def inside(
         self, design: FourSPSSPRDesign, pose: Sequence[float], modes: tuple[str, ...] | None
     ) -> bool:
@@ -255,3 +326,23 @@ MECHANISM = FourSPSSPR()
 def _not_closed(posture: Posture) -> str:
     why = posture.reasons[0].text if posture.reasons else "the machine cannot be assembled"
     return f"there is no assembly mode to follow: {why}"
+
+
+_SOLIDS = tuple(
+    SolidSpec(
+        f"workspace/{key}",
+        f"Workspace, {symbol} following from the constraint",
+        "Workspace",
+        follows=3 + n,
+    )
+    for n, (key, symbol) in enumerate((("alpha", "α"), ("beta", "β"), ("gamma", "γ")))
+)
+
+
+def _follows(key: str) -> int:
+    """The coordinate that gives way in a solid."""
+    found = next((spec.follows for spec in _SOLIDS if spec.key == key), None)
+    if found is None:
+        known = ", ".join(spec.key for spec in _SOLIDS)
+        raise InputError(f"there is no solid {key!r}; known are {known}")
+    return found

@@ -12,15 +12,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from kinematics.discs import Rings, nearest_point, rings_section
+from kinematics.discs import Rings, nearest_point, rings_section, roomiest
 from kinematics.discs import inside as inside_rings
+from kinematics.errors import InputError
 from kinematics.four_sps_spr.design import LIMBS, SPR, FourSPSSPRDesign
 from kinematics.four_sps_spr.inverse import rotation
-from kinematics.sections import Section, SectionSpec
+from kinematics.sections import Region, RegionSpec, Section
 from kinematics.spatial import Array, homogeneous
 
-SPEC = SectionSpec(
-    "Constant-orientation workspace, in the plane of the constraint", "m", ("u", "v")
+WORKSPACE = "workspace"
+REGIONS = (
+    RegionSpec(WORKSPACE, "Constant-orientation workspace, in the plane m = R n₆", ("u", "v")),
 )
 
 
@@ -63,9 +65,11 @@ def plane(design: FourSPSSPRDesign, angles: Sequence[float]) -> Plane:
     return Plane(frame, float(centers[SPR, 0]), centers)
 
 
-def section_frame(design: FourSPSSPRDesign, angles: Sequence[float]) -> Array:
-    """4x4 from (m, u, v) to the base frame."""
-    return homogeneous(plane(design, angles).frame.T, np.zeros(3))
+def region_frame(design: FourSPSSPRDesign, angles: Sequence[float]) -> Array:
+    """4x4 from (u, v, distance from the plane) to the base frame."""
+    here = plane(design, angles)
+    m, u, v = here.frame
+    return homogeneous(np.stack([u, v, m], axis=1), here.at * m)
 
 
 def rings(design: FourSPSSPRDesign, here: Plane) -> Rings:
@@ -89,10 +93,18 @@ def section(design: FourSPSSPRDesign, angles: Sequence[float]) -> Section:
     return rings_section(rings(design, here), here.at)
 
 
-def empty_section(at: float) -> Section:
-    """What any other plane has of it."""
-    nothing = Rings(np.zeros((1, 2)), np.zeros(1), np.zeros(1), np.ones(1, dtype=np.int64))
-    return rings_section(nothing, at)
+def regions(design: FourSPSSPRDesign, key: str, angles: Sequence[float]) -> tuple[Region, ...]:
+    """The workspace at an orientation as one exact region, which may have several pieces.
+
+    Raises:
+        InputError: there are no such regions.
+    """
+    if key != WORKSPACE:
+        raise InputError(f"there are no regions {key!r}; known are {WORKSPACE!r}")
+    here = plane(design, angles)
+    found = rings(design, here)
+    region = rings_section(found, here.at)
+    return (Region("workspace", region, 0.0, "", 0, 0, roomiest(found, region)),)
 
 
 def nearest_place(

@@ -13,8 +13,8 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kinematics.contours import Contours, zero_curves
 from kinematics.four_sps_spr.design import FourSPSSPRDesign
 from kinematics.four_sps_spr.plane import Plane, plane
 from kinematics.four_sps_spr.wrenches import legs, matrix, scaled
@@ -229,73 +229,13 @@ def _foot(curve: Cubic, point: Array, guess: Array) -> Array:
 # --- the curve -----------------------------------------------------------------------------
 
 
-def traced(curve: Cubic, low: Array, high: Array, cells: int = 240) -> list[Array]:
-    """The curve in a box of the plane, (N, 2) each; closed if its ends are equal.
+def traced(curve: Cubic, low: Array, high: Array, cells: int = 200) -> Contours:
+    """The curve in a box of the plane; none where the machine is singular all over it.
 
-    From the signs at the nodes of a grid, with every point then brought onto the curve. A loop that
-    is smaller than a cell is not seen.
+    Found from the signs at the nodes of a grid: a loop that is smaller than a cell is not seen.
     """
+    x, y = (np.linspace(low[k], high[k], cells + 1) for k in range(2))
     if curve.everywhere:
-        return []
-    axes = [np.linspace(low[k], high[k], cells + 1) for k in range(2)]
-    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
-    values, _ = curve.values(grid)
-    values = np.where(values == 0.0, 1e-300, values)
-    middle, _ = curve.values(0.5 * (grid[:-1, :-1] + grid[1:, 1:]))
-    links = _links(values > 0.0, middle > 0.0)
-    chains = _chains(links)
-    return [curve.settled(_crossings(grid, values, chain)) for chain in chains]
-
-
-Edge = tuple[int, int, int]
-"""Of the grid: the node (i, j) and 0 for the edge along u, 1 for that along v."""
-
-
-def _links(plus: NDArray[np.bool_], middle: NDArray[np.bool_]) -> dict[Edge, list[Edge]]:
-    """Which crossed edges of the grid the curve joins inside a cell (marching squares)."""
-    links: dict[Edge, list[Edge]] = {}
-    mixed = (plus[:-1, :-1] != plus[1:, :-1]) | (plus[:-1, :-1] != plus[:-1, 1:])
-    mixed |= plus[:-1, :-1] != plus[1:, 1:]
-    for i, j in np.argwhere(mixed).tolist():
-        around = [plus[i, j], plus[i + 1, j], plus[i + 1, j + 1], plus[i, j + 1]]
-        edges: list[Edge] = [(i, j, 0), (i + 1, j, 1), (i, j + 1, 0), (i, j, 1)]
-        crossed = [k for k in range(4) if around[k] != around[(k + 1) % 4]]
-        if len(crossed) == 2:
-            pairs = [(crossed[0], crossed[1])]
-        else:  # a saddle: its middle joins two opposite corners
-            pairs = [(0, 1), (2, 3)] if middle[i, j] == around[0] else [(3, 0), (1, 2)]
-        for one, two in pairs:
-            links.setdefault(edges[one], []).append(edges[two])
-            links.setdefault(edges[two], []).append(edges[one])
-    return links
-
-
-def _chains(links: dict[Edge, list[Edge]]) -> list[list[Edge]]:
-    """Crossed edges in the order of the curve; open chains first, as they begin at the rim."""
-    chains = []
-    left = dict(links)
-    for start in sorted(links, key=lambda edge: (len(links[edge]), edge)):
-        if start not in left:
-            continue
-        chain, here = [start], start
-        del left[start]
-        while True:
-            ahead = next((edge for edge in links[here] if edge in left), None)
-            if ahead is None:
-                break
-            chain.append(ahead)
-            del left[ahead]
-            here = ahead
-        if len(chain) > 2 and start in links[here]:
-            chain.append(start)
-        chains.append(chain)
-    return chains
-
-
-def _crossings(grid: Array, values: Array, chain: list[Edge]) -> Array:
-    i, j, way = np.array(chain).T
-    other = i + (way == 0), j + (way == 1)
-    a, b = values[i, j], values[other]
-    share = (a / (a - b))[:, None]
-    points: Array = (1.0 - share) * grid[i, j] + share * grid[other]
-    return points
+        return Contours(np.zeros((0, 2)), np.zeros(1, dtype=np.int64), np.zeros(0))
+    grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
+    return zero_curves(x, y, curve.values(grid)[0], curve.values)

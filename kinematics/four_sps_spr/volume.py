@@ -168,8 +168,8 @@ def build(design: FourSPSSPRDesign, request: Request, resolution: Resolution) ->
     from kinematics.solids import Solid, finish
 
     branch = _Branch(design, request)
-    known = _EXACT[resolution]
-    exact = None if known is None else exact_volume(design, request, known)
+    relative = _EXACT[resolution]
+    exact = None if relative is None else exact_volume(design, request, relative)
 
     def error(traced: TracedMesh, volume: float) -> float:
         return _ROUGH * volume if exact is None else abs(volume - exact[0]) + exact[1]
@@ -182,7 +182,7 @@ def build(design: FourSPSSPRDesign, request: Request, resolution: Resolution) ->
     margins = branch.margins(nodes.reshape(-1, 3)).reshape(*shape, -1)
     # Surfaces matter next to the solid only.
     near = binary_dilation((margins >= 0.0).all(axis=-1), np.ones((3, 3, 3)), iterations=2)
-    parts = []
+    parts: list[Solid] = []
     for which, tag in enumerate(TAGS):
         known = np.where(near, margins[..., which], np.nan)
         if parts and (known[near] > 0.0).all():
@@ -259,9 +259,7 @@ def exact_volume(
     return total, doubt
 
 
-def _swept(
-    design: FourSPSSPRDesign, angles: tuple[float, float, float], request: Request
-) -> float:
+def _swept(design: FourSPSSPRDesign, angles: tuple[float, float, float], request: Request) -> float:
     """∫ |∂c/∂θ| dA over the part of the plane region that is on the branch, mm³/rad."""
     here = plane(design, angles)
     found = rings(design, here)
@@ -289,5 +287,3 @@ def _swept(
     if not region.loops:
         return 0.0
     return region.area * (start + float(slope @ region.centroid))
-
-

@@ -7,10 +7,10 @@ N = x·x, t = vec(2 y x̄) and w = vec(2 x̄ y), so that p·p = 4 y·y / N (Hust
     4 y·y + 2 w·b_i − 2 t·A_i − 2 A_iᵀ R̂ b_i + (A_i² + b_i² − l_i²) N = 0,    i = 1 … 5
     A_5ᵀ R̂ n − w·n − (b_5·n) N = 0.
 
-With x·y = 0 and a patch, c·x = 1, these are eight equations in eight unknowns, in which x = 0, where
-they all hold without meaning a pose, does not lie. Where N = 0 the pose is at infinity.
+With x·y = 0 and a patch, c·x = 1, these are eight equations in eight unknowns. The patch leaves out
+x = 0, where they all hold without meaning a pose. Where N = 0 the pose is at infinity.
 
-Everything is in units of the machine, with the origins in the centroids of base and platform points.
+Everything is in units of the machine, the origins in the centroids of base and platform points.
 Arrays of unknowns are (8, paths).
 """
 

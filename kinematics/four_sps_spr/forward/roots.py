@@ -1,7 +1,7 @@
 """Every complex solution of the forward displacement of any 4-SPS + 1-SPR.
 
-A design's own start set is all solutions for its geometry and complex lengths, made once by following
-the general machine's 40. From there only the lengths move, for many vectors of them at a time.
+A design's own start set is all solutions for its geometry and complex lengths, made once by
+following the general machine's 40. From there only the lengths move, for many vectors at a time.
 
 That nothing is missing is seen from the count, every path accounted for, and from the set being
 closed under complex conjugation, as that of a real machine must be. Paths that are lost, or that

@@ -1,7 +1,7 @@
 """Where the paths begin: all 40 solutions of one random complex 4-SPS + 1-SPR, a stored file.
 
-The general machine has 40 complex solutions, and so has a general one whose base and platform points
-lie in planes. Where a machine is special some of them are at infinity, as 8 for two regular
+The general machine has 40 complex solutions, and so has a general one whose base and platform
+points lie in planes. Where a machine is special some of them are at infinity, as 8 for two regular
 pentagons; paths to them run off when the design's own set is made (`roots.own_start_set`).
 """
 
