@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from math import radians
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,13 +12,23 @@ from kinematics.errors import ComputationError, InputError
 
 if TYPE_CHECKING:
     from kinematics.mechanism import Design, Mechanism, SurfaceKind
+    from kinematics.sections import Region, RegionSpec
+
+WORKSPACE = "workspace"
 
 
 def register(command: common.AddCommand) -> None:
-    workspace = command("workspace", _workspace, "The constant-orientation workspace as a solid.")
+    workspace = command(
+        "workspace", _workspace, "The constant-orientation workspace, as a solid or a plane region."
+    )
     common.add_design(workspace)
-    common.add_orientation(workspace)
+    common.add_orientation(workspace, follows=True)
     common.add_modes(workspace)
+    workspace.epilog = (
+        "Where the constraint of a mechanism leaves a plane at a constant orientation, the "
+        "workspace is a plane region of exact arcs, written as .svg, .dxf or .csv; with - for one "
+        "of its angles it is a solid."
+    )
     workspace.add_argument(
         "--surface",
         choices=("facets", "true"),
@@ -60,7 +69,17 @@ def _add_solid(parser: argparse.ArgumentParser) -> None:
 def _workspace(arguments: argparse.Namespace) -> None:
     design, mechanism = common.load(arguments.design)
     modes = common.chosen_modes(arguments.modes, mechanism.modes)
-    _solid(arguments, design, mechanism, "workspace", modes, arguments.surface)
+    turned = common.orientation(arguments, design, mechanism)
+    specs = mechanism.solids(design)
+    flat = next((spec for spec in mechanism.region_specs(design) if spec.key == WORKSPACE), None)
+    if turned.open is not None:
+        key = next((spec.key for spec in specs if spec.follows == turned.open), WORKSPACE)
+    elif flat is not None and all(spec.key != WORKSPACE for spec in specs):
+        _region(arguments, design, mechanism, flat, turned, modes)
+        return
+    else:
+        key = WORKSPACE
+    _solid(arguments, design, mechanism, key, turned, modes, arguments.surface)
 
 
 def _vertex_space(arguments: argparse.Namespace) -> None:
@@ -79,7 +98,8 @@ def _vertex_space(arguments: argparse.Namespace) -> None:
     if key is None:
         known = ", ".join(key.partition("/")[2] for key in parts.values())
         raise InputError(f"--part must be one of {known}, got {arguments.part!r}")
-    _solid(arguments, design, mechanism, key, None)
+    turned = common.orientation(arguments, design, mechanism)
+    _solid(arguments, design, mechanism, key, turned, None)
 
 
 def _solid(
@@ -87,6 +107,7 @@ def _solid(
     design: Design,
     mechanism: Mechanism,
     key: str,
+    turned: common.Orientation,
     modes: tuple[str, ...] | None,
     surface: SurfaceKind = "facets",
 ) -> None:
@@ -98,8 +119,9 @@ def _solid(
         raise InputError(f"{design.name}: a {mechanism.title} has no {key} solid")
     path: Path | None = arguments.output
     kind = None if path is None else common.checked(path, exporting.format_of(path))
-    typed = {"phi": arguments.phi, "theta": arguments.theta}
-    pose = [radians(typed.get(axis.key, 0.0)) for axis in mechanism.pose_coordinates(design)]
+    pose = turned.pose
+    if surface not in spec.surfaces:
+        raise InputError(f"--surface: {spec.title} is built as {' or '.join(spec.surfaces)} only")
     request = mechanism.solid_request(design, key, pose, modes, arguments.resolution, surface)
     with common.progress(f"{spec.title}, {arguments.resolution}"):
         built = mechanism.build_solid(request)
@@ -111,7 +133,7 @@ def _solid(
         common.write(path, data)
     if not arguments.json:
         common.print_head(design)
-        where = f"at φ = {arguments.phi:g}°, θ = {arguments.theta:g}°, {arguments.resolution}"
+        where = f"at {turned.text()}, {arguments.resolution}"
         file = None if path is None else str(path)
         print(tables.solid_text(built, spec.title, where, modes if spec.uses_modes else (), file))
         return
@@ -120,8 +142,7 @@ def _solid(
             "design": design.name,
             "mechanism": design.mechanism,
             "solid": key,
-            "phi_deg": arguments.phi,
-            "theta_deg": arguments.theta,
+            **turned.entries(),
             **({"modes": "all" if modes is None else modes} if spec.uses_modes else {}),
             "resolution": arguments.resolution,
             "volume_mm3": built.volume,
@@ -136,3 +157,73 @@ def _solid(
             "file": None if path is None else str(path),
         }
     )
+
+
+def _region(
+    arguments: argparse.Namespace,
+    design: Design,
+    mechanism: Mechanism,
+    spec: RegionSpec,
+    turned: common.Orientation,
+    modes: tuple[str, ...] | None,
+) -> None:
+    """A workspace that lies in a plane: its exact edges, area and where the plane stands."""
+    from app import section_files
+    from kinematics.sections import SectionSpec
+
+    path: Path | None = arguments.output
+    kind = None if path is None else common.ending(path, section_files.FORMATS, "a plane region")
+    found = mechanism.regions(design, spec.key, turned.pose, modes)
+    frame = mechanism.region_frame(design, turned.pose)
+    common.warn(design, mechanism)
+    if path is not None and kind is not None:
+        if not any(region.section.loops for region in found):
+            raise ComputationError(f"{spec.title} is empty, so {str(path)!r} was not written")
+        title = f"{design.title or design.name}, {turned.text()}"
+        plane = SectionSpec(spec.title, "", spec.axes, spec.figure)
+        data = section_files.section_bytes(found[0].section, plane, kind, title=title)
+        common.write(path, data)
+    if not arguments.json:
+        common.print_head(design)
+        print("\n".join(_region_lines(spec, found, turned, path)))
+        return
+    sections = [region.section for region in found]
+    common.print_json(
+        {
+            "design": design.name,
+            "mechanism": design.mechanism,
+            "region": spec.key,
+            **turned.entries(),
+            "area_mm2": sum(section.area for section in sections),
+            "perimeter_mm": sum(section.perimeter for section in sections),
+            "pieces": sum(section.pieces for section in sections),
+            "volume_mm3": 0.0,
+            "triangles": 0,
+            "watertight": False,
+            "axes": list(spec.axes),
+            "transform": frame.tolist(),
+            "loops": [loop for each in sections for loop in section_files.section_loops(each)],
+            "file": None if path is None else str(path),
+        }
+    )
+
+
+def _region_lines(
+    spec: RegionSpec, found: tuple[Region, ...], turned: common.Orientation, path: Path | None
+) -> list[str]:
+    lines = [f"{spec.title}, at {turned.text()}"]
+    for region in found:
+        section = region.section
+        if not section.loops:
+            lines.append(f"{region.title}  empty")
+            continue
+        u, v = (f"{axis} = {x:.4f} mm" for axis, x in zip(spec.axes, section.centroid, strict=True))
+        lines += [
+            f"area       {section.area:.4f} mm²",
+            f"perimeter  {section.perimeter:.4f} mm",
+            f"pieces     {section.pieces}, bounded by {len(section.limb)} arcs",
+            f"centroid   {u}, {v}",
+        ]
+    if path is not None:
+        lines.append(f"file       {path} (mm, in the plane's own coordinates)")
+    return lines

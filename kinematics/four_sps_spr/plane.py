@@ -1,4 +1,4 @@
-"""The plane of the constraint and in it the constant-orientation workspace of the 4-SPS + 1-SPR: a plane region, exactly.
+"""The plane of the constraint, and in it the constant-orientation workspace, exactly.
 
 At a given R the constraint (A_5 − p)·m = b_5·n6, m = R n6, leaves p a plane. Leg i keeps p between
 two spheres about c_i = A_i − R b_i, which that plane cuts in circles: the workspace is an
@@ -110,7 +110,7 @@ def regions(design: FourSPSSPRDesign, key: str, angles: Sequence[float]) -> tupl
 def nearest_place(
     design: FourSPSSPRDesign, angles: Sequence[float], point: Array
 ) -> tuple[Array, float] | None:
-    """The place of the workspace at an orientation nearest to a point (3,), and how far it is, mm."""
+    """The place of the workspace at an orientation nearest to a point (3,), and how far, mm."""
     here = plane(design, angles)
     found = rings(design, here)
     uv = here.coordinates(point)

@@ -74,7 +74,7 @@ class Cubic:
             value, gradient = self.values(uv)
             square = (gradient**2).sum(axis=-1)
             bend = np.einsum("...i,...ij,...j->...", gradient, self.second(uv), gradient)
-            # A step towards where D/D' vanishes, but at most three of Newton's: m for an m-fold line.
+            # Towards where D/D' vanishes, at most three of Newton's steps: m for an m-fold line.
             slower = np.clip(
                 1.0 - value * bend / np.maximum(square * square, 1e-300), 1.0 / 3.0, 2.0
             )

@@ -6,9 +6,9 @@ solid as the ends of the strokes do.
 
 The planes of `plane` for all θ sweep through that solid: at θ, p lies in a plane that moves with
 the speed −∂c/∂θ of the constraint c(p, θ) = m(θ)·(A_5 − p) − b_5·n6, |∇_p c| = 1. So its volume is
-∫ dθ ∫ |∂c/∂θ| dA over the exact plane regions, in which ∂c/∂θ is linear: one quadrature, as exact as
-wanted. The mesh is the intersection of isosurfaces, one for each stroke end and the fold, with their
-vertices on the true surfaces.
+∫ dθ ∫ |∂c/∂θ| dA over the exact plane regions, in which ∂c/∂θ is linear: one quadrature, as exact
+as wanted. The mesh is the intersection of isosurfaces, one for each stroke end and the fold, with
+their vertices on the true surfaces.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -248,7 +249,7 @@ def exact_volume(
     total, doubt = 0.0, 0.0
     marks = np.linspace(-np.pi, np.pi, _PIECES + 1)
     absolute = max(relative * size / _PIECES, 1e-300)
-    for low, high in zip(marks[:-1], marks[1:], strict=True):
+    for low, high in pairwise(marks.tolist()):
         inner = (angles >= low - 0.05) & (angles <= high + 0.05)
         if not any(value for value, here in zip(rough, inner, strict=True) if here):
             continue  # nothing there, nor next to it

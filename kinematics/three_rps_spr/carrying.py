@@ -23,7 +23,9 @@ _FINEST = 12  # halvings
 _TOGETHER = 0.5  # of h2: how near solutions are that left together
 
 
-def refresh(design: TripodDesign, before: ForwardSolutions, joints: Sequence[float]) -> Refreshed:
+def refresh(
+    design: TripodDesign, before: ForwardSolutions, joints: Sequence[float]
+) -> Refreshed:
     """All assembly modes at other lengths, with the identities they had ``before``.
 
     Raises:

@@ -161,13 +161,9 @@ def _circle(
         text = f"No orientation at this altitude meets {what.partition(' (')[0]}."
         text = text.replace("the end of limb None's stroke", "the end of a stroke")
     else:
-        text = (
-            f"The platform can turn by {np.degrees(radius):.3f}° in every direction until {what}."
-        )
+        text = f"The platform can turn by {np.degrees(radius):.3f}° in every direction until {what}."
     if barred:
-        text += (
-            " The circle crosses the ring at a tilt of 90°, which no position at this altitude has."
-        )
+        text += " The circle crosses the ring at a tilt of 90°, which no position at this altitude has."
     return OrientationCircle(
         limit, float(radius), contacts, text, limb, bound, barred, 0.0 if radius == 0.0 else error
     )

@@ -97,11 +97,7 @@ def lengths_and_slopes(h: float, k: float, u: Complex) -> tuple[Complex, Complex
     p, z = offsets(h, k, Reduced(x0, x1, x2, v))
     x0, x1, x2 = (a[..., None] for a in (x0, x1, x2))
     one = np.ones(LIMBS)
-    out = [
-        2.0 * k * x0 * one,
-        4.0 * k * (x1 * _COS - x2 * _SIN),
-        -4.0 * k * (x2 * _COS + x1 * _SIN),
-    ]
+    out = [2.0 * k * x0 * one, 4.0 * k * (x1 * _COS - x2 * _SIN), -4.0 * k * (x2 * _COS + x1 * _SIN)]
     up = [2.0 * k * (x1 * _SIN - x2 * _COS), 2.0 * k * x0 * _SIN, -2.0 * k * x0 * _COS]
     parts = [2.0 * (p * a + z * b) for a, b in zip(out, up, strict=True)]
     slopes = np.stack([*parts, 2.0 * z], axis=-1)
@@ -111,7 +107,9 @@ def lengths_and_slopes(h: float, k: float, u: Complex) -> tuple[Complex, Complex
 # --- inside --------------------------------------------------------------------------------
 
 
-def _forms(h: float, k: float, c: float, e: Array, d: Complex, scale: Array) -> tuple[Array, Array]:
+def _forms(
+    h: float, k: float, c: float, e: Array, d: Complex, scale: Array
+) -> tuple[Array, Array]:
     """The four quadratic forms in (x1, x2, γ/scale, a), (B, 4, 4, 4), and their values (B, 4)."""
     forms = np.zeros((len(d), 4, 4, 4))
 

@@ -219,7 +219,9 @@ def distances(
     return np.asarray(np.hypot(shift, characteristic_length(design) * angle))
 
 
-def _self_motions(design: TripodDesign, rho: Array, curve: list[bool]) -> tuple[SelfMotion, ...]:
+def _self_motions(
+    design: TripodDesign, rho: Array, curve: list[bool]
+) -> tuple[SelfMotion, ...]:
     """Equal limbs where the spherical triangle is twice the revolute one leave a curve free.
 
     There r² = D0 for all limbs wherever v = −k Im ζ³/x0 and (E + k²) q − E = k² (Re ζ³)²,
@@ -237,10 +239,7 @@ def _self_motions(design: TripodDesign, rho: Array, curve: list[bool]) -> tuple[
         x0 = float(np.sqrt(1.0 - q))
         lift = -k * s**3 / x0
         reduced = Reduced(
-            np.array(x0),
-            np.array(s * np.cos(azimuth)),
-            np.array(s * np.sin(azimuth)),
-            np.array(lift),
+            np.array(x0), np.array(s * np.cos(azimuth)), np.array(s * np.sin(azimuth)), np.array(lift)
         )
         pose = posing.to_poses(design, reduced, mode)
         found.append(
@@ -278,9 +277,7 @@ def _notes(
 ) -> tuple[str, ...]:
     notes = [motion.text for motion in motions]
     if count < EXPECTED and not motions:
-        notes.append(
-            f"{EXPECTED - count} of {EXPECTED} solutions are at infinity for these lengths."
-        )
+        notes.append(f"{EXPECTED - count} of {EXPECTED} solutions are at infinity for these lengths.")
     if not real and not motions:
         notes.append("There is no real solution: the limbs cannot be assembled with these lengths.")
     if (~np.isfinite(number)).any():

@@ -136,7 +136,9 @@ class Tripod(Bare):
     ) -> Refreshed:
         return carrying.refresh(design, before, joints)
 
-    def transform(self, design: TripodDesign, poses: ArrayLike, mode: str | Sequence[str]) -> Array:
+    def transform(
+        self, design: TripodDesign, poses: ArrayLike, mode: str | Sequence[str]
+    ) -> Array:
         return posing.transform(design, poses, mode)
 
     def pose_from_transform(

@@ -147,15 +147,9 @@ class _Found(NamedTuple):
     w: Array
 
 
-def _checked(
-    base: ArrayLike, platform: ArrayLike, altitude: ArrayLike
-) -> tuple[Array, Array, Array]:
+def _checked(base: ArrayLike, platform: ArrayLike, altitude: ArrayLike) -> tuple[Array, Array, Array]:
     found = []
-    for name, value in (
-        ("base radius", base),
-        ("platform radius", platform),
-        ("altitude", altitude),
-    ):
+    for name, value in (("base radius", base), ("platform radius", platform), ("altitude", altitude)):
         try:
             array = np.asarray(value, dtype=float)
         except (TypeError, ValueError):
@@ -321,7 +315,9 @@ def _vanishes(
     return np.asarray(good)
 
 
-def table(kind: Kind, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike) -> MicrTable:
+def table(
+    kind: Kind, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike
+) -> MicrTable:
     """MICR in both operation modes, mode 1 first, of radii and altitudes that broadcast (Figs. 4
     and 5: base 1, platform the ratio, altitude Z/h1).
 

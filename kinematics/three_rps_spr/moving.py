@@ -63,9 +63,7 @@ class Closure:
         square, slopes = lengths_and_slopes(self.h, self.k, np.append(state.x, state.v))
         lengths = np.sqrt(square)
         slopes = slopes / (2.0 * np.maximum(lengths, 1e-300))[:, None]
-        by_state = np.column_stack(
-            [slopes[:, :3] @ _chart(state.x), slopes[:, 3] * self.joint_unit]
-        )
+        by_state = np.column_stack([slopes[:, :3] @ _chart(state.x), slopes[:, 3] * self.joint_unit])
         apart = lengths - joints
         unit = self.joint_unit
         return Linear(
@@ -125,12 +123,7 @@ def follow(design: TripodDesign, start: Posture, joints: Sequence[float]) -> Fol
         f"operation mode {start.mode} or {other}"
     )
     return replace(
-        found,
-        posture=there,
-        stop="singularity",
-        text=text,
-        fraction=share * found.fraction,
-        limb=None,
+        found, posture=there, stop="singularity", text=text, fraction=share * found.fraction, limb=None
     )
 
 

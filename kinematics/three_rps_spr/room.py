@@ -87,9 +87,7 @@ def _singular_altitudes(h: float, k: float, reduced: Reduced) -> list[float]:
     return [unit * float(root) for root in real]
 
 
-def _place(
-    design: TripodDesign, reduced: Reduced, v: float, mode: str
-) -> tuple[float, float, float]:
+def _place(design: TripodDesign, reduced: Reduced, v: float, mode: str) -> tuple[float, float, float]:
     there = reduced._replace(v=np.array(v))
     x, y, z = translation(posing.to_study(design, there, mode)).tolist()
     return x, y, z
@@ -168,7 +166,9 @@ def remedy(design: TripodDesign, posture: Posture) -> Remedy:
         f"The nearest orientation found at this altitude is a tilt of {np.degrees(turned.pose[1]):.2f}° "
         f"about the azimuth {np.degrees(turned.pose[2]):.2f}°."
     )
-    return Remedy(turned, float(np.linalg.norm(there - here)), changes, text, modes, float("inf"))
+    return Remedy(
+        turned, float(np.linalg.norm(there - here)), changes, text, modes, float("inf")
+    )
 
 
 def _changes(design: TripodDesign, posture: Posture) -> tuple[tuple[DesignChange, ...], ...]:
@@ -258,3 +258,4 @@ def _unit(chart: Array) -> Array:
     half = 0.5 * chart[..., 0]
     s = np.sin(half)
     return np.stack([np.cos(half), s * np.cos(chart[..., 1]), s * np.sin(chart[..., 1])], axis=-1)
+

@@ -41,7 +41,9 @@ def with_translation(x: Values, position: Values) -> Values:
 
     Eq. 2 and eq. 3 are four equations in y whose rows are orthogonal, of length 2 and 1.
     """
-    y = sum(0.5 * position[..., n : n + 1] * row for n, row in enumerate(_rows(x)))
+    y = sum(
+        0.5 * position[..., n : n + 1] * row for n, row in enumerate(_rows(x))
+    )
     return np.concatenate(np.broadcast_arrays(x, y), axis=-1)
 
 
