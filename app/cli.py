@@ -29,7 +29,20 @@ from kinematics.errors import BohemiaError, InputError
 # Their values may begin with a minus sign, which argparse takes for an option.
 SIGNED_OPTIONS = frozenset(
     {
-        *("--pose", "--joints", "--phi", "--theta", "--modes", "--mode", "--x", "--around", "--at"),
+        *(
+            "--pose",
+            "--joints",
+            "--phi",
+            "--theta",
+            "--alpha",
+            "--beta",
+            "--gamma",
+            "--modes",
+            "--mode",
+            "--x",
+            "--around",
+            "--at",
+        ),
         *("--rates", "--accelerations", "--joint-rates", "--joint-accelerations", "--load"),
         *("--base", "--platform", "--altitude", "--ratios", "--heights"),
     }

@@ -170,7 +170,7 @@ class Line(Generic[S]):
 
 def _solve(whole: Array, border: Array, right: Array) -> Array | None:
     try:
-        answer: Array = np.linalg.solve(np.vstack([whole, border]), right)
+        answer = np.asarray(np.linalg.solve(np.vstack([whole, border]), right), dtype=float)
     except np.linalg.LinAlgError:
         return None
     return answer if np.isfinite(answer).all() else None
@@ -286,7 +286,7 @@ def _at_level(line: Line[S], here: Place[S], there: Place[S], level: float) -> S
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Turn(Generic[S]):
-    """Where λ turns back, and the state on the other branch where it is 0 again, if it gets there."""
+    """Where λ turns back, and the state on the other branch where it is 0 again, if that is."""
 
     along: float
     state: S

@@ -106,7 +106,8 @@ class SolidSpec:
     """A solid that a mechanism can show: "workspace", "aspects", "limb1/whole", "limb1/H2", …
 
     It may depend on the chosen set of modes (``uses_modes``), or on the present mode alone
-    (``of_present_mode``), which is then all that `solid_request` is handed.
+    (``of_present_mode``), which is then all that `solid_request` is handed. ``follows``: the pose
+    coordinate that is not held but follows from the others (`dependent_coordinates`).
     """
 
     key: str
@@ -117,6 +118,7 @@ class SolidSpec:
     uses_modes: bool = False
     of_present_mode: bool = False
     surfaces: tuple[SurfaceKind, ...] = ("facets",)
+    follows: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -587,6 +589,7 @@ _NO_SECTIONS = "this mechanism has no solid workspace to cut or to measure"
 _MODULES = {
     "five_rpur": ("kinematics.five_rpur", "MECHANISM"),
     "five_bar": ("kinematics.five_bar", "MECHANISM"),
+    "four_sps_spr": ("kinematics.four_sps_spr", "MECHANISM"),
     "three_rps": ("kinematics.three_rps_spr", "THREE_RPS"),
     "three_spr": ("kinematics.three_rps_spr", "THREE_SPR"),
 }

@@ -12,9 +12,9 @@ import json
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from math import isfinite, nan
+from math import isfinite, isnan, nan, radians
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from app import tables
 from app.modes import matching
@@ -47,11 +47,77 @@ def add_json(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 
-def add_orientation(parser: argparse.ArgumentParser) -> None:
-    for name in ("phi", "theta"):
+# Of all mechanisms' orientations: whoever parses does not know the design yet.
+ANGLES = ("phi", "theta", "alpha", "beta", "gamma")
+
+
+def add_orientation(parser: argparse.ArgumentParser, *, follows: bool = False) -> None:
+    """``follows``: one angle may be "-", which then follows from the mechanism's constraint."""
+    hint = ", or - for the one that follows from the constraint" if follows else ""
+    for name in ANGLES:
         parser.add_argument(
-            f"--{name}", type=angle, default=0.0, metavar="DEG", help="degrees (default 0)"
+            f"--{name}",
+            type=_angle_or_dash if follows else angle,
+            metavar="DEG",
+            help=f"degrees, of a mechanism that has it (default 0{hint})",
         )
+
+
+def _angle_or_dash(text: str) -> float:
+    return nan if text.strip() in _DASHES else angle(text)
+
+
+class Orientation(NamedTuple):
+    """A pose of which only the angles matter, mm and rad; NaN for one that is left to the
+    mechanism."""
+
+    pose: list[float]
+    angles: list[tuple[Coordinate, float]]  # with what was typed, degrees
+
+    @property
+    def open(self) -> int | None:
+        """Which coordinate is left to the mechanism."""
+        return next((n for n, value in enumerate(self.pose) if isnan(value)), None)
+
+    def text(self) -> str:
+        """ "φ = 10°, θ = -5°"."""
+        return ", ".join(
+            f"{axis.symbol} follows" if isnan(value) else f"{axis.symbol} = {value:g}°"
+            for axis, value in self.angles
+        )
+
+    def entries(self) -> dict[str, float | None]:
+        """For JSON; null for what is left to the mechanism."""
+        return {tables.key(axis): finite(value) for axis, value in self.angles}
+
+
+def orientation(arguments: argparse.Namespace, design: Design, mechanism: Mechanism) -> Orientation:
+    """The orientation asked for.
+
+    Raises:
+        InputError: an angle that the mechanism does not have, or too many left open.
+    """
+    axes = mechanism.pose_coordinates(design)
+    own = {axis.key for axis in axes if axis.unit == "rad"}
+    for name in ANGLES:
+        if getattr(arguments, name) is not None and name not in own:
+            has = ", ".join(f"--{axis.key}" for axis in axes if axis.key in own) or "none"
+            raise InputError(f"--{name}: a {mechanism.title} has no such angle; it has {has}")
+    typed = [getattr(arguments, axis.key, None) if axis.key in own else None for axis in axes]
+    given = [0.0 if value is None else float(value) for value in typed]
+    angles = [(axis, v) for axis, v in zip(axes, given, strict=True) if axis.key in own]
+    found = Orientation([radians(value) for value in given], angles)
+    free = [n for n, value in enumerate(found.pose) if isnan(value)]
+    allowed = mechanism.dependent_coordinates(design)
+    if len(free) > 1 or any(n not in allowed for n in free):
+        name = axes[free[-1]].key
+        why = (
+            "only one angle may be -"
+            if len(free) > 1
+            else f"no angle of a {mechanism.title} follows from the others"
+        )
+        raise InputError(f"--{name}: {why}")
+    return found
 
 
 def add_modes(parser: argparse.ArgumentParser) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import time
-from math import radians
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -56,7 +55,8 @@ def _volume(arguments: argparse.Namespace) -> None:
     _spec(design, mechanism)
     modes = common.chosen_modes(arguments.modes, mechanism.modes)
     around = None if arguments.around is None else _point(arguments.around)
-    pose = _orientation(arguments, design, mechanism)
+    turned = common.orientation(arguments, design, mechanism)
+    pose = turned.pose
     began = time.perf_counter()
     with common.progress("Volume"):
         found = mechanism.volume(design, pose, modes, relative=arguments.tolerance)
@@ -69,14 +69,14 @@ def _volume(arguments: argparse.Namespace) -> None:
             box = mechanism.box(design, pose, modes, around)
     common.warn(design, mechanism)
     if not arguments.json:
-        common.print_head(design, _where(arguments, modes))
+        common.print_head(design, _where(turned, modes))
         print("\n".join(_volume_lines(found, seconds)))
         if wanted:
             print("\n".join(_usable_lines(sphere, box)))
         return
     common.print_json(
         {
-            **_about(arguments, design, modes),
+            **_about(turned, design, modes),
             "volume_mm3": found.value,
             "error_mm3": found.error,
             "centroid_mm": found.centroid.tolist() if found.value > 0.0 else None,
@@ -149,21 +149,22 @@ def _section(arguments: argparse.Namespace) -> None:
     spec = _spec(design, mechanism)
     at = common.number(arguments.x, "--x")
     modes = common.chosen_modes(arguments.modes, mechanism.modes)
-    pose = _orientation(arguments, design, mechanism)
+    turned = common.orientation(arguments, design, mechanism)
+    pose = turned.pose
     with common.progress(f"{spec.title} = {at:g} mm"):
         found = mechanism.section(design, pose, modes, at)
         reach = mechanism.section_range(design, pose, modes)
     common.warn(design, mechanism)
     if path is not None and kind is not None:
-        title = f"{design.title or design.name}, {_where(arguments, modes)}, {spec.normal} = {at:g}"
+        title = f"{design.title or design.name}, {_where(turned, modes)}, {spec.normal} = {at:g}"
         common.write(path, section_files.section_bytes(found, spec, kind, title=f"{title} mm"))
     if not arguments.json:
-        common.print_head(design, _where(arguments, modes))
+        common.print_head(design, _where(turned, modes))
         print("\n".join(_section_lines(found, spec, reach, path)))
         return
     common.print_json(
         {
-            **_about(arguments, design, modes),
+            **_about(turned, design, modes),
             "x_mm": at,
             "area_mm2": found.area,
             "perimeter_mm": found.perimeter,
@@ -222,14 +223,6 @@ def _spec(design: Design, mechanism: Mechanism) -> SectionSpec:
     return spec
 
 
-def _orientation(
-    arguments: argparse.Namespace, design: Design, mechanism: Mechanism
-) -> list[float]:
-    """A pose of which only the orientation matters, mm and rad."""
-    typed = {"phi": arguments.phi, "theta": arguments.theta}
-    return [radians(typed.get(axis.key, 0.0)) for axis in mechanism.pose_coordinates(design)]
-
-
 def _point(text: str) -> list[float]:
     words = text.split(",")
     if len(words) != 3:
@@ -239,18 +232,17 @@ def _point(text: str) -> list[float]:
     ]
 
 
-def _where(arguments: argparse.Namespace, modes: tuple[str, ...] | None) -> str:
-    return f"φ = {arguments.phi:g}°, θ = {arguments.theta:g}°, {tables.modes_text(modes)}"
+def _where(turned: common.Orientation, modes: tuple[str, ...] | None) -> str:
+    return f"{turned.text()}, {tables.modes_text(modes)}"
 
 
 def _about(
-    arguments: argparse.Namespace, design: Design, modes: tuple[str, ...] | None
+    turned: common.Orientation, design: Design, modes: tuple[str, ...] | None
 ) -> dict[str, Any]:
     return {
         "design": design.name,
         "mechanism": design.mechanism,
-        "phi_deg": arguments.phi,
-        "theta_deg": arguments.theta,
+        **turned.entries(),
         "modes": "all" if modes is None else modes,
     }
 

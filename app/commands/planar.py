@@ -19,7 +19,7 @@ def workspace(
     arguments: argparse.Namespace,
     design: Design,
     mechanism: Mechanism,
-    pose: Sequence[float],
+    turned: common.Orientation,
     modes: tuple[str, ...] | None,
 ) -> None:
     """Print the regions of a plane workspace, and write them if a file is wanted."""
@@ -34,16 +34,17 @@ def workspace(
     path: Path | None = arguments.output
     kind = None if path is None else common.ending(path, FORMATS, "a plane workspace")
     with common.progress(spec.title):
-        found = mechanism.regions(design, spec.key, pose, modes)
+        found = mechanism.regions(design, spec.key, turned.pose, modes)
     common.warn(design, mechanism)
     if path is not None and kind is not None:
         if not any(region.section.loops for region in found):
             raise ComputationError(f"the workspace is empty, so {str(path)!r} was not written")
         plane = SectionSpec(spec.title, "normal", spec.axes, spec.figure)
         sections = [region.section for region in found]
-        common.write(path, section_bytes(together(sections), plane, kind, title=design.title))
+        title = ", ".join(filter(None, (design.title or design.name, turned.text())))
+        common.write(path, section_bytes(together(sections), plane, kind, title=title))
     if not arguments.json:
-        common.print_head(design, spec.title)
+        common.print_head(design, ", ".join(filter(None, (spec.title, turned.text()))))
         print("\n".join(_lines(found, path)))
         return
     common.print_json(
@@ -51,8 +52,17 @@ def workspace(
             "design": design.name,
             "mechanism": design.mechanism,
             "region": spec.key,
+            **turned.entries(),
             "modes": "all" if modes is None else modes,
             "area_mm2": sum(region.section.area for region in found),
+            "perimeter_mm": sum(region.section.perimeter for region in found),
+            "pieces": sum(region.section.pieces for region in found),
+            "volume_mm3": 0.0,
+            "triangles": 0,
+            "watertight": False,
+            "axes": list(spec.axes),
+            "transform": mechanism.region_frame(design, turned.pose).tolist(),
+            "loops": [loop for region in found for loop in section_loops(region.section)],
             "regions": [
                 {**_entry(region), "loops": section_loops(region.section)} for region in found
             ],

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from math import radians
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,12 +13,21 @@ from kinematics.errors import ComputationError, InputError
 if TYPE_CHECKING:
     from kinematics.mechanism import Design, Mechanism, SurfaceKind
 
+WORKSPACE = "workspace"
+
 
 def register(command: common.AddCommand) -> None:
-    workspace = command("workspace", _workspace, "The constant-orientation workspace as a solid.")
+    workspace = command(
+        "workspace", _workspace, "The constant-orientation workspace, as a solid or a plane region."
+    )
     common.add_design(workspace)
-    common.add_orientation(workspace)
+    common.add_orientation(workspace, follows=True)
     common.add_modes(workspace)
+    workspace.epilog = (
+        "Where the constraint of a mechanism leaves a plane at a constant orientation, the "
+        "workspace is a plane region of exact arcs, written as .svg, .dxf or .csv; with - for one "
+        "of its angles it is a solid."
+    )
     workspace.add_argument(
         "--surface",
         choices=("facets", "true"),
@@ -67,13 +75,15 @@ def _add_solid(parser: argparse.ArgumentParser) -> None:
 def _workspace(arguments: argparse.Namespace) -> None:
     design, mechanism = common.load(arguments.design)
     modes = common.chosen_modes(arguments.modes, mechanism.modes)
-    if planar.offered(mechanism, design):
-        axes = mechanism.pose_coordinates(design)
-        typed = {"phi": arguments.phi, "theta": arguments.theta}
-        pose = [radians(typed.get(axis.key, 0.0)) for axis in axes]
-        planar.workspace(arguments, design, mechanism, pose, modes)
+    turned = common.orientation(arguments, design, mechanism)
+    key = WORKSPACE
+    if turned.open is not None:
+        specs = mechanism.solids(design)
+        key = next((spec.key for spec in specs if spec.follows == turned.open), WORKSPACE)
+    elif planar.offered(mechanism, design):
+        planar.workspace(arguments, design, mechanism, turned, modes)
         return
-    _solid(arguments, design, mechanism, "workspace", modes, arguments.surface)
+    _solid(arguments, design, mechanism, key, turned, modes, arguments.surface)
 
 
 def _vertex_space(arguments: argparse.Namespace) -> None:
@@ -92,7 +102,8 @@ def _vertex_space(arguments: argparse.Namespace) -> None:
     if key is None:
         known = ", ".join(key.partition("/")[2] for key in parts.values())
         raise InputError(f"--part must be one of {known}, got {arguments.part!r}")
-    _solid(arguments, design, mechanism, key, None)
+    turned = common.orientation(arguments, design, mechanism)
+    _solid(arguments, design, mechanism, key, turned, None)
 
 
 def _solid(
@@ -100,6 +111,7 @@ def _solid(
     design: Design,
     mechanism: Mechanism,
     key: str,
+    turned: common.Orientation,
     modes: tuple[str, ...] | None,
     surface: SurfaceKind = "facets",
 ) -> None:
@@ -111,8 +123,9 @@ def _solid(
         raise InputError(f"{design.name}: a {mechanism.title} has no {key} solid")
     path: Path | None = arguments.output
     kind = None if path is None else common.checked(path, exporting.format_of(path))
-    typed = {"phi": arguments.phi, "theta": arguments.theta}
-    pose = [radians(typed.get(axis.key, 0.0)) for axis in mechanism.pose_coordinates(design)]
+    pose = turned.pose
+    if surface not in spec.surfaces:
+        raise InputError(f"--surface: {spec.title} is built as {' or '.join(spec.surfaces)} only")
     request = mechanism.solid_request(design, key, pose, modes, arguments.resolution, surface)
     with common.progress(f"{spec.title}, {arguments.resolution}"):
         built = mechanism.build_solid(request)
@@ -124,7 +137,7 @@ def _solid(
         common.write(path, data)
     if not arguments.json:
         common.print_head(design)
-        where = f"at φ = {arguments.phi:g}°, θ = {arguments.theta:g}°, {arguments.resolution}"
+        where = f"at {turned.text()}, {arguments.resolution}"
         file = None if path is None else str(path)
         print(tables.solid_text(built, spec.title, where, modes if spec.uses_modes else (), file))
         return
@@ -133,8 +146,7 @@ def _solid(
             "design": design.name,
             "mechanism": design.mechanism,
             "solid": key,
-            "phi_deg": arguments.phi,
-            "theta_deg": arguments.theta,
+            **turned.entries(),
             **({"modes": "all" if modes is None else modes} if spec.uses_modes else {}),
             "resolution": arguments.resolution,
             "volume_mm3": built.volume,

@@ -1,0 +1,241 @@
+"""Forward displacement of the 4-SPS + 1-SPR: all assembly modes for given leg lengths."""
+
+from __future__ import annotations
+
+from time import perf_counter
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kinematics.errors import InputError
+from kinematics.four_sps_spr import moving
+from kinematics.four_sps_spr.design import LIMBS, SUBSCRIPTS, FourSPSSPRDesign
+from kinematics.four_sps_spr.forward.equations import Frame, normal_form, to_transforms
+from kinematics.four_sps_spr.forward.roots import Roots, own_start_set, roots_at
+from kinematics.four_sps_spr.forward.self_motion import self_motions
+from kinematics.four_sps_spr.forward.start_set import GENERAL_COUNT
+from kinematics.four_sps_spr.inverse import (
+    STROKE_SLACK,
+    leg_lengths,
+    rotation,
+    violation,
+)
+from kinematics.four_sps_spr.wrenches import condition, wrench_system
+from kinematics.solutions import ForwardSolutions
+from kinematics.spatial import Array, finite
+from kinematics.tracking import Complex
+
+_T = TypeVar("_T", bound=np.generic)
+
+REAL = 1e-7
+"""Largest imaginary part of a real solution, relative to its size; of a double one its root."""
+NEAR = 1.0
+"""mm, angles times the characteristic length: closer solutions are near a fold."""
+_DOUBLE_REAL = 1e-4  # as REAL, of solutions where several coincide
+_DOUBLE = 1e-5  # of the characteristic length: closer ones are one, seen twice
+_CHUNK = 16  # length vectors at a time
+_FAR = 500.0  # units: with longer legs the platform is a point to them, and digits are lost
+
+
+def forward(design: FourSPSSPRDesign, joints: ArrayLike) -> tuple[ForwardSolutions, ...]:
+    """All assembly modes for each of some vectors of leg lengths.
+
+    Args:
+        joints: (5,) or (..., 5) mm, > 0.
+
+    Returns:
+        One set for each vector, in their order. No solution, or lengths beyond a stroke, are
+        answers like others.
+
+    Raises:
+        InputError: not five finite positive lengths each.
+    """
+    lengths = finite(joints, name="the joints", last=LIMBS).reshape(-1, LIMBS)
+    if (lengths <= 0.0).any():
+        row, limb = (int(n) for n in np.argwhere(lengths <= 0.0)[0])
+        raise InputError(
+            f"leg lengths must be positive (mm), got l{SUBSCRIPTS[limb]} = {lengths[row, limb]:g}"
+        )
+    answers: list[ForwardSolutions] = []
+    for k in range(0, len(lengths), _CHUNK):
+        part = lengths[k : k + _CHUNK]
+        began = perf_counter()
+        found = roots_at(design, part)
+        made = [_real_ones(design, one, roots) for one, roots in zip(part, found, strict=True)]
+        seconds = (perf_counter() - began) / len(part)
+        answers += [
+            _answer(design, one, roots, real, seconds)
+            for one, roots, real in zip(part, found, made, strict=True)
+        ]
+    return tuple(answers)
+
+
+class _Real:
+    """The real solutions at one vector of lengths: poses (n, 6), and how many each stands for."""
+
+    def __init__(self, poses: Array, weights: NDArray[np.intp], pairs: int) -> None:
+        self.poses, self.weights, self.pairs = poses, weights, pairs
+
+
+def _real_ones(design: FourSPSSPRDesign, joints: Array, roots: Roots) -> _Real:
+    frame = Frame.of(design)
+    form = normal_form(roots.values)
+    away = np.abs(form.imag).max(axis=0, initial=0.0) / np.maximum(
+        np.abs(form).max(axis=0, initial=0.0), 1.0
+    )
+    limit = np.where(roots.multiplicity > 1, _DOUBLE_REAL, REAL)
+    limit[roots.regular :] = _DOUBLE_REAL
+    real = np.flatnonzero(away <= limit)
+    r, p = to_transforms(frame, roots.values[:, real])
+    closure = moving.Closure(design, float(joints.max()))
+    kept, poses = [], []
+    for n, (turn, place) in enumerate(zip(r, p, strict=True)):
+        state = moving.State(turn, place)
+        sharp = moving.closed(closure, state, joints, rounds=6)
+        if sharp is None and real[n] >= roots.regular:
+            sharp = state  # as good as a singular solution gets
+        if sharp is not None:
+            kept.append(n)
+            poses.append(moving.pose_of(sharp))
+    weights = roots.multiplicity[real[kept]] if kept else np.zeros(0, dtype=np.intp)
+    table = np.array(poses).reshape(-1, 6)
+    order = np.lexsort((table[:, 1], table[:, 0], -table[:, 2]))
+    return _Real(table[order], weights[order], _nearly_real(design, frame, form, away, limit))
+
+
+def _nearly_real(
+    design: FourSPSSPRDesign, frame: Frame, form: Complex, away: Array, limit: Array
+) -> int:
+    """Complex pairs that are less than `NEAR` from their conjugates, and not real."""
+    # |Δp| is about 4 |Im y| units, a rotation turns by 4 |Im x|.
+    apart = np.hypot(
+        4.0 * frame.unit * np.sqrt((form[4:].imag ** 2).sum(axis=0)),
+        4.0 * design.length * np.sqrt((form[:4].imag ** 2).sum(axis=0)),
+    )
+    return int(np.count_nonzero((apart < NEAR) & (away > limit))) // 2
+
+
+def _answer(
+    design: FourSPSSPRDesign, joints: Array, roots: Roots, real: _Real, seconds: float
+) -> ForwardSolutions:
+    poses, weights, gap = _merged(design, real)
+    count = len(poses)
+    generic = own_start_set(design).roots.shape[1]
+    low, high = design.stroke[:, 0] - STROKE_SLACK, design.stroke[:, 1] + STROKE_SLACK
+    reach = bool(((joints >= low) & (joints <= high)).all())
+    free = self_motions(design, joints, Frame.of(design), roots.values[:, roots.regular :])
+    far = bool(joints.max() > _FAR * Frame.of(design).unit)
+    notes = (*_completeness(roots, generic), *_described(weights, gap, real.pairs))
+    if far:
+        notes = (*notes, "The legs are so much longer than the machine that digits are lost.")
+    notes = (*notes, *(motion.text for motion in free))
+    if not count:
+        notes = (*notes, _none_text(roots.complete and not far))
+    residual = np.zeros(count)
+    if count:
+        error = np.abs(leg_lengths(design, poses) - joints).max(axis=-1)
+        residual = np.maximum(error, np.abs(violation(design, poses)))
+    return ForwardSolutions(
+        joints=tuple(joints.tolist()),
+        poses=_frozen(poses),
+        modes=("",) * count,
+        residual=_frozen(residual),
+        condition=_frozen(condition(design, poses)) if count else _frozen(np.zeros(0)),
+        determinant=wrench_system(design, poses).determinant if count else _frozen(np.zeros(0)),
+        within_stroke=_frozen(np.full(count, reach)),
+        multiplicity=_frozen(weights),
+        gap=_frozen(gap),
+        identities=tuple(range(1, count + 1)),
+        complex_count=roots.count,
+        expected_count=generic,
+        complete=roots.complete and not free and not far,
+        method=f"{roots.expected} paths tracked from the design's own start set",
+        seconds=seconds,
+        notes=notes,
+        self_motions=free,
+        roots=_frozen(normal_form(roots.values)),
+    )
+
+
+def _merged(design: FourSPSSPRDesign, real: _Real) -> tuple[Array, NDArray[np.intp], Array]:
+    """Of solutions that coincide one stays, with their number; and the gaps between the rest."""
+    poses, weights = real.poses, real.weights
+    apart = pose_distances(design, poses, poses)
+    np.fill_diagonal(apart, np.inf)
+    close = np.argwhere(np.triu(apart <= _DOUBLE * design.length, 1))
+    if close.size:
+        labels = np.arange(len(poses))
+        for i, j in close.tolist():
+            one, two = labels[i], labels[j]
+            labels[labels == max(one, two)] = min(one, two)
+        firsts, groups = np.unique(labels, return_inverse=True)
+        poses, weights = poses[firsts], np.bincount(groups, weights).astype(np.intp)
+        apart = pose_distances(design, poses, poses)
+        np.fill_diagonal(apart, np.inf)
+    return poses, weights, apart.min(axis=1, initial=np.inf)
+
+
+def pose_distances(design: FourSPSSPRDesign, one: Array, other: Array) -> Array:
+    """Between poses (n, 6) and (m, 6), (n, m) mm; rotations count as chords of the circle with the
+    characteristic length as its radius."""
+    a, b = (_points(design, poses) for poses in (one, other))
+    d = a[:, None, :] - b[None, :, :]
+    distances: Array = np.sqrt((d * d).sum(axis=-1))
+    return distances
+
+
+def _points(design: FourSPSSPRDesign, poses: Array) -> Array:
+    turns = rotation(poses).reshape(-1, 9) * (design.length / np.sqrt(2.0))
+    return np.hstack([poses[:, :3], turns])
+
+
+def _completeness(found: Roots, generic: int) -> tuple[str, ...]:
+    notes = []
+    if generic < GENERAL_COUNT:
+        notes.append(
+            f"This design has {generic} solutions where the general one has {GENERAL_COUNT}; the "
+            "others are at infinity whatever the lengths."
+        )
+    if found.complete and found.infinite:
+        notes.append(f"{found.infinite} of {generic} solutions are at infinity.")
+    if found.lost:
+        notes.append(f"{found.lost} paths could not be followed: solutions may be missing.")
+    elif not found.whole:
+        notes.append("The start set of this design has gaps: solutions may be missing.")
+    elif not found.closed:
+        notes.append("A solution lacks its complex conjugate: solutions may be missing.")
+    elif not found.complete:
+        notes.append(f"{found.expected} paths led to {found.count} solutions: some may be missing.")
+    return tuple(notes)
+
+
+def _described(weights: NDArray[np.intp], gap: Array, pairs: int) -> tuple[str, ...]:
+    """A sentence each for doubles, for near-doubles and for pairs that are nearly real."""
+    notes = []
+    for times in np.unique(weights[weights > 1]):
+        count = int(np.count_nonzero(weights == times))
+        what = "solution counts" if count == 1 else "solutions count"
+        notes.append(f"{count} {what} {times}-fold: assembly modes merge there.")
+    near = gap[gap < NEAR]
+    if near.size:
+        notes.append(
+            f"{near.size} solutions have another one within {near.max():.2g} mm, as next to a fold."
+        )
+    if pairs:
+        notes.append(
+            f"{pairs} complex pair{'s are' if pairs > 1 else ' is'} within {NEAR:g} mm of being "
+            "real: assembly modes are about to appear."
+        )
+    return tuple(notes)
+
+
+def _none_text(complete: bool) -> str:
+    if not complete:
+        return "No real solution was found."
+    return "No solution is real: the machine cannot be assembled with these lengths."
+
+
+def _frozen(values: NDArray[_T]) -> NDArray[_T]:
+    values.setflags(write=False)
+    return values
