@@ -18,6 +18,7 @@ from app.state import (
     checked,
     checked_chart,
     checked_control,
+    checked_flat,
     checked_way,
     new_review,
     within,
@@ -204,6 +205,15 @@ class SetControl:
 
 
 @dataclass(frozen=True, slots=True)
+class SetFlat:
+    """Set one thing of how plane regions are shown."""
+
+    name: str
+    value: bool | str
+    gesture: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class GiveWay:
     """Which pose coordinate follows from the others; "" leaves that to the mechanism."""
 
@@ -239,6 +249,7 @@ Change = (
     | SetChart
     | SetControl
     | GiveWay
+    | SetFlat
     | Restore
 )
 
@@ -303,6 +314,9 @@ def change(review: Review, what: Change) -> tuple[Review, str]:
         case SetControl(name, value):
             control = replace(review.control, **{name: value})  # type: ignore[arg-type]
             return replace(review, control=checked_control(control, review)), ""
+        case SetFlat(name, value):
+            flat = replace(review.flat, **{name: value})  # type: ignore[arg-type]
+            return replace(review, flat=checked_flat(flat, review)), ""
         case GiveWay(key):
             return replace(review, gives_way=checked_way(key, review)), ""
         case Restore(saved):
@@ -362,6 +376,7 @@ def _use_design(review: Review, design: Design) -> Review:
         chart=_chart_for(fresh, review.chart),
         surface=review.surface,
         control=_control_for(fresh, review.control),
+        flat=replace(fresh.flat, on=review.flat.on, locus=review.flat.locus),
     )
 
 

@@ -39,6 +39,7 @@ from app.panels.singularities import SingularitiesPanel
 from app.panels.solutions import SolutionsPanel
 from app.panels.workspace import WorkspacePanel
 from app.parts import Part
+from app.regioning import Regioning
 from app.requests import Request
 from app.scene import FIELD_OF_VIEW, Scene, machine_bounds
 from app.slicing import Slicing
@@ -94,6 +95,7 @@ class Page:
             Solving(self),
             Slicing(self),
             Mapping(self),
+            Regioning(self),
             self._control,
         )
         self._morph: Morph | None = None
@@ -402,7 +404,11 @@ class Page:
         self.gui.set_panel_label("Bohemia")
         for part in self._parts:
             part.prepare()
-        self.scene.prepare(review.mechanism.solids(review.design), sheet.view.drawing.size)
+        self.scene.prepare(
+            review.mechanism.solids(review.design),
+            sheet.view.drawing.size,
+            review.mechanism.pose_coordinates(review.design),
+        )
         self._header = Header(self, sheet)
         self.panels = [self._header]
         tabs = self.gui.add_tab_group()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +17,7 @@ from app import painting, palette
 from app.compute import SolidWish, View, short_title
 from app.creases import crease_lines
 from app.painting import Coat
-from kinematics.mechanism import Bar, Body, Drawing, Mark, SolidSpec, mechanism
+from kinematics.mechanism import Bar, Body, Coordinate, Drawing, Mark, SolidSpec, mechanism
 from kinematics.spatial import Array
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ class Scene:
     _solid_on: dict[str, tuple[object, ...]] = field(default_factory=dict)
     handle: viser.TransformControlsHandle | None = None
 
-    def prepare(self, specs: Iterable[SolidSpec], size: float) -> None:
+    def prepare(self, specs: Iterable[SolidSpec], size: float, axes: Sequence[Coordinate]) -> None:
         """The things that do not depend on the pose: light, solids' nodes, the drag handle."""
         scene = self.server.scene
         scene.set_up_direction("+z")
@@ -89,8 +89,17 @@ class Scene:
                 thickness=1.3,
                 thickness_units="screen",
             )
+        # A machine in a plane is dragged in it; one that turns may shift on the way, so any axis.
+        turns = any(c.unit == "rad" for c in axes)
+        keys = {c.key for c in axes}
         self.handle = scene.add_transform_controls(
-            "/handle", scale=0.42 * size, line_width=3.0, depth_test=False, opacity=0.85
+            "/handle",
+            scale=0.42 * size,
+            line_width=3.0,
+            active_axes=(turns or "x" in keys, turns or "y" in keys, turns or "z" in keys),
+            disable_rotations=not turns,
+            depth_test=False,
+            opacity=0.85,
         )
 
     def _mesh(self, name: str, color: str) -> viser.MeshHandle:

@@ -112,6 +112,15 @@ class Control:
 
 
 @dataclass(frozen=True, slots=True)
+class Flat:
+    """Regions of a workspace that lies in a plane: whether they are on display, and which."""
+
+    on: bool = True
+    key: str = "workspace"
+    locus: bool = True
+
+
+@dataclass(frozen=True, slots=True)
 class Review:
     """Everything a review consists of; equal reviews look the same.
 
@@ -132,6 +141,7 @@ class Review:
     surface: SurfaceKind = "facets"
     control: Control = Control()
     gives_way: str = ""
+    flat: Flat = Flat()
 
     @property
     def mechanism(self) -> Mechanism:
@@ -262,6 +272,18 @@ def checked_way(key: str, review: Review) -> str:
     if key and key not in known:
         raise InputError(f"what gives way is one of {', '.join(known)}, not {key!r}")
     return key
+
+
+def checked_flat(flat: Flat, review: Review) -> Flat:
+    """The same, once it is known to be sound.
+
+    Raises:
+        InputError: the mechanism has no such regions.
+    """
+    known = [spec.key for spec in review.mechanism.region_specs(review.design)]
+    if known and flat.key not in known:
+        raise InputError(f"regions are {', '.join(known)}, not {flat.key!r}")
+    return flat
 
 
 def checked(atlas: Atlas, kind: Mechanism) -> Atlas:

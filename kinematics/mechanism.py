@@ -545,9 +545,7 @@ class Bare:
         """About the pose's orientation, at its altitude: one circle for each limit."""
         return ()
 
-    def profile(
-        self, design: Any, pose: Sequence[float], ratios: Sequence[float] = ()
-    ) -> Profile:
+    def profile(self, design: Any, pose: Sequence[float], ratios: Sequence[float] = ()) -> Profile:
         """Such circles about the level platform against the altitude, if `has_profile`."""
         raise InputError("this mechanism has no profile of circles over the altitude")
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from manifold3d import Error, Manifold, Mesh64, OpType
+from manifold3d import Error, Manifold, Mesh64, OpType, triangulate
 from numpy.typing import ArrayLike, NDArray
 
 from kinematics import meshes
@@ -428,6 +428,20 @@ def rounded(
         if not len(meshes.sharing(result.mesh.vertices)):
             break
     return result, shells, moved
+
+
+def flat_mesh(loops: Sequence[ArrayLike]) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """A plane region as triangles: points (V, 2) mm and faces (F, 3), counter-clockwise.
+
+    Args:
+        loops: (N, 2) mm each, its last point not the first again; the region to the left.
+    """
+    rings = [np.ascontiguousarray(loop, dtype=float).reshape(-1, 2) for loop in loops]
+    rings = [ring for ring in rings if len(ring) > 2]
+    if not rings:
+        return np.empty((0, 2)), np.empty((0, 3), np.int32)
+    faces = np.asarray(triangulate(rings), dtype=np.int32).reshape(-1, 3)
+    return np.concatenate(rings), faces
 
 
 # --- files -------------------------------------------------------------------------------------

@@ -20,6 +20,7 @@ from app.controller import Here
 from app.exporting import ExportedFile
 from app.folds import Ahead
 from app.painting import Scale
+from app.regions import Laid
 from app.requests import Request
 from app.slicer import Drawn, Region
 from app.worker import Built
@@ -207,6 +208,14 @@ class Controlled:
     trouble: str
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class Laying:
+    """The plane regions as panels draw them; ``trouble`` says why there are none."""
+
+    laid: Laid | None
+    trouble: str
+
+
 class Panel:
     """One tab: made once for a mechanism, then redrawn. What a tab shows nothing of it ignores."""
 
@@ -232,6 +241,9 @@ class Panel:
 
     def draw_map(self, sheet: Sheet, charted: Charted) -> None:
         """More of the map came, or it began or ended."""
+
+    def draw_regions(self, sheet: Sheet, laying: Laying) -> None:
+        """Plane regions came, or went."""
 
     def draw_control(self, sheet: Sheet, controlled: Controlled) -> None:
         """More is known of control."""
