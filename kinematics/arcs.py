@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -336,7 +337,7 @@ def section_of(loops: Sequence[Sequence[Edge]], circles: Arcs | None = None) -> 
         perimeter=float(sum(_length(edge) for loop in loops for edge in loop)),
         centroid=centroid,
         second_moments=second,
-        construct=lambda: made,
+        construct=partial(_same, made),
     )
 
 
@@ -370,7 +371,7 @@ def together(sections: Sequence[Section]) -> Section:
         perimeter=sum(s.perimeter for s in sections),
         centroid=np.full(2, np.nan),
         second_moments=np.full(3, np.nan),
-        construct=lambda: made,
+        construct=partial(_same, made),
     )
 
 
@@ -473,6 +474,11 @@ def _construction(circles: Arcs | None) -> Construction:
         np.zeros((0, 2, 2)),
         np.zeros(0, dtype=int),
     )
+
+
+def _same(made: Construction) -> Construction:
+    """A section keeps how it was made behind a call, which must cross to other processes."""
+    return made
 
 
 def _none() -> Arcs:

@@ -71,13 +71,15 @@ class WorkspacePanel(Panel):
             self._switch(spec, "Show", sheet)
         if alone:
             self._opacity(tuple(s.key for s in alone), "Opacity", 0.35)
-        shown = (*alone, *review.mechanism.region_specs(review.design))
+        of_modes = any(spec.uses_modes for spec in alone) or any(
+            spec.uses_modes for spec in review.mechanism.region_specs(review.design)
+        )
         self._choice = gui.add_dropdown(
             "Of",
             (ALL, CURRENT, CHOSEN),
             initial_value=_choice(sheet),
             hint="Working modes",
-            visible=any(spec.uses_modes for spec in shown) and len(self._known) > 1,
+            visible=of_modes and len(self._known) > 1,
         )
         answer(desk, self._choice, self._choose)
         self._set = gui.add_text(
