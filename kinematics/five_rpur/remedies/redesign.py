@@ -144,23 +144,23 @@ def _of_limb(design: FiveRPURDesign, wanted: Posture, i: int) -> dict[_What, Way
 
 
 def _pair(design: FiveRPURDesign, wanted: Posture, i: int) -> Way:
-    """The link made as long as it must be to close at all, the stroke to go with it."""
+    """The link made long enough to close, and the stroke to go with it.
+
+    At |Y| = l the actuator's length runs as the square root of the link's: the link is rounded up
+    to what is told of it, so that both numbers hold as they are read.
+    """
     limb = ("limb", i)
-    across = abs(_closing(design, wanted, i).y)
-    for nudge in _NUDGES:
-        link = across * (1.0 + max(nudge, 0.0))
-        try:
-            longer_link = with_field(design, (*limb, "link"), link)
-        except BohemiaError:  # no machine is that large
-            return ()
-        rho = posture(longer_link, wanted.pose, wanted.mode).joints[i]
-        if np.isfinite(rho):
-            longer = int(rho > design.stroke[i, 1])
-            return (
-                _change(design, (*limb, "link"), link),
-                _change(design, (*limb, "stroke", longer), rho),
-            )
-    return ()
+    link = ceil(10.0 * abs(_closing(design, wanted, i).y) + 0.1) / 10.0
+    try:
+        longer_link = with_field(design, (*limb, "link"), link)
+    except BohemiaError:  # no machine is that large
+        return ()
+    rho = posture(longer_link, wanted.pose, wanted.mode).joints[i]
+    end = int(rho > design.stroke[i, 1])
+    return (
+        _change(design, (*limb, "link"), link),
+        _change(design, (*limb, "stroke", end), rho),
+    )
 
 
 def _closing(design: FiveRPURDesign, wanted: Posture, i: int) -> _Closing:
