@@ -9,7 +9,7 @@ degree 4 for a point moved along an axis. Lengths mm, angles rad.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import chain
 from math import ceil, floor
@@ -184,13 +184,11 @@ def _single(
         end = int(rho > limb.stroke[1])
         yield _STROKE, _change(design, ("limb", i, "stroke", end), rho)
 
-    lengths = (
-        (length - limb.link, replace(here, limb=replace(limb, link=length)))
-        for root in here.links()
-        for length in (root + nudge * size for nudge in _NUDGES)
-        if length >= SHORTEST_LINK
-    )
-    shift = _least(lengths)
+    def with_link(shift: float) -> bool:
+        length = limb.link + shift
+        return length >= SHORTEST_LINK and replace(here, limb=replace(limb, link=length)).holds
+
+    shift = _least((length - limb.link for length in here.links()), with_link, size)
     if shift is not None:
         yield _LINK, _change(design, ("limb", i, "link"), limb.link + shift)
 
@@ -202,22 +200,22 @@ def _single(
     for key, point, frame in frames:
         for axis in range(3):
             direction = frame[:, axis]
-            moves = (
-                (delta, here.moved(delta * direction))
-                for root in here.shifts(direction)
-                for delta in (root + nudge * size for nudge in _NUDGES)
-            )
-            shift = _least(moves)
+
+            def moved(shift: float, direction: Array = direction) -> bool:
+                return here.moved(shift * direction).holds
+
+            shift = _least(here.shifts(direction), moved, size)
             if shift is not None:
                 path = ("limb", i, key, axis)
                 yield (key, axis), _change(design, path, point[axis] + shift)
 
 
-def _least(tried: Iterator[tuple[float, _Closing]]) -> float | None:
-    """The smallest change after which the limb holds the pose."""
-    for shift, closing in sorted(tried, key=lambda pair: abs(pair[0])):
-        if closing.holds:
-            return float(shift)
+def _least(shifts: Iterable[float], holds: Callable[[float], bool], size: float) -> float | None:
+    """The smallest change after which the limb holds the pose, or a rounding beside it."""
+    for shift in sorted(shifts, key=abs):
+        for nudge in _NUDGES:
+            if holds(shift + nudge * size):
+                return float(shift + nudge * size)
     return None
 
 
