@@ -280,9 +280,7 @@ class Mechanism(Protocol):
         self, design: Any, posture: Posture, *, singular: bool = True
     ) -> tuple[Clearance, ...]: ...  # not singular: without what takes longer to find
     def remedy(self, design: Any, posture: Posture) -> Remedy: ...
-    def passed(
-        self, design: Any, before: Posture, after: Posture, through: ArrayLike = ()
-    ) -> tuple[Event, ...]: ...  # straight, or along the poses that it goes through
+    def passed(self, design: Any, before: Posture, after: Posture) -> tuple[Event, ...]: ...
     def path(self, design: Any, posture: Posture, poses: ArrayLike) -> Followed: ...
     def mode_change(self, design: Any, posture: Posture) -> ModeChange | None: ...
     def locus_specs(self, design: Any) -> tuple[LocusSpec, ...]: ...
@@ -527,9 +525,7 @@ class Bare:
     def remedy(self, design: Any, posture: Posture) -> Remedy:
         return Remedy(None, nan, (), "")
 
-    def passed(
-        self, design: Any, before: Posture, after: Posture, through: ArrayLike = ()
-    ) -> tuple[Event, ...]:
+    def passed(self, design: Any, before: Posture, after: Posture) -> tuple[Event, ...]:
         return ()
 
     def path(self, design: Any, posture: Posture, poses: ArrayLike) -> Followed:

@@ -236,14 +236,8 @@ class FiveRPUR(Bare):
 
     # --- what a move of the pose passes
 
-    def passed(
-        self,
-        design: FiveRPURDesign,
-        before: Posture,
-        after: Posture,
-        through: ArrayLike = (),
-    ) -> tuple[Event, ...]:
-        return passing.passed(design, before, after, through)
+    def passed(self, design: FiveRPURDesign, before: Posture, after: Posture) -> tuple[Event, ...]:
+        return passing.passed(design, before, after)
 
     def path(self, design: FiveRPURDesign, posture: Posture, poses: ArrayLike) -> Followed:
         return paths.path(design, posture, poses)

@@ -144,13 +144,15 @@ def test_beyond_a_bound_the_way_back_is_negative(seed):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_motions_and_another_reference_point_leave_the_distances(seed):
-    """The whole machine moved, and another reference point on the platform."""
+    """The whole machine moved and turned about e₁, and another point of reference on it."""
     design, posture = a_posture(seed)
     rng = np.random.default_rng(seed)
     shift, other = rng.uniform(-300, 300, 3), rng.uniform(-80, 80, 3)
+    about = rng.uniform(-1, 1)
+    turn = rotation_y(about)
     limbs = tuple(
         Limb(
-            tuple(np.add(limb.base, shift).tolist()),
+            tuple((turn @ limb.base + shift).tolist()),
             tuple(np.subtract(limb.platform, other).tolist()),
             limb.link,
             limb.stroke,
@@ -159,7 +161,7 @@ def test_motions_and_another_reference_point_leave_the_distances(seed):
     )
     phi, theta = posture.pose[3:]
     turned = rotation_y(theta) @ rotation_x(phi)
-    pose = (*(np.add(posture.pose[:3], shift) + turned @ other), phi, theta)
+    pose = (*(turn @ (posture.pose[:3] + turned @ other) + shift), phi, theta + about)
     moved = FiveRPURDesign(limbs)
     before = clearances(design, posture)
     after = clearances(moved, inverse.posture(moved, pose, posture.mode))

@@ -23,7 +23,8 @@ TABLES = ("rpur-table1", "rpur-table2", "rpur-a1a1")
 def allows(design, wanted: Posture, way, share: float = 1.0) -> bool:
     try:
         for c in way:
-            design = MECHANISM.with_field(design, c.path, c.before + share * (c.after - c.before))
+            value = c.after if share == 1.0 else c.before + share * (c.after - c.before)
+            design = MECHANISM.with_field(design, c.path, value)
     except DesignError:
         return False
     return MECHANISM.posture(design, wanted.pose, wanted.mode).reachable
@@ -67,7 +68,7 @@ def test_every_way_works_and_half_of_it_does_not(seed):
         assert MECHANISM.posture(design, wanted.pose, mode).reachable
 
 
-@settings(max_examples=15)
+@settings(max_examples=8)
 @given(st.integers(0, 10_000), st.sampled_from([1.0, 300.0, 300.0, 1e4, 1e9]))
 def test_any_design_at_any_pose_has_an_answer(seed, far):
     rng = np.random.default_rng(seed)

@@ -12,6 +12,7 @@ from scipy.optimize import brentq, minimize_scalar
 from kinematics.designs import load_design
 from kinematics.five_rpur import inverse, velocity
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
+from kinematics.five_rpur.watching.passing import passed
 from kinematics.five_rpur.watching.way import Way
 from kinematics.mechanism import Bare, mechanism
 
@@ -230,7 +231,7 @@ def test_a_way_in_parts_passes_the_same(seed):
     design, before, after = a_way(seed)
     way = Way.between(design, before.pose, after.pose, before.mode)
     whole = MECHANISM.passed(design, before, after)
-    parts = MECHANISM.passed(design, before, after, way.poses(np.array([0.211, 0.658])))
+    parts = passed(design, before, after, way.poses(np.array([0.211, 0.658])))
     assert [(e.kind, e.limb, e.stops, e.text) for e in parts] == [
         (e.kind, e.limb, e.stops, e.text) for e in whole
     ]
