@@ -38,11 +38,7 @@ def samples(built, rng, count):
 @given(st.integers(0, 10**6))
 def test_pieces_are_closed_have_one_sign_and_add_up(seed: int) -> None:
     design, phi, theta, mode = random_case(seed)
-    try:
-        built = aspects(design, phi, theta, mode, "preview")
-    except ComputationError as error:
-        assert "every pose" in str(error)
-        return
+    built = aspects(design, phi, theta, mode, "preview")
     whole = workspace(design, phi, theta, (mode,), "preview")
     assert built.watertight
     assert built.volume == pytest.approx(whole.volume, rel=3e-5)
