@@ -156,7 +156,8 @@ def _answer(
         number[own] = condition(design, pose[own], mode)
         determinant[own] = wrench_system(design, pose[own], mode).determinant
     count = sum(one.count for one in sets)
-    closed = all(_closed(one.everything) for one in sets)
+    complete = count == EXPECTED and not any(curve)
+    complete &= all(_closed(one.everything) for one in sets)
     motions = _self_motions(design, rho, curve)
     low, high = design.stroke
     within = bool(((rho >= low - STROKE_SLACK) & (rho <= high + STROKE_SLACK)).all())
@@ -176,10 +177,10 @@ def _answer(
         identities=tuple(range(len(pose))),
         complex_count=count,
         expected_count=EXPECTED,
-        complete=count == EXPECTED and closed and not any(curve),
+        complete=complete,
         method=_METHOD,
         seconds=seconds + perf_counter() - began,
-        notes=_notes(count, len(pose), motions, determinant, number),
+        notes=_notes(count, len(pose), motions, number, complete=complete),
         self_motions=motions,
         roots=_readonly(np.concatenate(roots).T),
     )
@@ -273,15 +274,18 @@ def _notes(
     count: int,
     real: int,
     motions: tuple[SelfMotion, ...],
-    determinant: Array,
     number: Array,
+    *,
+    complete: bool,
 ) -> tuple[str, ...]:
     notes = [motion.text for motion in motions]
     if count < EXPECTED and not motions:
         notes.append(
             f"{EXPECTED - count} of {EXPECTED} solutions are at infinity for these lengths."
         )
-    if not real and not motions:
+    elif not complete and not motions:
+        notes.append("Solutions nearly coincide, so that they may not be told apart rightly.")
+    if complete and not real:
         notes.append("There is no real solution: the limbs cannot be assembled with these lengths.")
     if (~np.isfinite(number)).any():
         notes.append("Some solutions are singular: the platform is not held there.")
