@@ -74,24 +74,24 @@ def test_a_brute_force_scan_finds_nothing_else(
 
 
 def test_interior_tangencies_count() -> None:
-    """RPS mode 1 is met first between the ends of the range of w, which w = ± 1 alone misses."""
-    found = micr.micr("three_rps", 1.0, np.linspace(1.0, 6.0, 200), 1.5, "1")
+    """RPS mode 1 is met first inside the range of w, which w = ± 1 alone misses."""
+    ratio = np.linspace(1.0, 1.5, 200)
+    found = micr.micr("three_rps", 1.0, ratio, 3.0, "1")
     inner = np.abs(found.contact) < 0.999
     assert inner.any()
-    at, w = found.radius[inner], found.contact[inner]
-    ratio = np.linspace(1.0, 6.0, 200)[inner]
-    a = polynomial.in_w("three_rps", 1.0, -ratio, 1.5, at)
+    at, w, ratio = found.radius[inner], found.contact[inner], ratio[inner]
+    a = polynomial.in_w("three_rps", 1.0, -ratio, 3.0, at)
     slope = a[:, 1] + 2.0 * w * a[:, 2]
     assert (np.abs(slope) / np.abs(a).sum(axis=1)).max() < 1e-7
     for end in (1.0, -1.0):
-        assert (np.abs(polynomial.value("three_rps", 1.0, -ratio, 1.5, at, end)) > 1e-6).all()
+        assert (np.abs(polynomial.value("three_rps", 1.0, -ratio, 3.0, at, end)) > 1e-6).all()
 
 
 def test_what_the_comparison_shows() -> None:
     """The facts, whatever the paper claims of them."""
     found = tables()
     rps, spr = found["three_rps"], found["three_spr"]
-    assert (spr[1] >= spr[0] - 1e-9).all()  # SPR: mode 2 is never smaller
+    assert (spr[1] >= spr[0] - 1e-3).all()  # SPR: mode 2 is never smaller (90° to five digits)
     assert spr[0].max() == pytest.approx(131.2, abs=0.1)  # "0 to 130° in mode 1"
     ones = RATIOS.index(1.0)
     assert (spr[1, ones, HEIGHTS >= 1.0] == 180.0).all()  # no singularity at all
