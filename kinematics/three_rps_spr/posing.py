@@ -29,7 +29,6 @@ from kinematics.three_rps_spr import study
 from kinematics.three_rps_spr.design import (
     AZIMUTHS,
     LIMBS,
-    MODES,
     RADIAL,
     TANGENT,
     TripodDesign,
@@ -166,7 +165,7 @@ def transform(design: TripodDesign, poses: ArrayLike, mode: str | Sequence[str])
             raise InputError(f"{len(mode)} modes need as many poses, got an array {p.shape}")
         each = np.array(mode)
         found = np.empty((len(p), 4, 4))
-        for one in MODES:
+        for one in sorted(set(mode)):
             found[each == one] = transform(design, p[each == one], one)
         return found
     return homogeneous(study.rotation(quaternion(p, mode)), positions(design, p, mode))
