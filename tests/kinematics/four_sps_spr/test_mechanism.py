@@ -90,9 +90,7 @@ def test_legs_lead_the_platform_along_its_assembly_mode(design) -> None:
         if reached.stop == "target":
             assert posture.joints == tuple(goal.tolist())
             assert posture.residual < 1e-10
-        assert inverse.leg_lengths(design, posture.pose) == pytest.approx(
-            posture.joints, abs=1e-9
-        )
+        assert inverse.leg_lengths(design, posture.pose) == pytest.approx(posture.joints, abs=1e-9)
         assert np.sign(wrench_system(design, posture.pose).determinant) == side
         back = KIND.follow(design, posture, home.joints)
         assert back.posture.pose == pytest.approx(home.pose, abs=1e-6)
@@ -128,9 +126,7 @@ def test_a_singularity_stops_the_way_shortly_before_it() -> None:
     assert condition(design, reached.posture.pose) > 1e3
     assert fold.partner is not None
     assert fold.partner.joints == pytest.approx(home.joints, abs=1e-9)
-    sides = [
-        np.sign(wrench_system(design, each.pose).determinant) for each in (home, fold.partner)
-    ]
+    sides = [np.sign(wrench_system(design, each.pose).determinant) for each in (home, fold.partner)]
     assert sides[0] == -sides[1]
     left = KIND.follow(design, reached.posture, home.joints)  # and it can be left again
     assert left.posture.pose == pytest.approx(home.pose, abs=1e-5)
@@ -176,9 +172,7 @@ def test_a_dragged_platform_takes_the_nearest_pose(design) -> None:
     rng = np.random.default_rng(1)
     for pose in poses(design, 4, seed=5):
         turned = Rotation.from_rotvec(rng.normal(size=3) * 0.1).as_matrix()
-        hand = homogeneous(
-            turned @ inverse.rotation(pose), pose[:3] + rng.normal(size=3) * 20.0
-        )
+        hand = homogeneous(turned @ inverse.rotation(pose), pose[:3] + rng.normal(size=3) * 20.0)
         found = np.array(KIND.pose_from_transform(design, hand, ""))
         assert abs(float(inverse.violation(design, found))) < 1e-10
 

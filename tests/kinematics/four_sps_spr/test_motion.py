@@ -1,4 +1,4 @@
-"""Velocity and acceleration of the 4-SPS + 1-SPR: to 40 digits, by finite differences, both ways."""
+"""Velocity and acceleration of the 4-SPS + 1-SPR: to 40 digits, and by finite differences."""
 
 from __future__ import annotations
 

@@ -128,9 +128,7 @@ def test_a_level_pentagon_is_singular_wherever_it_is() -> None:
     assert cubic(design, (0.0, 0.0, 0.0)).everywhere
     assert not len(KIND.locus(design, "plane", pose, "").points)
     (parallel,) = (
-        c
-        for c in KIND.clearances(design, KIND.posture(design, pose, ""))
-        if c.kind == "parallel"
+        c for c in KIND.clearances(design, KIND.posture(design, pose, "")) if c.kind == "parallel"
     )
     assert parallel.distance == 0.0
 

@@ -18,9 +18,7 @@ LOADS = st.lists(st.floats(-1e3, 1e3), min_size=6, max_size=6)
 def test_forces_of_the_samples() -> None:
     design = pentagons()
     for sample in reference("sps_spr_samples")["samples"]:
-        pose = np.append(
-            sample["p"], inverse.euler_angles(np.array(sample["R"]).reshape(3, 3))
-        )
+        pose = np.append(sample["p"], inverse.euler_angles(np.array(sample["R"]).reshape(3, 3)))
         found = statics(design, pose, [*sample["F"], *sample["T"]])
         assert found.forces == pytest.approx(sample["forces"], rel=1e-9)
         assert found.names == NAMES

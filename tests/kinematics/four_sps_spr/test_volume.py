@@ -58,9 +58,11 @@ def test_gradients_of_the_margins_are_finite_differences(which: int) -> None:
     design = general()
     request = volume.request_at(design, KIND.home(design).pose, 5)
     branch = volume._Branch(design, request)
-    points = np.array(KIND.home(design).pose[:3]) + np.random.default_rng(1).normal(
-        size=(5, 3)
-    ) * (20.0, 20.0, 20.0)
+    points = np.array(KIND.home(design).pose[:3]) + np.random.default_rng(1).normal(size=(5, 3)) * (
+        20.0,
+        20.0,
+        20.0,
+    )
     values, gradient = branch.margin(which)(points)
     assert values == pytest.approx(branch.margins(points)[:, which])
     for k in range(3):

@@ -164,7 +164,7 @@ def test_absurdly_long_legs_are_never_called_complete() -> None:
 def test_solutions_keep_their_identity_while_legs_move() -> None:
     design = preset()
     (before,) = forward(design, home(design).joints)
-    joints = np.array(home(design).joints) + (3.0, -2.0, 4.0, 1.0, -3.0)
+    joints = np.add(home(design).joints, (3.0, -2.0, 4.0, 1.0, -3.0))
     after = refresh(design, before, joints)
     assert not after.merged
     assert not after.appeared
