@@ -8,6 +8,8 @@ MAKEFLAGS += --no-print-directory
 VENV := .venv
 BIN := $(VENV)/bin
 ARGS ?=
+# Tests on all cores; ARGS="-n 0" for one process.
+PARALLEL := -n auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder
 
 # PYTHON may name any interpreter; left out, the first one on the path that is new enough.
 PYTHON ?= $(shell for python in python3 python3.11 python3.12 python3.13 python3.14 python; do \
@@ -24,7 +26,7 @@ run: $(VENV)/installed
 	@exec $(BIN)/bohemia $(ARGS)
 
 test: $(VENV)/installed-tools
-	@$(BIN)/python -m pytest $(ARGS)
+	@$(BIN)/python -m pytest $(PARALLEL) $(ARGS)
 
 check: $(VENV)/installed-tools
 	@$(BIN)/ruff check .

@@ -18,6 +18,7 @@ from app.state import (
     checked,
     checked_chart,
     checked_control,
+    checked_flat,
     checked_way,
     new_review,
     within,
@@ -204,6 +205,15 @@ class SetControl:
 
 
 @dataclass(frozen=True, slots=True)
+class SetFlat:
+    """Set one thing of how plane regions are shown."""
+
+    name: str
+    value: bool | str
+    gesture: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class GiveWay:
     """Which pose coordinate follows from the others; "" leaves that to the mechanism."""
 
@@ -239,6 +249,7 @@ Change = (
     | SetChart
     | SetControl
     | GiveWay
+    | SetFlat
     | Restore
 )
 
@@ -264,9 +275,7 @@ def change(review: Review, what: Change) -> tuple[Review, str]:
         case Drive(index, value):
             return _drive(review, index, value)
         case Flip(mode):
-            if mode not in review.mechanism.modes:
-                raise InputError(f"there is no working mode {mode!r}")
-            return replace(review, mode=mode), ""
+            return _flip(review, mode), ""
         case Visit(pose, mode):
             # Not kept within the sliders' range: a solution next to it would be none.
             if mode not in review.mechanism.modes or not all(map(math.isfinite, pose)):
@@ -305,6 +314,9 @@ def change(review: Review, what: Change) -> tuple[Review, str]:
         case SetControl(name, value):
             control = replace(review.control, **{name: value})  # type: ignore[arg-type]
             return replace(review, control=checked_control(control, review)), ""
+        case SetFlat(name, value):
+            flat = replace(review.flat, **{name: value})  # type: ignore[arg-type]
+            return replace(review, flat=checked_flat(flat, review)), ""
         case GiveWay(key):
             return replace(review, gives_way=checked_way(key, review)), ""
         case Restore(saved):
@@ -316,6 +328,19 @@ def _completed(
 ) -> tuple[float, ...]:
     kind, design = review.mechanism, review.design
     return kind.complete_pose(design, pose, review.mode, moved, review.dependent)
+
+
+def _flip(review: Review, mode: str) -> Review:
+    """In another mode: at once where limbs can be put over, else where the modes meet."""
+    kind = review.mechanism
+    if mode not in kind.modes:
+        raise InputError(f"there is no {kind.mode_noun} {mode!r}")
+    way = kind.mode_change(review.design, review.posture)
+    if way is None or mode == review.mode:
+        return replace(review, mode=mode)
+    if not way.here:
+        raise InputError(way.text)
+    return replace(review, pose=way.other.pose, mode=way.other.mode)
 
 
 def _drive(review: Review, index: int, value: float) -> tuple[Review, str]:
@@ -351,6 +376,7 @@ def _use_design(review: Review, design: Design) -> Review:
         chart=_chart_for(fresh, review.chart),
         surface=review.surface,
         control=_control_for(fresh, review.control),
+        flat=replace(fresh.flat, on=review.flat.on, locus=review.flat.locus),
     )
 
 

@@ -13,7 +13,17 @@ from collections.abc import Sequence
 from difflib import get_close_matches
 from typing import Any, NoReturn
 
-from app.commands import controlling, losing, mapping, measuring, serving, solids, solving
+from app.commands import (
+    controlling,
+    inscribing,
+    losing,
+    mapping,
+    measuring,
+    moving,
+    serving,
+    solids,
+    solving,
+)
 from kinematics.errors import BohemiaError, InputError
 
 # Their values may begin with a minus sign, which argparse takes for an option.
@@ -34,6 +44,7 @@ SIGNED_OPTIONS = frozenset(
             "--at",
         ),
         *("--rates", "--accelerations", "--joint-rates", "--joint-accelerations", "--load"),
+        *("--base", "--platform", "--altitude", "--ratios", "--heights"),
     }
 )
 
@@ -109,7 +120,18 @@ def _parser() -> tuple[argparse.ArgumentParser, tuple[str, ...]]:
         added.set_defaults(command=run)
         return added
 
-    for family in (serving, solving, solids, measuring, mapping, controlling, losing):
+    families = (
+        serving,
+        solving,
+        solids,
+        measuring,
+        mapping,
+        controlling,
+        losing,
+        inscribing,
+        moving,
+    )
+    for family in families:
         family.register(command)
     return parser, tuple(commands.choices)
 

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Literal
+
+import numpy as np
 
 from app.modes import page_mode
 from app.state import Review
 from kinematics.mechanism import (
     RESOLUTIONS,
+    Body,
     Coordinate,
     Design,
     Drawing,
@@ -21,9 +24,12 @@ from kinematics.mechanism import (
     SolidSpec,
     mechanism,
 )
+from kinematics.singularities import ModeChange
 from kinematics.solutions import Finding, Margin, Posture
 from kinematics.spatial import Array
 
+OTHER = 5 * 4  # limbs of a counterpart are counted from here; its colours are the same again
+APART = 3.4  # of the machine's size: how far it stands away
 NEAR = 0.05  # of the stroke: closer to its end than this is "near"
 
 Level = Literal["good", "near", "bad"]
@@ -68,6 +74,21 @@ class SolidWish:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
+class Beside:
+    """The counterpart of a machine at the same coordinates and in the same mode.
+
+    ``joints`` and ``drawing`` count its limbs from `OTHER` + 1; the drawing stands in the base
+    frame as a whole, ``offset`` (3,) mm away from where it belongs.
+    """
+
+    design: Design
+    posture: Posture
+    drawing: Drawing
+    joints: tuple[JointRow, ...]
+    offset: Array
+
+
+@dataclass(frozen=True, eq=False, slots=True)
 class View:
     """What a page shows; ``platform`` is the 4x4 from platform to base coordinates."""
 
@@ -80,6 +101,8 @@ class View:
     wishes: tuple[SolidWish, ...]
     inside: bool
     findings: tuple[Finding, ...]
+    mode_change: ModeChange | None
+    beside: Beside | None
 
 
 def view(review: Review) -> View:
@@ -97,6 +120,53 @@ def view(review: Review) -> View:
         wishes=wishes(review),
         inside=kind.inside(design, review.pose, review.solver_modes),
         findings=findings(design),
+        mode_change=kind.mode_change(design, posture),
+        beside=beside(review),
+    )
+
+
+def beside(review: Review) -> Beside | None:
+    """The counterpart, where it is to be compared with."""
+    if not review.control.compare:
+        return None
+    design = next(iter(review.mechanism.counterparts(review.design)), None)
+    if design is None:
+        return None
+    kind = mechanism(design.mechanism)
+    posture = kind.posture(design, review.pose, review.mode)
+    drawing = kind.drawing(design, posture)
+    platform = kind.transform(design, posture.pose, posture.mode)
+    offset = np.array([APART * drawing.size, 0.0, 0.0])
+
+    def moved(point: tuple[float, ...]) -> tuple[float, float, float]:
+        x, y, z = (np.asarray(point) + offset).tolist()
+        return x, y, z
+
+    def fixed(body: Body) -> Body:
+        points = np.array(body.points)
+        if body.frame == "platform":
+            points = points @ platform[:3, :3].T + platform[:3, 3]
+        return replace(
+            body, name=f"other {body.name}", points=tuple(map(moved, points.tolist())), frame="base"
+        )
+
+    bars = tuple(
+        replace(
+            bar,
+            name=f"other {bar.name}",
+            start=moved(bar.start),
+            end=moved(bar.end),
+            limb=None if bar.limb is None else bar.limb + OTHER,
+        )
+        for bar in drawing.bars
+    )
+    rows = joint_rows(kind, design, posture)
+    return Beside(
+        design,
+        posture,
+        replace(drawing, bars=bars, bodies=tuple(map(fixed, drawing.bodies)), points=(), axes=()),
+        tuple(replace(row, limb=row.limb + OTHER) for row in rows),
+        offset,
     )
 
 
@@ -160,6 +230,11 @@ _BOUNDS = {"rho_min": "ρ min", "rho_max": "ρ max", "link": "link"}
 
 def _bound(margin: Margin) -> str:
     return f"limb {margin.limb}, {_BOUNDS.get(margin.bound, margin.bound)}"
+
+
+def short_title(kind: Mechanism) -> str:
+    """ "3-RPS" of "3-RPS (one translation, two rotations)"."""
+    return kind.title.partition(" (")[0]
 
 
 def mode_text(kind: Mechanism, mode: str) -> str:

@@ -12,10 +12,13 @@ from kinematics.mechanism import Design, Mechanism, mechanism
 from kinematics.motion import Statics, WrenchSystem
 from kinematics.sections import Sphere
 from kinematics.singularities import (
+    NEAR,
     Clearance,
     Event,
     LocusCurves,
     Measure,
+    OrientationCircle,
+    Profile,
     Remedy,
     Singularity,
 )
@@ -51,6 +54,7 @@ class Here:
         wrenches, statics: at this one posture; None where the machine does not close.
         clearances: sorted, the nearest first.
         remedy: the ways out; None where the pose can be held.
+        circles: of orientations, one for each limit; none where a mechanism has none.
     """
 
     place: Place
@@ -60,6 +64,7 @@ class Here:
     statics: Statics | None
     clearances: tuple[Clearance, ...]
     remedy: Remedy | None
+    circles: tuple[OrientationCircle, ...]
 
     def nearest(self, *kinds: str) -> Clearance | None:
         """The nearest of what is of one of these kinds."""
@@ -73,12 +78,13 @@ def look(place: Place) -> Here:
     measures = tuple((m, _value(place, m) if closes else math.nan) for m in kind.measures(design))
     return Here(
         place,
-        kind.singularities(design, posture) if closes else (),
+        kind.singularities(design, posture, NEAR) if closes else (),
         measures,
         kind.wrench_system(design, place.pose, place.mode) if closes else None,
         kind.statics(design, place.pose, place.mode, place.load) if closes else None,
         kind.clearances(design, posture),
         None if posture.reachable else kind.remedy(design, posture),
+        kind.circles(design, place.pose, place.mode),
     )
 
 
@@ -99,6 +105,15 @@ def ball(place: Place, here: bool) -> Sphere | None:
 def curves(place: Place, chart: str) -> LocusCurves:
     """The loci of a chart, all but its two coordinates held."""
     return place.kind.locus(place.design, chart, place.pose, place.mode)
+
+
+def profiles(place: Place, ratios: tuple[float, ...]) -> tuple[tuple[Design, Profile], ...]:
+    """The profile of the machine, and those of its counterparts."""
+    kind, design = place.kind, place.design
+    machines = (design, *kind.counterparts(design))
+    return tuple(
+        (each, mechanism(each.mechanism).profile(each, place.pose, ratios)) for each in machines
+    )
 
 
 def passed(before: Place, pose: tuple[float, ...]) -> tuple[Event, ...]:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections import OrderedDict
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from app import controller, painting, palette
+from app import controller
 from app.changes import Change, EditDesign, Place, Visit
 from app.compute import SolidWish, View
 from app.controller import Here
@@ -18,7 +17,8 @@ from app.exporting import ExportedFile, solid_name
 from app.held import Held
 from app.lane import Done, Job, Lane, Lost
 from app.locus_files import locus_bytes
-from app.painting import Coat, Scale
+from app.painter import Painter
+from app.painting import Coat
 from app.panels.desk import Controlled, Logged
 from app.parts import Stage
 from app.requests import (
@@ -32,9 +32,9 @@ from app.requests import (
 )
 from app.state import Review
 from app.worker import Built, LaneName
+from kinematics.mechanism import Design
 from kinematics.sections import Sphere
-from kinematics.singularities import LocusCurves
-from kinematics.spatial import Array
+from kinematics.singularities import LocusCurves, Profile
 
 if TYPE_CHECKING:
     import viser
@@ -57,6 +57,8 @@ class Controlling:
         self._late = False
         self._here: Here | None = None
         self._curves: tuple[object, LocusCurves] | None = None
+        self._profiles: tuple[object, tuple[tuple[Design, Profile], ...]] | None = None
+        self._beside: tuple[Here | None, LocusCurves | None] = (None, None)
         self._asked: Job | None = None  # for a ball
         self._ball: Sphere | None = None
         self._ball_of: object = None
@@ -95,6 +97,9 @@ class Controlling:
         if self._watched.pose != spot.pose:
             way = self._watched, spot.pose
             quick.append(Job(("passed", *way), "the way here", controller.passed, way))
+        other = counterpart(review)
+        if other is not None:
+            quick.append(Job(("beside", other), "the counterpart", controller.look, (other,)))
         self._quick.want(quick)
         if self._ball_of is not None and self._ball_of != _orientation(review):
             self._ball = self._ball_of = self._asked = None
@@ -108,6 +113,23 @@ class Controlling:
             key = ("curves", *_chart_key(review))
             arguments = spot, review.control.chart
             jobs.append(Job(key, "the singular curves", controller.curves, arguments, REST))
+            other = counterpart(review)
+            if other is not None:
+                key = ("curves beside", *_chart_key(review))
+                arguments = other, review.control.chart
+                jobs.append(
+                    Job(key, "the counterpart's curves", controller.curves, arguments, REST)
+                )
+        if review.mechanism.has_profile:
+            jobs.append(
+                Job(
+                    ("profiles", *_profile_key(review)),
+                    "the profile",
+                    controller.profiles,
+                    (spot, review.control.ratios),
+                    REST,
+                )
+            )
         if review.control.shade:
             jobs += self._painter.jobs(review, spot)
         self._slow.want(jobs)
@@ -138,6 +160,12 @@ class Controlling:
                 self._watched = replace(before, pose=pose)
             case Done(Job(("curves", *_) as key), LocusCurves() as curves):
                 self._curves, self._late = (key, curves), True
+            case Done(Job(("beside", _)), Here() as here):
+                self._beside, self._late = (here, self._beside[1]), True
+            case Done(Job(("curves beside", *_)), LocusCurves() as curves):
+                self._beside, self._late = (self._beside[0], curves), True
+            case Done(Job(("profiles", *_) as key), tuple(profiles)):
+                self._profiles, self._late = (key, profiles), True
             case Done(Job(("field", *_) as key), np.ndarray() as values):
                 self._painter.take(key, values)
                 return True
@@ -274,10 +302,16 @@ class Controlling:
         if self._curves is not None and review.control.chart:
             key = ("curves", *_chart_key(review))
             curves = self._curves[1] if self._curves[0] == key else None
+        profiles: tuple[tuple[Design, Profile], ...] = ()
+        if self._profiles is not None:
+            known = self._profiles[0] == ("profiles", *_profile_key(review))
+            profiles = self._profiles[1] if known else ()
         return Controlled(
             self._nearly(),
             self._current() is None,
             curves,
+            profiles,
+            *(self._beside if review.control.compare else (None, None)),
             self._ball,
             self._asked is not None,
             self._log,
@@ -307,78 +341,19 @@ class Controlling:
         self._stage.apart(client, lambda: self._stage.download(file, client))
 
 
-class Painter:
-    """Coats of solids, kept as long as nothing of them changes; asks for the measure's values."""
-
-    def __init__(self) -> None:
-        self._coats: dict[str, tuple[object, tuple[Coat, ...]]] = {}
-        self._fields: OrderedDict[object, Array] = OrderedDict()
-        self._solids: dict[str, tuple[Built, Array]] = {}  # those to paint, and their vertices
-        self._scale: tuple[object, Scale] | None = None
-        self.wants = False
-
-    def jobs(self, review: Review, spot: Spot) -> list[Job]:
-        """The values that are not known yet."""
-        self.wants = False
-        jobs = []
-        for key, (built, points) in self._solids.items():
-            what = _field_key(review, key, built)
-            if what not in self._fields:
-                arguments = spot, review.control.shade, points
-                jobs.append(Job(what, "the colours", controller.field, arguments, 0.0))
-        return jobs
-
-    def take(self, key: object, values: Array) -> None:
-        self._fields[key] = values
-        while len(self._fields) > 6:
-            self._fields.popitem(last=False)
-
-    def scale(self, review: Review) -> Scale | None:
-        """The steps of the measure that is on display."""
-        if self._scale is None or not review.control.shade:
-            return None
-        return self._scale[1] if self._scale[0] == review.control.shade else None
-
-    def coats(self, review: Review, wish: SolidWish, built: Built) -> tuple[Coat, ...]:
-        key, solid, control = wish.spec.key, built.solid, review.control
-        shade = control.shade if wish.spec.limb is None else ""
-        values: Array | None = None
-        if shade and solid.triangles:
-            what = _field_key(review, key, built)
-            values = self._fields.get(what)
-            if values is None:
-                points = solid.shaded.vertices @ wish.placement[:3, :3].T + wish.placement[:3, 3]
-                self._solids[key] = built, points.astype(float)
-                self.wants = True
-        made_of = solid, None if values is None else id(values), control.locus
-        known = self._coats.get(key)
-        if known is not None and known[0] == made_of:
-            return known[1]
-        coats = self._made(review, wish, built, shade, values)
-        self._coats[key] = made_of, coats
-        return coats
-
-    def _made(
-        self, review: Review, wish: SolidWish, built: Built, shade: str, values: Array | None
-    ) -> tuple[Coat, ...]:
-        solid = built.solid
-        if not solid.triangles:
-            return ()
-        color = palette.solid_color(wish.spec)
-        if values is not None:
-            measure = next(m for m in review.mechanism.measures(review.design) if m.key == shade)
-            steps = painting.scale(values, high=measure.better == "high", limits=measure.limits)
-            if steps is not None:
-                self._scale = shade, steps
-                return painting.shaded(solid, values, steps, color)
-        if solid.piece_of is not None and len(solid.pieces):
-            return painting.pieces(solid, locus=review.control.locus)
-        return painting.plain(solid, color)
-
-
 def spot_of(review: Review) -> Spot:
     """Where the machine stands, with its load."""
     return Spot(review.design, review.pose, review.mode, review.control.load)
+
+
+def counterpart(review: Review) -> Spot | None:
+    """The counterpart at the same coordinates, where it is to be compared with."""
+    others = review.mechanism.counterparts(review.design) if review.control.compare else ()
+    return next((replace(spot_of(review), design=other) for other in others), None)
+
+
+def _profile_key(review: Review) -> tuple[object, ...]:
+    return review.design, review.pose[:1], review.control.ratios
 
 
 def _same_branch(one: Spot, other: Spot) -> bool:
@@ -404,15 +379,3 @@ def _chart_key(review: Review) -> tuple[object, ...]:
     chart = review.control.chart
     spec = next(s for s in review.mechanism.locus_specs(review.design) if s.key == chart)
     return chart, review.design, review.mode, *_held(review, spec.axes)
-
-
-def _field_key(review: Review, key: str, built: Built) -> tuple[object, ...]:
-    load = next(
-        (
-            review.control.load
-            for m in review.mechanism.measures(review.design)
-            if m.key == review.control.shade and m.needs_load
-        ),
-        None,
-    )
-    return "field", key, built.solid, review.design, review.mode, review.control.shade, load

@@ -37,6 +37,7 @@ _STYLES: dict[SingularityKind, tuple[str, str]] = {
 }
 """Colour and dash; a serial curve has its limb's colour."""
 _SIZE = 6.4, 5.6  # inches
+_NARROW = 0.4
 
 
 def locus_bytes(
@@ -138,6 +139,10 @@ def locus_figure(found: LocusCurves, spec: LocusSpec, *, title: str = "", note: 
             label=name if name not in named else "_",
         )
         named.add(name)
+    for barrier in found.barriers if spec.polar else ():
+        turn = np.linspace(0.0, 2.0 * np.pi, 361)
+        radius = outer(np.array([[barrier, 0.0]]), spec)[0, 0]
+        panel.plot(turn, np.full_like(turn, radius), color=INK, linestyle=":", linewidth=0.9)
     labels = [
         f"{a} ({'°' if unit == 'rad' else unit})"
         for a, unit in zip(spec.axes, spec.units, strict=True)
@@ -152,6 +157,9 @@ def locus_figure(found: LocusCurves, spec: LocusSpec, *, title: str = "", note: 
         panel.set_ylabel(labels[1])
         if spec.units[0] == spec.units[1]:
             panel.set_aspect("equal")
+            across, up = (bounds[:, 1] - bounds[:, 0]).tolist()
+            if across < _NARROW * up:  # labels side by side need room
+                panel.locator_params(axis="x", nbins=3)
     panel.grid(alpha=0.25)
     if not found.kinds:
         panel.text(0.5, 0.5, "no singularity here", transform=panel.transAxes, ha="center")

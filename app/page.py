@@ -39,6 +39,7 @@ from app.panels.singularities import SingularitiesPanel
 from app.panels.solutions import SolutionsPanel
 from app.panels.workspace import WorkspacePanel
 from app.parts import Part
+from app.regioning import Regioning
 from app.requests import Request
 from app.scene import FIELD_OF_VIEW, Scene, machine_bounds
 from app.slicing import Slicing
@@ -94,6 +95,7 @@ class Page:
             Solving(self),
             Slicing(self),
             Mapping(self),
+            Regioning(self),
             self._control,
         )
         self._morph: Morph | None = None
@@ -324,9 +326,10 @@ class Page:
             self.scene.show(self._shown(), dragging=bool(self._dragging))
             self._show_solids(view)
             self._draw_panels()
-            if self._framed != review.design:
+            framed = review.design, review.control.compare
+            if self._framed != framed:
                 # Again when the first solid is there: it is larger than the machine.
-                self._framed, self._framed_with_solids = review.design, not view.wishes
+                self._framed, self._framed_with_solids = framed, not view.wishes
                 self._fit()
             for part in self._parts:
                 part.follow()
@@ -401,7 +404,11 @@ class Page:
         self.gui.set_panel_label("Bohemia")
         for part in self._parts:
             part.prepare()
-        self.scene.prepare(review.mechanism.solids(review.design), sheet.view.drawing.size)
+        self.scene.prepare(
+            review.mechanism.solids(review.design),
+            sheet.view.drawing.size,
+            review.mechanism.pose_coordinates(review.design),
+        )
         self._header = Header(self, sheet)
         self.panels = [self._header]
         tabs = self.gui.add_tab_group()
@@ -459,7 +466,8 @@ class Page:
     def _fit(self) -> None:
         review = self._history.present
         drawing = review.mechanism.drawing(review.design, review.posture)
-        low, high = machine_bounds(drawing)
+        other = compute.beside(review)
+        low, high = machine_bounds(drawing, *([] if other is None else [other.drawing]))
         for built in self._built.values():
             if built.solid.triangles:
                 placed = built.solid.mesh.vertices @ built.wish.placement[:3, :3].T

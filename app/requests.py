@@ -135,6 +135,14 @@ class SaveLoci:
 
 
 @dataclass(frozen=True, slots=True)
+class SaveRegions:
+    """Save the plane regions on display as a file of this kind."""
+
+    kind: str
+    client: viser.ClientHandle | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class ClearLog:
     """Forget what happened on the way."""
 
@@ -157,5 +165,6 @@ Request = (
     | ChangeDesign
     | Swing
     | SaveLoci
+    | SaveRegions
     | ClearLog
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -14,10 +14,10 @@ import viser.transforms as tf
 from scipy.spatial import ConvexHull
 
 from app import painting, palette
-from app.compute import SolidWish, View
+from app.compute import SolidWish, View, short_title
 from app.creases import crease_lines
 from app.painting import Coat
-from kinematics.mechanism import Bar, Body, Drawing, Mark, SolidSpec
+from kinematics.mechanism import Bar, Body, Coordinate, Drawing, Mark, SolidSpec, mechanism
 from kinematics.spatial import Array
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ class Scene:
     _solid_on: dict[str, tuple[object, ...]] = field(default_factory=dict)
     handle: viser.TransformControlsHandle | None = None
 
-    def prepare(self, specs: Iterable[SolidSpec], size: float) -> None:
+    def prepare(self, specs: Iterable[SolidSpec], size: float, axes: Sequence[Coordinate]) -> None:
         """The things that do not depend on the pose: light, solids' nodes, the drag handle."""
         scene = self.server.scene
         scene.set_up_direction("+z")
@@ -89,8 +89,17 @@ class Scene:
                 thickness=1.3,
                 thickness_units="screen",
             )
+        # A machine in a plane is dragged in it; one that turns may shift on the way, so any axis.
+        turns = any(c.unit == "rad" for c in axes)
+        keys = {c.key for c in axes}
         self.handle = scene.add_transform_controls(
-            "/handle", scale=0.42 * size, line_width=3.0, depth_test=False, opacity=0.85
+            "/handle",
+            scale=0.42 * size,
+            line_width=3.0,
+            active_axes=(turns or "x" in keys, turns or "y" in keys, turns or "z" in keys),
+            disable_rotations=not turns,
+            depth_test=False,
+            opacity=0.85,
         )
 
     def _mesh(self, name: str, color: str) -> viser.MeshHandle:
@@ -112,10 +121,16 @@ class Scene:
     def show(self, view: View, *, dragging: bool) -> None:
         """Bring the machine, its frames and marks to a view."""
         options, drawing = view.review.options, view.drawing
-        levels = {row.limb: row.level for row in view.joints}
-        self._bars(drawing.bars, levels, options.machine)
-        for body in drawing.bodies:
+        rows, bars, bodies = view.joints, drawing.bars, drawing.bodies
+        if view.beside is not None:
+            other = view.beside
+            rows, bars = rows + other.joints, bars + other.drawing.bars
+            bodies = bodies + other.drawing.bodies
+        self._bars(bars, {row.limb: row.level for row in rows}, options.machine)
+        for body in bodies:
             self._body(body, view.platform, options.machine)
+        self._hide_others(bodies)
+        self._name_machines(view)
         self._marks(drawing, options.labels, options.axes, options.dark)
         self._frames(view, options.frames)
         self._grid(view, options.grid, options.dark)
@@ -175,6 +190,26 @@ class Scene:
         self._set(name, node, visible=visible)
         if body.frame == "platform":
             self._pose(name, node, platform)
+
+    def _hide_others(self, bodies: tuple[Body, ...]) -> None:
+        """A counterpart's bodies are there only while it is compared with."""
+        present = {f"/machine/{body.name}" for body in bodies}
+        for name, node in self._nodes.items():
+            if name.startswith("/machine/other ") and name not in present:
+                self._set(name, node, visible=False)
+
+    def _name_machines(self, view: View) -> None:
+        """Which machine is which, while there are two."""
+        other, size = view.beside, view.drawing.size
+        kinds = [short_title(view.review.mechanism)] if other else []
+        places = [np.zeros(3)]
+        if other is not None:
+            kinds.append(short_title(mechanism(other.design.mechanism)))
+            places.append(other.offset)
+        for n in range(2):
+            seen = n < len(kinds)
+            at = _triple(places[n] + np.array([0.0, -1.2 * size, 0.0])) if seen else (0.0,) * 3
+            self._label(f"/labels/machine{n}", kinds[n] if seen else "", at, seen)
 
     def _marks(self, drawing: Drawing, labels: bool, axes: bool, dark: bool) -> None:
         # Points that coincide (merged joints) share one label.
@@ -373,9 +408,10 @@ def _draw_order(spec: SolidSpec) -> int:
     return _DRAW_ORDER.index(part) if part in _DRAW_ORDER else len(_DRAW_ORDER)
 
 
-def machine_bounds(drawing: Drawing) -> tuple[Array, Array]:
-    """The box around a machine, mm."""
-    points = np.array([p for bar in drawing.bars for p in (bar.start, bar.end)])
+def machine_bounds(*drawings: Drawing) -> tuple[Array, Array]:
+    """The box around machines, mm."""
+    bars = [bar for drawing in drawings for bar in drawing.bars]
+    points = np.array([p for bar in bars for p in (bar.start, bar.end)])
     return points.min(axis=0), points.max(axis=0)
 
 

@@ -14,6 +14,7 @@ from app.state import (
     Chart,
     Control,
     Cut,
+    Flat,
     Options,
     Review,
     Shown,
@@ -21,6 +22,7 @@ from app.state import (
     checked,
     checked_chart,
     checked_control,
+    checked_flat,
     checked_way,
     new_review,
     within_reach,
@@ -50,6 +52,7 @@ def to_text(review: Review) -> str:
         "solutions": {f.name: getattr(review.atlas, f.name) for f in fields(Atlas)},
         "section": {"on": review.cut.on, "at": review.cut.at},
         "gives_way": review.gives_way,
+        "regions": {f.name: getattr(review.flat, f.name) for f in fields(Flat)},
         "control": {f.name: getattr(review.control, f.name) for f in fields(Control)},
     }
     axes = _map_axes(review)
@@ -115,6 +118,7 @@ def from_text(text: str, *, origin: str) -> Review:
         _surface(content, origin),
         _control(content, review, origin),
         _way(content, review, origin),
+        _flat(content, review, origin),
     )
 
 
@@ -191,6 +195,21 @@ def _control(content: dict[str, Any], review: Review, origin: str) -> Control:
         return checked_control(Control(**values), review)
     except InputError as error:
         raise InputError(f"{origin}: control: {error}") from None
+
+
+def _flat(content: dict[str, Any], review: Review, origin: str) -> Flat:
+    """How plane regions are shown; sessions saved before there were any have nothing of it."""
+    given = content.get("regions", {})
+    if not isinstance(given, dict):
+        raise InputError(f"{origin}: 'regions' is not of the right kind")
+    values = {f.name: given.get(f.name, f.default) for f in fields(Flat)}
+    for f in fields(Flat):
+        if not isinstance(values[f.name], type(f.default)):
+            raise InputError(f"{origin}: regions: {f.name} is not of the right kind")
+    try:
+        return checked_flat(Flat(**values), review)
+    except InputError as error:
+        raise InputError(f"{origin}: regions: {error}") from None
 
 
 def _way(content: dict[str, Any], review: Review, origin: str) -> str:

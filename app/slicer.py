@@ -242,9 +242,9 @@ def box(of: Region, center: Sequence[float] | None) -> Box | None:
     return mechanism(of.design.mechanism).box(of.design, of.pose, of.modes, center)
 
 
-def edges(section: Section) -> tuple[Array, np.ndarray]:
+def edges(section: Section, step: float = STEP) -> tuple[Array, np.ndarray]:
     """Line segments (S, 2, 2) along the edges, and whose each is, limbs from 1."""
-    runs = [section.edge_points(k, STEP) for k in range(len(section.limb))]
+    runs = [section.edge_points(k, step) for k in range(len(section.limb))]
     pairs = [np.stack([run[:-1], run[1:]], axis=1) for run in runs]
     flat = np.concatenate(pairs) if pairs else np.empty((0, 2, 2))
     limbs = np.repeat(section.limb, [len(pair) for pair in pairs])

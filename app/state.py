@@ -19,6 +19,7 @@ Sort = Literal["distance", "condition", "height", "mode"]
 SORTS: tuple[Sort, ...] = ("distance", "condition", "height", "mode")
 SAME_MODE = "same"
 FAR = 1e4  # mm; a plane may stand this far off, where it cuts nothing
+MAX_RATIO, MAX_RATIOS = 100.0, 12  # of machines whose profiles are compared
 MAX_CELLS = 91  # of a map along one axis
 
 
@@ -95,6 +96,8 @@ class Control:
         locus: the singular surface, in the aspects' solid and in the section.
         chart: a key of the mechanism's `LocusSpec`s, whose curves are drawn; "" for none.
         shade: a key of the mechanism's `Measure`s, by which aspects and section are coloured.
+        compare: the mechanism's counterpart stands beside it, with the same numbers.
+        ratios: h₂/h₁ of further machines whose profile is drawn.
         load: [F, T] on the platform at O′, N and N·mm, base frame.
     """
 
@@ -103,7 +106,18 @@ class Control:
     locus: bool = True
     chart: str = ""
     shade: str = ""
+    compare: bool = False
+    ratios: tuple[float, ...] = ()
     load: tuple[float, ...] = (0.0, 0.0, -100.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Flat:
+    """Regions of a workspace that lies in a plane: whether they are on display, and which."""
+
+    on: bool = True
+    key: str = "workspace"
+    locus: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,6 +141,7 @@ class Review:
     surface: SurfaceKind = "facets"
     control: Control = Control()
     gives_way: str = ""
+    flat: Flat = Flat()
 
     @property
     def mechanism(self) -> Mechanism:
@@ -237,6 +252,10 @@ def checked_control(control: Control, review: Review) -> Control:
     charts = [spec.key for spec in kind.locus_specs(design)]
     if control.chart and control.chart not in charts:
         raise InputError(f"a chart of loci is one of {', '.join(charts)}, not {control.chart!r}")
+    if any(not (math.isfinite(r) and 0.0 < r <= MAX_RATIO) for r in control.ratios):
+        raise InputError(f"a ratio is a positive number up to {MAX_RATIO:g}")
+    if len(control.ratios) > MAX_RATIOS:
+        raise InputError(f"at most {MAX_RATIOS} ratios can be compared")
     if len(control.load) != 6 or not all(map(math.isfinite, control.load)):
         raise InputError("a load is six finite numbers: three forces (N), three moments (N·mm)")
     return control
@@ -253,6 +272,18 @@ def checked_way(key: str, review: Review) -> str:
     if key and key not in known:
         raise InputError(f"what gives way is one of {', '.join(known)}, not {key!r}")
     return key
+
+
+def checked_flat(flat: Flat, review: Review) -> Flat:
+    """The same, once it is known to be sound.
+
+    Raises:
+        InputError: the mechanism has no such regions.
+    """
+    known = [spec.key for spec in review.mechanism.region_specs(review.design)]
+    if known and flat.key not in known:
+        raise InputError(f"regions are {', '.join(known)}, not {flat.key!r}")
+    return flat
 
 
 def checked(atlas: Atlas, kind: Mechanism) -> Atlas:

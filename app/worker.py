@@ -33,7 +33,9 @@ CACHE = 48  # solids kept, over all resolutions
 
 T = TypeVar("T")
 
-LaneName = Literal["coarse", "fine", "solutions", "sections", "measures", "control", "loci"]
+LaneName = Literal[
+    "coarse", "fine", "solutions", "sections", "measures", "control", "loci", "regions"
+]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

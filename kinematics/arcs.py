@@ -10,7 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from functools import partial
+from itertools import pairwise
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,7 +53,7 @@ class Arcs(NamedTuple):
         points: Array = self.center + self.radius[:, None] * ray
         return points
 
-    def take(self, rows: object) -> Arcs:
+    def take(self, rows: Any) -> Arcs:
         """Some of them."""
         return Arcs(*(each[rows] for each in self))
 
@@ -316,7 +318,7 @@ def section_of(loops: Sequence[Sequence[Edge]], circles: Arcs | None = None) -> 
     start, end = every.at(0.0), every.at(1.0)
     counts = [len(one.radius) for one in shown]
     first = np.concatenate([[0], np.cumsum(counts)]).astype(int)
-    for a, b in zip(first[:-1], first[1:], strict=True):  # neighbours meet exactly
+    for a, b in pairwise(first.tolist()):  # neighbours meet exactly
         end[a : b - 1] = start[a + 1 : b]
         end[b - 1] = start[a]
     return Section(
@@ -335,7 +337,41 @@ def section_of(loops: Sequence[Sequence[Edge]], circles: Arcs | None = None) -> 
         perimeter=float(sum(_length(edge) for loop in loops for edge in loop)),
         centroid=centroid,
         second_moments=second,
-        construct=lambda: made,
+        construct=partial(_same, made),
+    )
+
+
+def together(sections: Sequence[Section]) -> Section:
+    """Several sections as one, their loops and pieces one after another; no moments."""
+    if len(sections) == 1:
+        return sections[0]
+    pieces = np.cumsum([0, *(s.pieces for s in sections[:-1])])
+    edges = np.cumsum([0, *(len(s.start) for s in sections[:-1])])
+    made = _construction(None)
+
+    def all_of(name: str) -> Any:
+        return np.concatenate([getattr(s, name) for s in sections])
+
+    starts = [s.loop_start[:-1] + n for s, n in zip(sections, edges, strict=True)]
+    return Section(
+        at=0.0,
+        start=all_of("start"),
+        end=all_of("end"),
+        limb=all_of("limb"),
+        bound=all_of("bound"),
+        center=all_of("center"),
+        radius=all_of("radius"),
+        sweep=all_of("sweep"),
+        loop_start=np.concatenate([*starts, [sum(len(s.start) for s in sections)]]).astype(int),
+        loop_area=all_of("loop_area"),
+        loop_piece=np.concatenate(
+            [s.loop_piece + n for s, n in zip(sections, pieces, strict=True)]
+        ),
+        area=sum(s.area for s in sections),
+        perimeter=sum(s.perimeter for s in sections),
+        centroid=np.full(2, np.nan),
+        second_moments=np.full(3, np.nan),
+        construct=partial(_same, made),
     )
 
 
@@ -438,6 +474,11 @@ def _construction(circles: Arcs | None) -> Construction:
         np.zeros((0, 2, 2)),
         np.zeros(0, dtype=int),
     )
+
+
+def _same(made: Construction) -> Construction:
+    """A section keeps how it was made behind a call, which must cross to other processes."""
+    return made
 
 
 def _none() -> Arcs:

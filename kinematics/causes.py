@@ -11,10 +11,11 @@ from math import isinf
 
 import numpy as np
 
-from kinematics.lines import Circuit, Geometry, Screw, Variety, Vector, geometry
+from kinematics.lines import Circuit, Geometry, geometry
 from kinematics.motion import WrenchName, WrenchSystem
 from kinematics.singularities import AT, Singularity, SingularityKind
 from kinematics.spatial import Array
+from kinematics.varieties import Screw, Variety, Vector
 
 
 def lost(

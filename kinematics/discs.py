@@ -8,6 +8,7 @@ the region to their left. Lengths mm, angles rad.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -372,9 +373,6 @@ def _section(arcs: _Arcs, starts: list[int], at: float, rings: Rings) -> Section
         at_centroid = _integrals(arcs, centroid)
         moments = at_centroid[3:6]
 
-    def construct() -> Construction:
-        return _construction(rings)
-
     return Section(
         at=float(at),
         start=arcs.start,
@@ -391,7 +389,7 @@ def _section(arcs: _Arcs, starts: list[int], at: float, rings: Rings) -> Section
         perimeter=float((np.abs(arcs.sweep) * arcs.radius).sum()),
         centroid=centroid,
         second_moments=moments,
-        construct=construct,
+        construct=partial(_construction, rings),
     )
 
 

@@ -38,6 +38,7 @@ from kinematics.singularities import (
     MicrTable,
     ModeChange,
     OrientationCircle,
+    Profile,
     Remedy,
     Singularity,
 )
@@ -301,6 +302,11 @@ class Mechanism(Protocol):
     def circles(
         self, design: Any, pose: Sequence[float], mode: str
     ) -> tuple[OrientationCircle, ...]: ...
+    @property
+    def has_profile(self) -> bool: ...
+    def profile(
+        self, design: Any, pose: Sequence[float], ratios: Sequence[float] = ()
+    ) -> Profile: ...
     def micr(self, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike) -> MicrTable: ...
     def counterparts(self, design: Any) -> tuple[Design, ...]: ...
 
@@ -373,6 +379,7 @@ class Bare:
     """What a mechanism answers where it has nothing of the kind; to be inherited, overridden."""
 
     mode_noun = "working mode"
+    has_profile = False
 
     def about(self, topic: str) -> str:
         """Markdown about a topic of this mechanism: what it is, its paper's figures and equations.
@@ -534,6 +541,10 @@ class Bare:
         """About the pose's orientation, at its altitude: one circle for each limit."""
         return ()
 
+    def profile(self, design: Any, pose: Sequence[float], ratios: Sequence[float] = ()) -> Profile:
+        """Such circles about the level platform against the altitude, if `has_profile`."""
+        raise InputError("this mechanism has no profile of circles over the altitude")
+
     def micr(self, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike) -> MicrTable:
         """MICR over circumradii and altitudes, which broadcast."""
         raise InputError("this mechanism has no maximum inscribed circle (MICR)")
@@ -571,6 +582,7 @@ _NO_SECTIONS = "this mechanism has no solid workspace to cut or to measure"
 # Where each kind's mechanism stands; one package may offer several.
 _MODULES = {
     "five_rpur": ("kinematics.five_rpur", "MECHANISM"),
+    "five_bar": ("kinematics.five_bar", "MECHANISM"),
     "four_sps_spr": ("kinematics.four_sps_spr", "MECHANISM"),
     "three_rps": ("kinematics.three_rps_spr", "THREE_RPS"),
     "three_spr": ("kinematics.three_rps_spr", "THREE_SPR"),

@@ -72,10 +72,10 @@ def partition(
     lost = 0.0
     for side, _ in sides:
         traced, shell, dropped = meshes.without_slivers(side.traced(), thinnest)
-        traced, shell, moved = rounded(side, traced, shell, thinnest, step)
+        traced, shell, _ = rounded(side, traced, shell, thinnest, step, collapse=False)
         parts.append(traced)
         shells.append(shell)
-        lost += 2.0 * dropped + moved * side.area
+        lost += 2.0 * dropped
     whole = _together(parts)
     of_patch = np.array([patch.tag == LOCUS for patch in whole.patches], dtype=bool)
     on_locus = of_patch[whole.patch_of] if len(of_patch) else np.zeros(0, bool)

@@ -137,12 +137,47 @@ class MicrTable(Frozen):
         radius: (M, ...) rad; NaN where no tilt is singular.
         contact: (M, ...) the azimuth that is met first, rad, one of those that symmetry makes.
         barred: (M, ...) the circle holds tilts without any position at this altitude.
+        printed: (M, ...) degrees, what the method of the mechanism's paper prints of it.
+        note: why that is another number; "" where there is no such paper.
     """
 
     modes: tuple[str, ...]
     radius: Array
     contact: Array
     barred: np.ndarray
+    printed: Array
+    note: str
+
+
+@dataclass(frozen=True, eq=False)
+class ProfileCurve(Frozen):
+    """One curve of a `Profile`: ``title`` and ``mode`` say of what, ``own`` whether of the very
+    machine; ``radius`` (N,) rad, π where nothing is met.
+    """
+
+    title: str
+    mode: str
+    own: bool
+    radius: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Profile(Frozen):
+    """Radii of circles of orientations, rad, against a ratio of lengths.
+
+    Attributes:
+        title, across, up: what it is, and what its axes are called.
+        x: (N,) the ratio.
+        at: where the machine stands.
+    """
+
+    title: str
+    across: str
+    up: str
+    x: Array
+    curves: tuple[ProfileCurve, ...]
+    at: float
+    figure: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from manifold3d import Error, Manifold, Mesh64, OpType
+from manifold3d import Error, Manifold, Mesh64, OpType, triangulate
 from numpy.typing import ArrayLike, NDArray
 
 from kinematics import meshes
@@ -390,6 +390,8 @@ def rounded(
     shells: NDArray[np.intp],
     thinnest: float,
     step: float | None = None,
+    *,
+    collapse: bool = True,
 ) -> tuple[TracedMesh, NDArray[np.intp], float]:
     """Every vertex on a float32 grid and, if that can be had, at a place of its own.
 
@@ -402,6 +404,8 @@ def rounded(
         shells: of each of its faces.
         thinnest: as in `finish`.
         step: of the grid, mm; None: the finest that holds the mesh.
+        collapse: whether edges may be; else ends that fall together are moved apart as well, and
+            no other vertex moves.
 
     Returns:
         the mesh, the shell of each face, and how far whole surfaces may have moved, mm.
@@ -413,7 +417,7 @@ def rounded(
     if not len(meshes.sharing(result.mesh.vertices)):
         return result, shells, 0.0
     moved = 0.0
-    for moved in (2.0 * step, 16.0 * step):
+    for moved in (2.0 * step, 16.0 * step) if collapse else ():
         simpler = solid.simplified(moved).traced()
         simpler, shells, _ = meshes.without_slivers(simpler, thinnest)
         result = meshes.on_grid(simpler, simpler.mesh.vertices, step)
@@ -424,6 +428,20 @@ def rounded(
         if not len(meshes.sharing(result.mesh.vertices)):
             break
     return result, shells, moved
+
+
+def flat_mesh(loops: Sequence[ArrayLike]) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """A plane region as triangles: points (V, 2) mm and faces (F, 3), counter-clockwise.
+
+    Args:
+        loops: (N, 2) mm each, its last point not the first again; the region to the left.
+    """
+    rings = [np.ascontiguousarray(loop, dtype=float).reshape(-1, 2) for loop in loops]
+    rings = [ring for ring in rings if len(ring) > 2]
+    if not rings:
+        return np.empty((0, 2)), np.empty((0, 3), np.int32)
+    faces = np.asarray(triangulate(rings), dtype=np.int32).reshape(-1, 3)
+    return np.concatenate(rings), faces
 
 
 # --- files -------------------------------------------------------------------------------------

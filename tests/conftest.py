@@ -31,6 +31,42 @@ settings.register_profile(
 settings.load_profile("ci" if os.environ.get("CI") else "local")
 
 
+# --- tests on several cores: pytest -n auto --dist loadfile, which is what make test does ------
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """What is compiled once on a machine is compiled before the workers begin, not in each."""
+    if getattr(session.config.option, "numprocesses", None):
+        subprocess.run([sys.executable, "-c", PREPARE], cwd=ROOT, check=True)
+
+
+PREPARE = """
+from kinematics.mechanism import mechanism, mechanism_kinds
+for kind in mechanism_kinds():
+    mechanism(kind).prepare()
+"""
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """A file is the work of one worker, for what its tests share; so are all of the browser's."""
+    from xdist.scheduler import LoadFileScheduling
+
+    class Rooms(LoadFileScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            return BROWSER if nodeid.startswith(BROWSER) else super()._split_scope(nodeid)
+
+    return Rooms(config, log) if config.getoption("dist") == "loadfile" else None
+
+
+BROWSER = "tests/browser/"
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """The browser's tests first: they are the longest piece of work."""
+    items.sort(key=lambda item: not item.nodeid.startswith(BROWSER))
+
+
 @pytest.fixture(scope="session")
 def root() -> Path:
     """The checkout."""

@@ -179,7 +179,7 @@ def _motion_lines(place: Place, found: Motion, reasons: list[str]) -> list[str]:
 
 def _statics(arguments: argparse.Namespace) -> None:
     place = Place.of(arguments)
-    load = _load(arguments.load)
+    load = load_numbers(arguments.load)
     found = place.mechanism.statics(place.design, place.pose, place.mode, load)
     system = place.mechanism.wrench_system(place.design, place.pose, place.mode)
     forces = found.forces.tolist()
@@ -222,7 +222,7 @@ def _statics(arguments: argparse.Namespace) -> None:
     )
 
 
-def _load(text: str) -> list[float]:
+def load_numbers(text: str) -> list[float]:
     words = text.split(",")
     if len(words) != len(LOAD):
         raise InputError(

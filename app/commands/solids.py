@@ -7,12 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app import tables
-from app.commands import common
+from app.commands import common, planar
 from kinematics.errors import ComputationError, InputError
 
 if TYPE_CHECKING:
     from kinematics.mechanism import Design, Mechanism, SurfaceKind
-    from kinematics.sections import Region, RegionSpec
 
 WORKSPACE = "workspace"
 
@@ -35,6 +34,13 @@ def register(command: common.AddCommand) -> None:
         default="facets",
         help="facets, right on the average, or true: every vertex on the exact surfaces, more "
         "triangles, not for a preview (default %(default)s)",
+    )
+    workspace.add_argument(
+        "--regions",
+        default="workspace",
+        metavar="KEY",
+        help="of a plane workspace: workspace, or modes or aspects where the mechanism has them; "
+        "-o then writes .svg, .dxf or .csv (default %(default)s)",
     )
     _add_solid(workspace)
 
@@ -70,15 +76,13 @@ def _workspace(arguments: argparse.Namespace) -> None:
     design, mechanism = common.load(arguments.design)
     modes = common.chosen_modes(arguments.modes, mechanism.modes)
     turned = common.orientation(arguments, design, mechanism)
-    specs = mechanism.solids(design)
-    flat = next((spec for spec in mechanism.region_specs(design) if spec.key == WORKSPACE), None)
+    key = WORKSPACE
     if turned.open is not None:
+        specs = mechanism.solids(design)
         key = next((spec.key for spec in specs if spec.follows == turned.open), WORKSPACE)
-    elif flat is not None and all(spec.key != WORKSPACE for spec in specs):
-        _region(arguments, design, mechanism, flat, turned, modes)
+    elif planar.offered(mechanism, design):
+        planar.workspace(arguments, design, mechanism, turned, modes)
         return
-    else:
-        key = WORKSPACE
     _solid(arguments, design, mechanism, key, turned, modes, arguments.surface)
 
 
@@ -157,73 +161,3 @@ def _solid(
             "file": None if path is None else str(path),
         }
     )
-
-
-def _region(
-    arguments: argparse.Namespace,
-    design: Design,
-    mechanism: Mechanism,
-    spec: RegionSpec,
-    turned: common.Orientation,
-    modes: tuple[str, ...] | None,
-) -> None:
-    """A workspace that lies in a plane: its exact edges, area and where the plane stands."""
-    from app import section_files
-    from kinematics.sections import SectionSpec
-
-    path: Path | None = arguments.output
-    kind = None if path is None else common.ending(path, section_files.FORMATS, "a plane region")
-    found = mechanism.regions(design, spec.key, turned.pose, modes)
-    frame = mechanism.region_frame(design, turned.pose)
-    common.warn(design, mechanism)
-    if path is not None and kind is not None:
-        if not any(region.section.loops for region in found):
-            raise ComputationError(f"{spec.title} is empty, so {str(path)!r} was not written")
-        title = f"{design.title or design.name}, {turned.text()}"
-        plane = SectionSpec(spec.title, "", spec.axes, spec.figure)
-        data = section_files.section_bytes(found[0].section, plane, kind, title=title)
-        common.write(path, data)
-    if not arguments.json:
-        common.print_head(design)
-        print("\n".join(_region_lines(spec, found, turned, path)))
-        return
-    sections = [region.section for region in found]
-    common.print_json(
-        {
-            "design": design.name,
-            "mechanism": design.mechanism,
-            "region": spec.key,
-            **turned.entries(),
-            "area_mm2": sum(section.area for section in sections),
-            "perimeter_mm": sum(section.perimeter for section in sections),
-            "pieces": sum(section.pieces for section in sections),
-            "volume_mm3": 0.0,
-            "triangles": 0,
-            "watertight": False,
-            "axes": list(spec.axes),
-            "transform": frame.tolist(),
-            "loops": [loop for each in sections for loop in section_files.section_loops(each)],
-            "file": None if path is None else str(path),
-        }
-    )
-
-
-def _region_lines(
-    spec: RegionSpec, found: tuple[Region, ...], turned: common.Orientation, path: Path | None
-) -> list[str]:
-    lines = [f"{spec.title}, at {turned.text()}"]
-    for region in found:
-        section = region.section
-        if not section.loops:
-            lines.append(f"{region.title}  empty")
-            continue
-        u, v = (f"{axis} = {x:.4f} mm" for axis, x in zip(spec.axes, section.centroid, strict=True))
-        lines += [
-            f"area       {section.area:.4f} mm²",
-            f"perimeter  {section.perimeter:.4f} mm",
-            f"pieces     {section.pieces}, bounded by {len(section.limb)} arcs",
-            f"centroid   {u}, {v}",
-        ]
-    if path is not None:
-        lines.append(f"file       {path} (mm, in the plane's own coordinates)")
-    return lines

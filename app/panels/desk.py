@@ -20,13 +20,14 @@ from app.controller import Here
 from app.exporting import ExportedFile
 from app.folds import Ahead
 from app.painting import Scale
+from app.regions import Laid
 from app.requests import Request
 from app.slicer import Drawn, Region
 from app.worker import Built
 from kinematics.errors import BohemiaError
 from kinematics.mechanism import Design, Mechanism
 from kinematics.sections import Box, Sphere, Volume
-from kinematics.singularities import LocusCurves
+from kinematics.singularities import LocusCurves, Profile
 from kinematics.sweeps import Map
 
 log = logging.getLogger(__name__)
@@ -186,6 +187,8 @@ class Controlled:
     Attributes:
         here: of the present place, or while ``stale`` of one shortly before.
         curves: of the chosen chart; None while they are traced.
+        profiles: of the machine and of its counterparts, each with its design.
+        beside, curves_beside: the counterpart's, where it is compared with.
         ball: the largest one without a singularity, if a person asked for it; ``seeking`` it.
         log: what happened on the way, the newest first.
         scale: the steps of the measure that colours show.
@@ -195,10 +198,21 @@ class Controlled:
     here: Here | None
     stale: bool
     curves: LocusCurves | None
+    profiles: tuple[tuple[Design, Profile], ...]
+    beside: Here | None
+    curves_beside: LocusCurves | None
     ball: Sphere | None
     seeking: bool
     log: tuple[Logged, ...]
     scale: Scale | None
+    trouble: str
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Laying:
+    """The plane regions as panels draw them; ``trouble`` says why there are none."""
+
+    laid: Laid | None
     trouble: str
 
 
@@ -227,6 +241,9 @@ class Panel:
 
     def draw_map(self, sheet: Sheet, charted: Charted) -> None:
         """More of the map came, or it began or ended."""
+
+    def draw_regions(self, sheet: Sheet, laying: Laying) -> None:
+        """Plane regions came, or went."""
 
     def draw_control(self, sheet: Sheet, controlled: Controlled) -> None:
         """More is known of control."""

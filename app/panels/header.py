@@ -10,6 +10,7 @@ from app.controller import Here
 from app.panels.boxes import NUMBERS_GO_BACK
 from app.panels.desk import Controlled, Desk, Panel, Sheet, box, chip, clicked, esc, put_prop, tone
 from app.worker import Busy
+from kinematics.singularities import AT
 
 PATIENCE = 0.6  # s; work that ends sooner is not worth a progress bar
 
@@ -74,8 +75,8 @@ def held_text(here: Here | None) -> str:
     """How far it is to where control is lost; "" where nothing is known of it."""
     if here is None:
         return ""
-    if here.singular:
-        kinds = {s.kind: None for s in here.singular}
+    kinds = {s.kind: None for s in here.singular if s.measure <= AT}
+    if kinds:
         return f"singular ({', '.join(kinds)})"
     nearest = here.nearest("parallel", "constraint")
     return "" if nearest is None else f"{nearest.distance:.1f} mm to a singularity"

@@ -8,13 +8,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from app import palette
+from app.panels.desk import esc
 from app.panels.plots import STEPS, TURN, Axes, Figure, number, scales, ticks
-from kinematics.singularities import LocusCurves, LocusSpec
+from kinematics.singularities import LocusCurves, LocusSpec, OrientationCircle, Profile
 from kinematics.spatial import Array
 
 WIDTH, HEIGHT = 400.0, 360.0
 CELLS = 90  # columns and rows of which the place under the pointer is told
 MOST = 4000  # points of all curves that are drawn
+MACHINES = (palette.WORKSPACE_DEEP, palette.COUNTERPART)
+DASHES = ("", ' stroke-dasharray="6 3"', ' stroke-dasharray="2 3"')
 _DASH = {"serial": ' stroke-dasharray="5 3"'}
 
 
@@ -45,10 +48,12 @@ def chart_axes(spec: LocusSpec, curves: LocusCurves) -> Axes:
     return Axes(WIDTH, HEIGHT, 46, 22, 12, 38, (x0, x1), (y0, y1))
 
 
-def figure(spec: LocusSpec, curves: LocusCurves) -> Figure:
-    """The curves on their axes."""
+def figure(spec: LocusSpec, curves: LocusCurves, circle: OrientationCircle | None = None) -> Figure:
+    """The curves on their axes, of a polar chart with the largest circle about its centre."""
     axes = chart_axes(spec, curves)
     content = [_rings(spec, axes)] if spec.polar else []
+    if spec.polar and circle is not None:
+        content.append(_circle(spec, axes, circle))
     content += _paths(spec, curves, axes)
     columns, rows = _told(spec, axes)
     unit = ["°" if unit == "rad" else unit for unit in spec.units]
@@ -103,6 +108,73 @@ def _paths(spec: LocusSpec, curves: LocusCurves, axes: Axes) -> list[str]:
             f'stroke-width="{width}"{_DASH.get(kind, "")}/>'
         )
     return paths
+
+
+def _circle(spec: LocusSpec, axes: Axes, circle: OrientationCircle) -> str:
+    """The circle without a singularity, and where it touches one."""
+    x0, y0 = axes.px(0.0, 0.0)
+    radius = in_units(spec, np.array([[circle.radius, 0.0]]))[0, 0]
+    scale = axes.inner[0] / (axes.x[1] - axes.x[0])
+    dots = "".join(
+        f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3.2" fill="{palette.BEYOND}"/>'
+        for x, y in (
+            axes.px(*p) for p in in_units(spec, np.array(circle.contacts).reshape(-1, 2)).tolist()
+        )
+    )
+    return (
+        f'<circle class="micr" cx="{x0:g}" cy="{y0:g}" r="{radius * scale:.1f}" '
+        f'fill="{palette.WORKSPACE}" fill-opacity=".3" stroke="{palette.WORKSPACE}" '
+        f'stroke-width="1.6"/>{dots}'
+    )
+
+
+def profile_figure(profiles: Sequence[tuple[str, Profile]]) -> Figure:
+    """Radii against a ratio of lengths: of each machine, named, and of further ratios."""
+    first = profiles[0][1]
+    top = max(float(np.degrees(c.radius).max()) for _, p in profiles for c in p.curves)
+    axes = Axes(WIDTH, 250, 46, 22, 12, 38, (0.0, float(first.x[-1])), (0.0, min(1.05 * top, 182)))
+    content = []
+    modes = list(dict.fromkeys(c.mode for c in first.curves))
+    for n, (name, profile) in enumerate(profiles):
+        for curve in profile.curves:
+            points = np.stack([profile.x, np.degrees(curve.radius)], axis=1).tolist()
+            line = "L".join("{:.1f} {:.1f}".format(*axes.px(*p)) for p in points)
+            dash = DASHES[modes.index(curve.mode) % len(DASHES)]
+            color = MACHINES[n % len(MACHINES)]
+            content.append(
+                f'<path d="M{line}" fill="none" stroke="{color}" '
+                f'stroke-opacity="{1 if curve.own else 0.4}" '
+                f'stroke-width="{2 if curve.own else 1.2}"{dash}>'
+                f"<title>{esc(name)}, mode {esc(curve.mode)}, {esc(curve.title)}</title></path>"
+            )
+    columns = [
+        f"{first.across} = {x:.2f}: "
+        + " · ".join(
+            f"{name} {np.degrees(np.interp(x, p.x, c.radius)):.1f}° (mode {c.mode})"
+            for name, p in profiles
+            for c in p.curves
+            if c.own
+        )
+        for x in np.linspace(0.0, first.x[-1], CELLS).tolist()
+    ]
+    box = scales(axes, first.across, f"{first.up} (°)", ticks(*axes.x, 6), ticks(*axes.y, 5, TURN))
+    return Figure(
+        axes,
+        _clip(axes, "".join(content)) + box,
+        columns,
+        ("",),
+        [""] * CELLS,
+        f"{first.title} ({first.figure}); full mode {modes[0]}, dashed mode {modes[-1]}",
+        first.title,
+    )
+
+
+def profile_mark(axes: Axes, at: float) -> str:
+    """Where the machine stands."""
+    if not axes.x[0] <= at <= axes.x[1]:
+        return ""
+    x, low = axes.px(at, axes.y[0])
+    return f'<path d="M{x:.1f} {axes.top:g}V{low:.1f}" stroke="currentColor" stroke-width="1.5"/>'
 
 
 def _rings(spec: LocusSpec, axes: Axes) -> str:

@@ -7,7 +7,7 @@ from functools import partial
 import viser
 
 from app import palette
-from app.changes import Drive, Flip, GiveWay, GoHome, Move
+from app.changes import Drive, Flip, GiveWay, GoHome, Move, Place
 from app.compute import (
     JointRow,
     from_page_units,
@@ -31,6 +31,7 @@ from app.panels.desk import (
     tone,
 )
 from kinematics.mechanism import Coordinate, Mechanism
+from kinematics.singularities import ModeChange
 
 STEP = {"mm": 0.1, "rad": 0.1}  # on the page: mm and degrees
 
@@ -100,6 +101,9 @@ class MovePanel(Panel):
         if not signed(kind.modes):
             self._choice = desk.gui.add_dropdown("Mode", kind.modes, initial_value=mode)
             answer(desk, self._choice, lambda chosen, client: desk.send(Flip(chosen), client))
+            self._change = desk.gui.add_html("")
+            self._go = button(desk, "Go where modes meet", self._go_to_change)
+            self._meeting: ModeChange | None = None
             return
         hint = kind.about("mode")
         self._modes = [
@@ -126,6 +130,11 @@ class MovePanel(Panel):
         self._mode = view.posture.mode
         if self._choice is not None:
             put(self._desk, self._choice, self._mode)
+            self._meeting = view.mode_change
+            text = "" if self._meeting is None else box(esc(self._meeting.text))
+            put_prop(self._change, "content", text)
+            away = self._meeting is not None and not self._meeting.here
+            put_prop(self._go, "visible", away)
         for switch, sign in zip(self._modes, self._mode, strict=bool(self._modes)):
             put(self._desk, switch, sign == "+")
         put_prop(self._table, "content", _table(view.joints))
@@ -161,6 +170,10 @@ class MovePanel(Panel):
 
     def _give_way(self, symbol: str, client: viser.ClientHandle | None) -> None:
         self._desk.send(GiveWay(self._ways.get(symbol, "")), client)
+
+    def _go_to_change(self, client: viser.ClientHandle | None) -> None:
+        if self._meeting is not None:
+            self._desk.send(Place(self._meeting.at.pose, gesture=""), client)
 
     def _flip(self, desk: Desk, n: int, on: bool, client: viser.ClientHandle | None) -> None:
         mode = self._mode[:n] + ("+" if on else "-") + self._mode[n + 1 :]

@@ -37,9 +37,9 @@ SORTED: dict[Sort, str] = {
     "distance": "Distance from here",
     "condition": "Conditioning",
     "height": "Height",
-    "mode": "Working mode",
+    "mode": "Mode",
 }
-EVERY, SAME, PATTERN = "All working modes", "The present working mode", "A pattern"
+EVERY, SAME, PATTERN = "All modes", "The present mode", "A pattern"
 NO_FOLD = "none"
 PAGE = 20  # rows at first and with every "more": each costs the browser some time
 

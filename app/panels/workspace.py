@@ -12,6 +12,7 @@ from app.changes import ChooseModes, ChooseSurface, Fade, Show
 from app.modes import matching, page_mode
 from app.panels.desk import (
     Desk,
+    Laying,
     Panel,
     Sections,
     Sheet,
@@ -27,6 +28,7 @@ from app.panels.desk import (
     tone,
     volume_text,
 )
+from app.panels.regions import RegionsFolder
 from app.requests import Forget, GoToBall, Inscribe
 from app.tables import surface_text
 from app.worker import Built
@@ -59,18 +61,25 @@ class WorkspacePanel(Panel):
         self._known = review.mechanism.modes
         self._switches: dict[str, viser.GuiCheckboxHandle] = {}
         self._opacities: list[tuple[tuple[str, ...], viser.GuiSliderHandle[float]]] = []
+        self._regions = (
+            RegionsFolder(desk, sheet) if review.mechanism.region_specs(review.design) else None
+        )
         specs = review.mechanism.solids(review.design)
         alone = [s for s in specs if s.limb is None and not s.of_present_mode]
         for spec in alone:
             gui.add_html(box(f"<b>{esc(spec.title)}</b>"))
             self._switch(spec, "Show", sheet)
-        self._opacity(tuple(s.key for s in alone), "Opacity", 0.35)
+        if alone:
+            self._opacity(tuple(s.key for s in alone), "Opacity", 0.35)
+        of_modes = any(spec.uses_modes for spec in alone) or any(
+            spec.uses_modes for spec in review.mechanism.region_specs(review.design)
+        )
         self._choice = gui.add_dropdown(
             "Of",
             (ALL, CURRENT, CHOSEN),
             initial_value=_choice(sheet),
             hint="Working modes",
-            visible=any(spec.uses_modes for spec in alone) and len(self._known) > 1,
+            visible=of_modes and len(self._known) > 1,
         )
         answer(desk, self._choice, self._choose)
         self._set = gui.add_text(
@@ -94,10 +103,12 @@ class WorkspacePanel(Panel):
         self._exact = gui.add_html("")
         if review.mechanism.section_spec(review.design) is not None:
             self._usable(desk)
-        gui.add_html(box("<b>Vertex spaces of the limbs</b>"))
-        self._all = gui.add_checkbox("All limbs", False)
-        answer(desk, self._all, partial(self._show_all, specs))
         self._whole = [s.key for s in specs if s.key.endswith("/whole")]
+        self._all: viser.GuiCheckboxHandle | None = None
+        if self._whole:
+            gui.add_html(box("<b>Vertex spaces of the limbs</b>"))
+            self._all = gui.add_checkbox("All limbs", False)
+            answer(desk, self._all, partial(self._show_all, specs))
         for limb in sorted({s.limb for s in specs if s.limb is not None}):
             own = [s for s in specs if s.limb == limb]
             with gui.add_folder(f"Limb {limb}", expand_by_default=False):
@@ -111,7 +122,7 @@ class WorkspacePanel(Panel):
 
     @staticmethod
     def serves(kind: Mechanism, design: Design) -> bool:
-        return bool(kind.solids(design))
+        return bool(kind.solids(design) or kind.region_specs(design))
 
     def draw(self, sheet: Sheet) -> None:
         review = sheet.view.review
@@ -127,8 +138,15 @@ class WorkspacePanel(Panel):
         if choice == CHOSEN:
             put(self._desk, self._set, _set_text(sheet))
         put(self._desk, self._surface, MADE_OF[review.surface])
-        put(self._desk, self._all, all(review.shown(key) for key in self._whole))
+        if self._all is not None:
+            put(self._desk, self._all, all(review.shown(key) for key in self._whole))
+        if self._regions is not None:
+            self._regions.draw(sheet)
         self.draw_solids(sheet)
+
+    def draw_regions(self, sheet: Sheet, laying: Laying) -> None:
+        if self._regions is not None:
+            self._regions.draw_regions(laying)
 
     def draw_sections(self, sheet: Sheet, sections: Sections) -> None:
         self._measured = sections
@@ -206,15 +224,16 @@ def _set_text(sheet: Sheet) -> str:
 
 def _report(sheet: Sheet) -> str:
     view = sheet.view
-    shown = view.review.shown("workspace")
     where = (
         f'<b style="color:{tone("good")}">inside</b>'
         if view.inside
         else f'<b style="color:{palette.BEYOND}">outside</b>'
     )
     lines = [f"The present position is {where} this workspace."]
-    built = sheet.built.get("workspace")
-    if shown is not None and built is not None:
+    for shown in view.review.solids:
+        built = sheet.built.get(shown.key)
+        if built is None or built.wish.spec.limb is not None or built.wish.spec.of_present_mode:
+            continue
         solid = built.solid
         if not solid.pieces:
             lines.append(

@@ -6,8 +6,8 @@ or run through a base point that a limb folds onto. So the workspace and its cur
 its faces are the aspects, and the wrenches' determinant has one sign on each.
 
 Aspects of one sign in two working modes join where a limb is stretched or folded (or folded onto
-its base point): what can be joined so, without crossing a parallel singularity, has one group. Wenger
-and Chablat; Macho et al. 2008. Lengths mm.
+its base point): what can be joined so, without crossing a parallel singularity, has one group, as
+the workspaces of the assembly modes of Macho et al., Robotica 26 (2008). Lengths mm.
 """
 
 from __future__ import annotations
@@ -48,11 +48,10 @@ class Aspect:
 
     def holds(self, points: Array, size: float) -> np.ndarray:
         """Which points (N, 2) lie in it, to within the chords' deviation of about size/1e4."""
-        count = sum(
-            arcs.contains(arcs.outline(loop, 0.01 * size), points).astype(int)
-            for loop in self.loops
-        )
-        return np.asarray(count) % 2 == 1
+        held = np.zeros(len(points), dtype=bool)
+        for loop in self.loops:
+            held ^= arcs.contains(arcs.outline(loop, 0.01 * size), points)
+        return held
 
 
 @lru_cache(maxsize=64)

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Literal
 
 import numpy as np
@@ -185,13 +185,13 @@ def pieces(design: FiveBarDesign) -> tuple[Piece, ...]:
         ends = [*cuts[1:], cuts[0] + 2 * np.pi]
         middles = 0.5 * (np.array(cuts) + np.array(ends))
         point, joints = loop.points(middles)
-        ok = in_range(design, joints).all(axis=-1)
+        ok = np.atleast_1d(in_range(design, joints).all(axis=-1))
         modes = mode_of(design, point, joints)
         # Where θ_1 leaps (see _cuts), a piece ends beside the leap, a few nm before the point.
         aside = 1e-8 if _leaps(loop) else 0.0
-        serial = (np.abs(_bend(loop, middles)) < _ALWAYS).any(axis=-1).tolist()
+        serial = np.atleast_1d((np.abs(_bend(loop, middles)) < _ALWAYS).any(axis=-1))
         found += [
-            Piece(loop, a + aside, b - aside, mode, whole, flat)
+            Piece(loop, a + aside, b - aside, mode, whole, bool(flat))
             for a, b, mode, held, flat in zip(cuts, ends, modes, ok, serial, strict=True)
             if held and b - a > _SHORT
         ]
@@ -201,12 +201,14 @@ def pieces(design: FiveBarDesign) -> tuple[Piece, ...]:
 def _cuts(loop: Loop) -> list[float]:
     """τ in [0, 2π) at which a limb is stretched or folded, or a joint at the end of its range."""
     tau = np.linspace(0.0, 2 * np.pi, _SAMPLES + 1)
-    found = [_roots(lambda t, i=i: _bend(loop, t)[..., i], tau) for i in range(2)]
     design = loop.design
-    for i, limb in enumerate(design.limbs):
-        if limb.joint_range_deg is not None:
-            for end in design.joint_range[i].tolist():
-                found.append(_roots(lambda t, i=i, e=end: _past(loop, t, i, e), tau))
+    found = [_roots(partial(_bend_of, loop, i), tau) for i in range(2)]
+    found += [
+        _roots(partial(_past, loop, i, end), tau)
+        for i, limb in enumerate(design.limbs)
+        if limb.joint_range_deg is not None
+        for end in design.joint_range[i].tolist()
+    ]
     if _leaps(loop):
         # Here θ_1 leaps: the four-bar lies flat and goes on as a parallelogram.
         flat = 0.0 if design.distal[0] + loop.side * design.distal[1] > 0.0 else np.pi
@@ -231,10 +233,17 @@ def _bend(loop: Loop, tau: Array) -> Array:
     return sine
 
 
-def _past(loop: Loop, tau: Array, i: int, end: float) -> Array:
-    """(N,): how far joint i is past the end of its range, as the half angle's sine, continuous."""
+def _bend_of(loop: Loop, i: int, tau: Array) -> Array:
+    """(N,): the same of limb i."""
+    bend: Array = _bend(loop, tau)[..., i]
+    return bend
+
+
+def _past(loop: Loop, i: int, end: float, tau: Array) -> Array:
+    """(N,): the sine of what joint i is past the end of its range, and continuous."""
     _, joints = loop.points(tau)
-    return np.sin(joints[..., i] - end)
+    sine: Array = np.sin(joints[..., i] - end)
+    return sine
 
 
 def _roots(function: Callable[[Array], Array], tau: Array) -> Array:

@@ -10,6 +10,7 @@ from kinematics.five_bar.design import LIMBS, SUBSCRIPTS, FiveBarDesign
 from kinematics.five_bar.forward import both_points
 from kinematics.five_bar.inverse import RANGE_SLACK, elbows, mode_of, normal_angles, posture
 from kinematics.five_bar.joints_line import Crossing, first_crossing
+from kinematics.five_bar.passing import warning
 from kinematics.solutions import Fold, Followed, Posture, Stop
 from kinematics.spatial import Array, finite
 
@@ -35,7 +36,7 @@ def follow(design: FiveBarDesign, start: Posture, joints: Sequence[float]) -> Fo
     q = np.array(start.joints)
     aim, blocked = _aim(design, q, wanted)
     side = _side(design, start)
-    crossing = first_crossing(design, q, aim)
+    crossing = first_crossing(design, q.tolist(), aim.tolist())
     if side == 0 or (crossing is not None and crossing.fraction == 0.0):
         text = "P stands in a parallel singularity, so the joints do not determine where it goes"
         return Followed(start, "singularity", text, 0.0)
@@ -54,7 +55,7 @@ def follow(design: FiveBarDesign, start: Posture, joints: Sequence[float]) -> Fo
     elif blocked is not None:
         stop, limb = "stroke", blocked + 1
         text = _joined(text, _range_text(design, blocked, float(wanted[blocked])))
-    return Followed(moved, stop, text, fraction * share, limb)
+    return Followed(moved, stop, text, fraction * share, limb, warning(design, moved))
 
 
 def fold_ahead(design: FiveBarDesign, start: Posture, joints: Sequence[float]) -> Fold | None:
@@ -67,7 +68,7 @@ def fold_ahead(design: FiveBarDesign, start: Posture, joints: Sequence[float]) -
     if not start.closes or _side(design, start) == 0:
         return None
     q = np.array(start.joints)
-    crossing = first_crossing(design, q, wanted)
+    crossing = first_crossing(design, q.tolist(), wanted.tolist())
     if crossing is None or crossing.fraction == 0.0:
         return None
     other = both_points(design, q)[1 if _side(design, start) > 0 else 0]

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -117,7 +118,7 @@ def _packed(
     gap = np.full(len(points), np.inf)
     if len(points) == LIMBS:
         gap[:] = np.hypot(*(points[0] - points[1]))
-    arrays: dict[str, np.ndarray] = {
+    arrays: dict[str, Any] = {
         "poses": np.array(points).reshape(-1, 2),
         "residual": residual,
         "condition": condition(design, points, q),

@@ -43,7 +43,7 @@ def inverse(design: FiveBarDesign, poses: ArrayLike) -> InverseSolutions:
     p = finite(poses, name="a pose", last=2)
     both = limb_angles(design, p)
     joints = np.stack([_pick(both, mode) for mode in MODES], axis=-2)
-    within = in_range(design, joints).all(axis=-1)
+    within = np.asarray(in_range(design, joints).all(axis=-1))
     with np.errstate(invalid="ignore"):
         elbow = elbows(design, joints)
         off = np.abs(np.linalg.norm(p[..., None, None, :] - elbow, axis=-1) - design.distal)
@@ -116,7 +116,8 @@ def elbows(design: FiveBarDesign, joints: ArrayLike) -> Array:
     """B_i (..., 2, 2) mm from angles (..., 2) rad (eq. 2)."""
     q = np.asarray(joints, dtype=float)
     e = np.stack([np.cos(q), np.sin(q)], axis=-1)
-    return design.base + design.proximal[:, None] * e
+    found: Array = design.base + design.proximal[:, None] * e
+    return found
 
 
 def mode_of(design: FiveBarDesign, poses: ArrayLike, joints: ArrayLike) -> list[str]:

@@ -54,7 +54,7 @@ def first_crossing(
         q1, q2 = t1 + f * d1, t2 + f * d2
         x = w + b * cos(q2) - a * cos(q1)
         y = b * sin(q2) - a * sin(q1)
-        return x * x + y * y
+        return float(x * x + y * y)
 
     left = g(0.0)
     if not least < left < most:

@@ -5,12 +5,14 @@ diagonal with a_i = r_1 (P − B_i)·e⊥(θ_i). Differentiated once more,
 a_i θ̈_i = (P − B_i)·p̈ + r_1 θ̇_i² (P − B_i)·e(θ_i) + |ṗ − Ḃ_i|²: eqs. 26 to 28, whose g_2 in row 2
 of eq. 27 is multiplied by θ̇_2. Torques that hold a force F at P: τ = −A B^{−T} F.
 
-det A is y² c_1 c_2 − x y (c_1 s_2 + s_1 c_2) + y r_3 (c_1 s_2 − s_1 c_2) + (x² − r_3²) s_1 s_2 times
-r_1 r_1' (eq. 24 is misprinted): serial singularities; det B (eq. 25) the parallel ones. Lengths mm,
-angles rad. Everything takes batches.
+det A is r_1 r_1' times y² c_1 c_2 − x y (c_1 s_2 + s_1 c_2) + y r_3 (c_1 s_2 − s_1 c_2) +
+(x² − r_3²) s_1 s_2 (eq. 24 is misprinted): zero at serial singularities; det B (eq. 25) is zero at
+parallel ones. Lengths mm, angles rad. Everything takes batches.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,6 +21,7 @@ from kinematics.errors import InputError
 from kinematics.five_bar.design import LIMBS, SUBSCRIPTS, FiveBarDesign
 from kinematics.five_bar.inverse import elbows, joints_of
 from kinematics.motion import Motion, Statics, WrenchName, WrenchSystem
+from kinematics.singularities import Measure
 from kinematics.spatial import Array, finite
 
 SINGULAR = 1e-12
@@ -133,7 +136,8 @@ def _bias(design: FiveBarDesign, b: Array, q: Array, v: Array, rate: Array) -> A
     across = np.stack([-e[..., 1], e[..., 0]], axis=-1)
     relative = v[..., None, :] - (design.proximal * rate)[..., None] * across
     along: Array = design.proximal * rate**2 * (b * e).sum(axis=-1)
-    return along + (relative**2).sum(axis=-1)
+    bias: Array = along + (relative**2).sum(axis=-1)
+    return bias
 
 
 def _solve(design: FiveBarDesign, b: Array, right: Array) -> Array:
@@ -148,10 +152,7 @@ def _solve(design: FiveBarDesign, b: Array, right: Array) -> Array:
 
 def _motion(v: Array, w: Array, rate: Array, acceleration: Array) -> Motion:
     v, w, rate, acceleration = np.broadcast_arrays(v, w, rate, acceleration)
-    undetermined = ~(np.isfinite(v) & np.isfinite(rate)).all(axis=-1)
-    v, w, rate, acceleration = (
-        np.where(undetermined[..., None], np.nan, each) for each in (v, w, rate, acceleration)
-    )
+    v, w, rate, acceleration = (each.copy() for each in (v, w, rate, acceleration))
     return Motion(v, w, _planar(v), _planar(w), rate, acceleration)
 
 
@@ -209,6 +210,53 @@ def statics(design: FiveBarDesign, poses: ArrayLike, mode: str, loads: ArrayLike
 def characteristic_length(design: FiveBarDesign) -> float:
     """mm that an angle of 1 rad counts for: the mean driven link."""
     return float(design.proximal.mean())
+
+
+# --- how well ------------------------------------------------------------------------------
+
+
+MEASURES = (
+    Measure("conditioning", "Conditioning of the Jacobian, 1/κ", "", "high", (0.0, 1.0)),
+    Measure("manipulability", "Manipulability", "", "high", (0.0, 1.0)),
+    Measure("transmission", "Transmission index", "", "high", (0.0, 1.0)),
+    Measure("force", "Largest actuator torque", "N·mm", "low", (0.0, None), needs_load=True),
+)
+
+
+def measure(
+    design: FiveBarDesign,
+    poses: ArrayLike,
+    mode: str,
+    key: str,
+    load: Sequence[float] | None = None,
+) -> Array:
+    """One of `MEASURES` at poses (..., 2), (...); NaN where they do not close.
+
+    "conditioning": 1/κ of J; "manipulability": the area that the unit forces along the distal links
+    span, |sin| of the angle between them; "transmission": the least of it and of |sin| between each
+    limb's links (input and output index, Wang, Wu and Liu 2010); "force": the largest torque for
+    a load, infinite at parallel singularities.
+
+    Raises:
+        InputError: there is no such measure, or it needs a load.
+    """
+    p = finite(poses, name="a pose", last=2)
+    q = joints_of(design, p, mode)
+    if key == "conditioning":
+        answer: Array = 1.0 / condition(design, p, q)
+        return answer
+    limbs, between = (np.abs(each) for each in sines(design, p, q))
+    if key == "transmission":
+        return np.asarray(np.minimum(limbs.min(axis=-1), between))
+    if key == "manipulability":
+        return np.asarray(between)
+    if key == "force":
+        if load is None:
+            raise InputError("the largest torque needs a load, [Fx, Fy, Fz, Tx, Ty, Tz]")
+        largest: Array = np.abs(statics(design, p, mode, load).forces).max(axis=-1)
+        return np.where(np.isfinite(between) & np.isnan(largest), np.inf, largest)
+    known = ", ".join(each.key for each in MEASURES)
+    raise InputError(f"there is no measure {key!r}; known are {known}")
 
 
 # --- inside --------------------------------------------------------------------------------

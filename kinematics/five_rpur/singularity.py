@@ -25,10 +25,10 @@ from kinematics.five_rpur.inverse import joint_points
 from kinematics.five_rpur.motion import hessian, pose_rates_of
 from kinematics.five_rpur.statics import wrench_system
 from kinematics.five_rpur.velocity import characteristic_length, velocity_rows
-from kinematics.lines import EXACT
 from kinematics.singularities import AT, NEAR, Singularity
 from kinematics.solutions import Posture
 from kinematics.spatial import Array
+from kinematics.varieties import EXACT
 from kinematics.wrenches import singular_values
 
 _STILL = 1e-5  # curvature, without unit, below which a free motion goes on to second order

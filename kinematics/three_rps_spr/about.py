@@ -10,8 +10,8 @@ The **3-RPS** stands on three revolute joints on the base (circumradius h₁); e
 prismatic limb ρᵢ that ends in a spherical joint of the platform (h₂). Fig. 2 of Nayak et al. 2017.
 """,
     "three_spr": """
-The **3-SPR** is the 3-RPS upside down: spherical joints on the base (circumradius h₁), revolute ones
-on the platform (h₂). Its poses are the inverses of those of a 3-RPS with h₁ and h₂ exchanged.
+The **3-SPR** is the 3-RPS upside down: spherical joints on the base (circumradius h₁), revolute
+ones on the platform (h₂). Its poses are the inverses of those of a 3-RPS with h₁ and h₂ exchanged.
 Fig. 1 of Nayak et al. 2017.
 """,
 }
@@ -33,14 +33,14 @@ Every orientation and altitude that the strokes allow in the present operation m
     "singularities": """
 With the actuators locked the limbs hold the platform by six forces: along each limb, and through
 each spherical joint along the axis of the limb's revolute joint. They are dependent where P(Z, θ,
-sin 3φ) = 0 (**actuation** singularities, Fig. 3) and at a tilt of 180° (**constraint** singularity).
-The **MICR** is the tilt up to which no azimuth is singular (Figs. 4 and 5). The paper prints 25.22°
-and 30.38° for its example (3-SPR, h₁ = 1, h₂ = 2, Z = 1), which is 25.1803° and 30° exactly: a grid of
-0.01 rad, rounded up, and π taken as 3.14 give the printed values.
+sin 3φ) = 0 (**actuation** singularities, Fig. 3) and at a tilt of 180° (**constraint**
+singularity). The **MICR** is the tilt up to which no azimuth is singular (Figs. 4 and 5). The paper
+prints 25.22° and 30.38° for its example (3-SPR, h₁ = 1, h₂ = 2, Z = 1), which is 25.1803° and 30°
+exactly: a grid of 0.01 rad, rounded up, and π taken as 3.14 give the printed values.
 """,
     "design": """
-A **design** is the circumradii h₁ of the base and h₂ of the platform and the stroke ρ min … ρ max that
-the three limbs share.
+A **design** is the circumradii h₁ of the base and h₂ of the platform and the stroke ρ min … ρ max
+that the three limbs share.
 """,
 }
 

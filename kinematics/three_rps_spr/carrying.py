@@ -23,9 +23,7 @@ _FINEST = 12  # halvings
 _TOGETHER = 0.5  # of h2: how near solutions are that left together
 
 
-def refresh(
-    design: TripodDesign, before: ForwardSolutions, joints: Sequence[float]
-) -> Refreshed:
+def refresh(design: TripodDesign, before: ForwardSolutions, joints: Sequence[float]) -> Refreshed:
     """All assembly modes at other lengths, with the identities they had ``before``.
 
     Raises:
@@ -46,7 +44,7 @@ def refresh(
             pending += [(middle, high, between, b, depth + 1), (low, middle, a, between, depth + 1)]
             continue
         # Pieces are worked off in their order, so ``names`` are those of ``a``.
-        lost += [(int(names[n]), a, n) for n in np.flatnonzero(became < 0)]
+        lost += [(int(names[n]), a, n) for n in np.flatnonzero(became < 0).tolist()]
         kept = became >= 0
         renamed = np.full(len(b), -1)
         renamed[became[kept]] = names[kept]
@@ -94,7 +92,7 @@ def _merged(
     entry: tuple[int, ForwardSolutions, int],
     lost: Sequence[tuple[int, ForwardSolutions, int]],
 ) -> Merged:
-    """Whom it met: of those that left in the same piece, from the other side of P = 0, the nearest."""
+    """Whom it met: the nearest of those that left in the same piece from the other side."""
     identity, found, n = entry
     partner, best = None, _TOGETHER * design.platform_radius
     for other, where, m in lost:

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
 from kinematics.singularities import OrientationCircle
@@ -31,6 +32,7 @@ _SHALLOW = 0.05  # part of the room at the centre below which a dip is looked in
 _SAME = 1e-7  # rad by which circles meet a limit together
 
 Bound = Literal["rho_min", "rho_max"]
+_Contacts = tuple[tuple[float, float], ...]
 _ENDS: tuple[Bound, Bound] = ("rho_min", "rho_max")
 
 
@@ -111,18 +113,16 @@ def _constraint(home: Home) -> OrientationCircle:
 def _strokes(home: Home) -> OrientationCircle:
     frame = _frame(home.tilt, home.azimuth)
     now = home.lengths_at(frame[0])
-    best: tuple[float, tuple[tuple[float, float], ...], int, Bound] | None = None
+    best: tuple[float, _Contacts, int, Bound] | None = None
     sampled = home.lengths_at(_grid(frame))
     for i in range(LIMBS):
         for bound, end in zip(_ENDS, home.design.stroke, strict=True):
             side = 1.0 if bound == "rho_min" else -1.0
-            if not side * (now[i] - end) > 0.0:  # also where there is no position
-                radius, contacts = 0.0, ((home.tilt, home.azimuth),)
-            else:
+            radius: float = 0.0
+            contacts: _Contacts = ((home.tilt, home.azimuth),)
+            if side * (now[i] - end) > 0.0:  # not so where there is no position
                 radius, contacts = _first_zero(
-                    frame,
-                    lambda x, i=i, side=side, end=end: _room(home.lengths_at(x)[..., i], side, end),
-                    _room(sampled[..., i], side, end),
+                    frame, _limb_room(home, i, side, end), _room(sampled[..., i], side, end)
                 )
             if best is None or radius < best[0] - _SAME:
                 best = radius, contacts, i, bound
@@ -133,6 +133,10 @@ def _strokes(home: Home) -> OrientationCircle:
     if radius >= np.pi:
         return _circle(home, "stroke", np.pi, (), _ERROR)
     return _circle(home, "stroke", radius, contacts, _ERROR, i + 1, bound)
+
+
+def _limb_room(home: Home, i: int, side: float, end: float) -> Callable[[Array], Array]:
+    return lambda x: _room(home.lengths_at(x)[..., i], side, end)
 
 
 def _room(length: Array, side: float, end: float) -> Array:
@@ -161,9 +165,13 @@ def _circle(
         text = f"No orientation at this altitude meets {what.partition(' (')[0]}."
         text = text.replace("the end of limb None's stroke", "the end of a stroke")
     else:
-        text = f"The platform can turn by {np.degrees(radius):.3f}° in every direction until {what}."
+        text = (
+            f"The platform can turn by {np.degrees(radius):.3f}° in every direction until {what}."
+        )
     if barred:
-        text += " The circle crosses the ring at a tilt of 90°, which no position at this altitude has."
+        text += (
+            " The circle crosses the ring at a tilt of 90°, which no position at this altitude has."
+        )
     return OrientationCircle(
         limit, float(radius), contacts, text, limb, bound, barred, 0.0 if radius == 0.0 else error
     )
@@ -259,7 +267,7 @@ def _settled(
     return radius, ((float(tilt), float(azimuth)),)
 
 
-def _dips(values: Array) -> Array:
+def _dips(values: Array) -> NDArray[np.intp]:
     """Where periodic values are not above both neighbours, the four lowest of these."""
     dips = np.flatnonzero((values <= np.roll(values, 1)) & (values <= np.roll(values, -1)))
     return dips[np.argsort(values[dips])[:4]]

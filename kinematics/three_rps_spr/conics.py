@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from kinematics.spatial import Array
 from kinematics.three_rps_spr.design import AZIMUTHS, LIMBS
 from kinematics.three_rps_spr.posing import Reduced, offsets
+from kinematics.three_rps_spr.study import Values
 
 Complex = NDArray[np.complex128]
 
@@ -61,10 +62,10 @@ def roots(h: float, sign: float, lengths: Array) -> Roots:
     k, square = sign, lengths**2
     mean = square.mean(axis=-1)
     d = (2.0 / 3.0) * (square * _U.conj()).sum(axis=-1)
-    c, e = 2.0 * k * k - 4.0 * k * h, mean - (k - h) ** 2
+    slope, e = 2.0 * k * k - 4.0 * k * h, mean - (k - h) ** 2
     scale = 4.0 * (1.0 + np.sqrt(mean))  # of γ, so that all unknowns are of the same size
-    forms, constants = _forms(h, k, c, e, d, scale)
-    plane = _plane(c, d)
+    forms, constants = _forms(h, k, slope, e, d, scale)
+    plane = _plane(slope, d)
     inner = plane.swapaxes(-1, -2)[:, None] @ forms @ plane[:, None]  # (B, 4, 3, 3)
     first, second, level, size = _conics(inner, constants)
     points, curve = _common_points(first, second)  # (B, 4, 3)
@@ -88,16 +89,21 @@ def roots(h: float, sign: float, lengths: Array) -> Roots:
     rough = np.stack([x0, x1, x2, v], axis=-1).reshape(-1, 4)
     found, miss = _polished(h, k, np.repeat(square, 2 * PAIRS, axis=0), rough)
     found = found.reshape(len(square), 2 * PAIRS, 4)
-    return Roots(*(found[..., n] for n in range(4)), miss.reshape(len(square), -1), curve)
+    a, b, c, d = (found[..., n] for n in range(4))
+    return Roots(a, b, c, d, miss.reshape(len(square), -1), curve)
 
 
-def lengths_and_slopes(h: float, k: float, u: Complex) -> tuple[Complex, Complex]:
+def lengths_and_slopes(h: float, k: float, u: Values) -> tuple[Values, Values]:
     """r_i² (..., 3) and its derivatives by x0, x1, x2, v (..., 3, 4); complex numbers allowed."""
     x0, x1, x2, v = (u[..., n] for n in range(4))
     p, z = offsets(h, k, Reduced(x0, x1, x2, v))
     x0, x1, x2 = (a[..., None] for a in (x0, x1, x2))
     one = np.ones(LIMBS)
-    out = [2.0 * k * x0 * one, 4.0 * k * (x1 * _COS - x2 * _SIN), -4.0 * k * (x2 * _COS + x1 * _SIN)]
+    out = [
+        2.0 * k * x0 * one,
+        4.0 * k * (x1 * _COS - x2 * _SIN),
+        -4.0 * k * (x2 * _COS + x1 * _SIN),
+    ]
     up = [2.0 * k * (x1 * _SIN - x2 * _COS), 2.0 * k * x0 * _SIN, -2.0 * k * x0 * _COS]
     parts = [2.0 * (p * a + z * b) for a, b in zip(out, up, strict=True)]
     slopes = np.stack([*parts, 2.0 * z], axis=-1)
@@ -107,9 +113,7 @@ def lengths_and_slopes(h: float, k: float, u: Complex) -> tuple[Complex, Complex
 # --- inside --------------------------------------------------------------------------------
 
 
-def _forms(
-    h: float, k: float, c: float, e: Array, d: Complex, scale: Array
-) -> tuple[Array, Array]:
+def _forms(h: float, k: float, c: float, e: Array, d: Complex, scale: Array) -> tuple[Array, Array]:
     """The four quadratic forms in (x1, x2, γ/scale, a), (B, 4, 4, 4), and their values (B, 4)."""
     forms = np.zeros((len(d), 4, 4, 4))
 
@@ -246,7 +250,7 @@ def _polished(h: float, k: float, square: Array, u: Complex) -> tuple[Complex, A
 
 def _solve(matrix: Complex, right: Complex) -> Complex:
     try:
-        return np.linalg.solve(matrix, right[..., None])[..., 0]
+        found = np.linalg.solve(matrix, right[..., None])[..., 0]
     except np.linalg.LinAlgError:  # exactly singular at a double solution
-        found: Complex = (np.linalg.pinv(matrix) @ right[..., None])[..., 0]
-        return found
+        found = (np.linalg.pinv(matrix) @ right[..., None])[..., 0]
+    return found.astype(complex)

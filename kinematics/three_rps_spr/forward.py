@@ -144,8 +144,8 @@ def _answer(
         poses.append(posing.to_poses(design, reduced, mode))
         modes += [mode] * len(v)
         numbers.append(one.multiplicity[one.real])
-        x0, x1, x2, v = (one.everything[:, n] for n in range(4))
-        roots.append(posing.to_study(design, Reduced(x0, x1, x2, radius * v), mode))
+        a, b, c, d = (one.everything[:, n] for n in range(4))
+        roots.append(posing.to_study(design, Reduced(a, b, c, radius * d), mode))
     pose = np.concatenate(poses)
     residual, number, determinant = (np.empty(len(pose)) for _ in range(3))
     for mode in MODES:
@@ -219,9 +219,7 @@ def distances(
     return np.asarray(np.hypot(shift, characteristic_length(design) * angle))
 
 
-def _self_motions(
-    design: TripodDesign, rho: Array, curve: list[bool]
-) -> tuple[SelfMotion, ...]:
+def _self_motions(design: TripodDesign, rho: Array, curve: list[bool]) -> tuple[SelfMotion, ...]:
     """Equal limbs where the spherical triangle is twice the revolute one leave a curve free.
 
     There r² = D0 for all limbs wherever v = −k Im ζ³/x0 and (E + k²) q − E = k² (Re ζ³)²,
@@ -239,7 +237,10 @@ def _self_motions(
         x0 = float(np.sqrt(1.0 - q))
         lift = -k * s**3 / x0
         reduced = Reduced(
-            np.array(x0), np.array(s * np.cos(azimuth)), np.array(s * np.sin(azimuth)), np.array(lift)
+            np.array(x0),
+            np.array(s * np.cos(azimuth)),
+            np.array(s * np.sin(azimuth)),
+            np.array(lift),
         )
         pose = posing.to_poses(design, reduced, mode)
         found.append(
@@ -277,7 +278,9 @@ def _notes(
 ) -> tuple[str, ...]:
     notes = [motion.text for motion in motions]
     if count < EXPECTED and not motions:
-        notes.append(f"{EXPECTED - count} of {EXPECTED} solutions are at infinity for these lengths.")
+        notes.append(
+            f"{EXPECTED - count} of {EXPECTED} solutions are at infinity for these lengths."
+        )
     if not real and not motions:
         notes.append("There is no real solution: the limbs cannot be assembled with these lengths.")
     if (~np.isfinite(number)).any():

@@ -1,4 +1,4 @@
-"""The posture that a review of a 3-RPS or 3-SPR starts from, and what a design is worth knowing for."""
+"""The posture that a review of a 3-RPS or 3-SPR starts from, and what its radii mean."""
 
 from __future__ import annotations
 

@@ -32,7 +32,8 @@ def inverse(design: TripodDesign, poses: ArrayLike) -> InverseSolutions:
     p = posing.read_poses(poses)
     joints = np.stack([posing.limb_lengths(design, p, mode) for mode in MODES], axis=-2)
     low, high = design.stroke
-    within = ((joints >= low - STROKE_SLACK) & (joints <= high + STROKE_SLACK)).all(axis=-1)
+    able = (joints >= low - STROKE_SLACK) & (joints <= high + STROKE_SLACK)
+    within = np.asarray(able.all(axis=-1))
     miss = np.stack([_residual(design, p, mode, joints[..., n, :]) for n, mode in enumerate(MODES)])
     with np.errstate(invalid="ignore"):
         residual = np.fmax.reduce(miss.max(axis=-1), axis=0)
@@ -129,4 +130,4 @@ def _residual(design: TripodDesign, poses: Array, mode: str, lengths: Array) -> 
     along = b - a
     off = np.abs(np.linalg.norm(along, axis=-1) - lengths)
     axis = posing.revolute_axes(design, poses, mode)
-    return np.maximum(off, np.abs((along * axis).sum(axis=-1)))
+    return np.asarray(np.maximum(off, np.abs((along * axis).sum(axis=-1))))

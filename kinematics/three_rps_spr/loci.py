@@ -8,6 +8,7 @@ missed and none has to be found on a grid.
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -58,13 +59,15 @@ def locus(design: TripodDesign, key: str, altitude: float, mode: str) -> LocusCu
     z = altitude / design.base_radius
     curves = singular_curves(design.mechanism, k, z)
     rim = np.stack([np.full(_RIM, np.pi), np.linspace(-np.pi, np.pi, _RIM)], axis=-1)
+    rim[-1] = rim[0]
     points = np.concatenate([*curves, rim])
     residual = np.concatenate([_residual(design.mechanism, k, z, points[:-_RIM]), np.zeros(_RIM)])
-    kinds: tuple[SingularityKind, ...] = (*("parallel",) * len(curves), "constraint")
+    kinds: list[SingularityKind] = ["parallel"] * len(curves)
+    kinds.append("constraint")
     return LocusCurves(
         points=points,
         start=np.cumsum([0, *(len(curve) for curve in curves), _RIM]).astype(np.int64),
-        kinds=kinds,
+        kinds=tuple(kinds),
         limb=np.zeros(len(kinds), dtype=np.int64),
         residual=residual,
         bounds=np.array([[0.0, np.pi], [-np.pi, np.pi]]),
@@ -94,7 +97,7 @@ def branches(kind: Kind, k: float, z: float) -> list[Branch]:
         cuts = [c for c in cuts if abs(c - RING) > _CROSSING] + [RING]
     cuts = sorted(set(cuts))
     found: list[Branch] = []
-    for low, high in zip(cuts, cuts[1:], strict=False):
+    for low, high in pairwise(cuts):
         found += _between(kind, k, z, low, high, _PARTED)
     return found
 
@@ -213,8 +216,8 @@ def _at_end(kind: Kind, k: float, z: float, tilt: float) -> Array:
         return np.zeros(1)  # c = 0 leaves P = 2 (h1 − k) w Z²
     if kind == "three_spr" and tilt == RING:
         known = np.array([2.0 * z, -z / k])
-        return known[np.abs(known) <= 1.0]
-    return _roots(kind, k, z, np.array([tilt]), slack=_SLACK)[0]
+        return np.asarray(known[np.abs(known) <= 1.0])
+    return np.asarray(_roots(kind, k, z, np.array([tilt]), slack=_SLACK)[0])
 
 
 def _continued(ends: Array, near: Array) -> Array:
@@ -281,7 +284,7 @@ def _chained(chain: list[Array]) -> Array:
     whole = [chain[0]]
     for piece in chain[1:]:
         turns = np.round((whole[-1][-1, 1] - piece[0, 1]) / (2.0 * np.pi)) * 2.0 * np.pi
-        whole.append(piece[1:] + [0.0, turns])
+        whole.append(piece[1:] + np.array([0.0, turns]))
     return np.concatenate(whole)
 
 
@@ -300,4 +303,4 @@ def _residual(kind: Kind, k: float, z: float, points: Array) -> Array:
     across = by_w * 3.0 * np.cos(3.0 * azimuth) / np.maximum(tilt, 1e-12)
     slope = np.hypot(value.imag / step, across)
     # Where curves cross both vanish; rounding leaves the second order.
-    return np.abs(value.real) / np.maximum(slope, 1e-9 * np.abs(a).sum(axis=-1) + 1e-15)
+    return np.asarray(np.abs(value.real) / np.maximum(slope, 1e-9 * np.abs(a).sum(axis=-1) + 1e-15))

@@ -14,12 +14,14 @@ from kinematics.motion import Motion, Statics, WrenchSystem
 from kinematics.singularities import (
     AT,
     Clearance,
+    Event,
     LocusCurves,
     LocusSpec,
     Measure,
     MicrTable,
     ModeChange,
     OrientationCircle,
+    Profile,
     Remedy,
     Singularity,
 )
@@ -43,7 +45,9 @@ from kinematics.three_rps_spr import (
     inverse,
     loci,
     moving,
+    passing,
     posing,
+    profile,
     room,
     singularity,
     velocity,
@@ -58,6 +62,7 @@ class Tripod(Bare):
     """Nayak et al. (2017): Z, tilt and azimuth moved by three limbs ρ₁ … ρ₃, in two modes."""
 
     modes = designs.MODES
+    has_profile = True
     mode_noun = "operation mode"
 
     def __init__(self, kind: Kind, title: str) -> None:
@@ -136,9 +141,7 @@ class Tripod(Bare):
     ) -> Refreshed:
         return carrying.refresh(design, before, joints)
 
-    def transform(
-        self, design: TripodDesign, poses: ArrayLike, mode: str | Sequence[str]
-    ) -> Array:
+    def transform(self, design: TripodDesign, poses: ArrayLike, mode: str | Sequence[str]) -> Array:
         return posing.transform(design, poses, mode)
 
     def pose_from_transform(
@@ -202,8 +205,16 @@ class Tripod(Bare):
     ) -> tuple[Singularity, ...]:
         return singularity.singularities(design, posture, tolerance)
 
-    def clearances(self, design: TripodDesign, posture: Posture) -> tuple[Clearance, ...]:
-        return room.clearances(design, posture)
+    def clearances(
+        self, design: TripodDesign, posture: Posture, *, singular: bool = True
+    ) -> tuple[Clearance, ...]:
+        return room.clearances(design, posture, singular=singular)
+
+    def passed(self, design: TripodDesign, before: Posture, after: Posture) -> tuple[Event, ...]:
+        return passing.passed(design, before, after)
+
+    def path(self, design: TripodDesign, posture: Posture, poses: ArrayLike) -> Followed:
+        return passing.path(design, posture, poses)
 
     def remedy(self, design: TripodDesign, posture: Posture) -> Remedy:
         return room.remedy(design, posture)
@@ -228,6 +239,11 @@ class Tripod(Bare):
         self, design: TripodDesign, pose: Sequence[float], mode: str
     ) -> tuple[OrientationCircle, ...]:
         return circles.circles(design, tuple(pose), mode)
+
+    def profile(
+        self, design: TripodDesign, pose: Sequence[float], ratios: Sequence[float] = ()
+    ) -> Profile:
+        return profile.profile(design, float(pose[0]), ratios)
 
     def micr(self, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike) -> MicrTable:
         return inscribed.table(self.kind, base, platform, altitude)

@@ -17,7 +17,6 @@ The paper prints 25.22 and 30.38 degrees for its example (3-SPR, h1 = 1, h2 = 2,
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil
 from typing import NamedTuple
 
 import numpy as np
@@ -94,7 +93,7 @@ def micr(kind: Kind, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike, 
 
 
 def critical_tilts(kind: Kind, k: float, z: float) -> list[float]:
-    """Tilts, in order, at which a root w of P enters or leaves [−1, 1] or two roots meet; h1 = 1."""
+    """Tilts, in order, at which a root w of P enters or leaves [−1, 1], or two meet; h1 = 1."""
     if z == 0.0:
         return []
     one = np.array([k]), np.array([abs(z)])
@@ -128,12 +127,19 @@ GRID = 0.01
 PAPER_PI = 3.14
 
 
-def as_printed(radius: float) -> float:
-    """The degrees that a grid of 0.01 rad, rounded up, and π = 3.14 make of a radius in rad.
+PRINTED_NOTE = (
+    "The paper's figures print 25.22° and 30.38° where 25.1803° and 30° are exact: what a grid of "
+    "0.01 rad in the tilt, rounded up, and π taken as 3.14 make of them."
+)
+
+
+def as_printed(radius: ArrayLike) -> Array:
+    """The degrees that a grid of 0.01 rad, rounded up, and π = 3.14 make of radii in rad.
 
     25.180332° → 25.22, 30° → 30.38: exactly what Nayak et al. (2017) print in Figs. 3 and 5.
     """
-    return ceil(radius / GRID - 1e-9) * GRID * 180.0 / PAPER_PI
+    steps = np.ceil(np.asarray(radius, dtype=float) / GRID - 1e-9)
+    return np.asarray(steps * GRID * 180.0 / PAPER_PI)
 
 
 # --- inside --------------------------------------------------------------------------------
@@ -147,9 +153,15 @@ class _Found(NamedTuple):
     w: Array
 
 
-def _checked(base: ArrayLike, platform: ArrayLike, altitude: ArrayLike) -> tuple[Array, Array, Array]:
+def _checked(
+    base: ArrayLike, platform: ArrayLike, altitude: ArrayLike
+) -> tuple[Array, Array, Array]:
     found = []
-    for name, value in (("base radius", base), ("platform radius", platform), ("altitude", altitude)):
+    for name, value in (
+        ("base radius", base),
+        ("platform radius", platform),
+        ("altitude", altitude),
+    ):
         try:
             array = np.asarray(value, dtype=float)
         except (TypeError, ValueError):
@@ -315,9 +327,7 @@ def _vanishes(
     return np.asarray(good)
 
 
-def table(
-    kind: Kind, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike
-) -> MicrTable:
+def table(kind: Kind, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike) -> MicrTable:
     """MICR in both operation modes, mode 1 first, of radii and altitudes that broadcast (Figs. 4
     and 5: base 1, platform the ratio, altitude Z/h1).
 
@@ -331,4 +341,6 @@ def table(
         radius=np.stack([m.radius for m in each]),
         contact=np.arcsin(np.clip(contact, -1.0, 1.0)) / 3.0,
         barred=np.stack([m.crosses_ring for m in each]),
+        printed=np.stack([as_printed(m.radius) for m in each]),
+        note=PRINTED_NOTE,
     )

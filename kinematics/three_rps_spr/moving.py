@@ -63,7 +63,9 @@ class Closure:
         square, slopes = lengths_and_slopes(self.h, self.k, np.append(state.x, state.v))
         lengths = np.sqrt(square)
         slopes = slopes / (2.0 * np.maximum(lengths, 1e-300))[:, None]
-        by_state = np.column_stack([slopes[:, :3] @ _chart(state.x), slopes[:, 3] * self.joint_unit])
+        by_state = np.column_stack(
+            [slopes[:, :3] @ _chart(state.x), slopes[:, 3] * self.joint_unit]
+        )
         apart = lengths - joints
         unit = self.joint_unit
         return Linear(
@@ -119,11 +121,16 @@ def follow(design: TripodDesign, start: Posture, joints: Sequence[float]) -> Fol
     there = posture(design, pose_of(design, state, start.mode), start.mode)
     other = "1" if start.mode == "2" else "2"
     text = (
-        "stopped at a constraint singularity, at a tilt of 180°: from here the machine may go on in "
-        f"operation mode {start.mode} or {other}"
+        "stopped at a constraint singularity, at a tilt of 180°: from here the machine may go on "
+        f"in operation mode {start.mode} or {other}"
     )
     return replace(
-        found, posture=there, stop="singularity", text=text, fraction=share * found.fraction, limb=None
+        found,
+        posture=there,
+        stop="singularity",
+        text=text,
+        fraction=share * found.fraction,
+        limb=None,
     )
 
 

@@ -3,8 +3,8 @@ or three (3-SPR) in w.
 
 Nayak et al. (2017), section 5.2, give the singularity as det J = 0 and plot it; this is the factor
 p⁷ of eq. 14 written out in tilt and azimuth. Operation mode 1 is mode 2 with −h2 for h2. The
-determinant of the six unnormed wrenches is ± 6.75 c h2³ P (3-RPS) or ± 6.75 c h1³ P / cos² θ (3-SPR),
-c = cos θ/2: its other factor is the constraint singularity at θ = π.
+determinant of the six unnormed wrenches is ± 6.75 c h2³ P (3-RPS) or ± 6.75 c h1³ P / cos² θ
+(3-SPR), c = cos θ/2: its other factor is the constraint singularity at θ = π.
 
 With q = s² = sin² θ/2 and S = s³ w: P = c a0 + a1 S + c a2 S² + c² a3 S³. Lengths mm, P mm³, angles
 rad; P is homogeneous of degree three in the lengths, so any other unit will do.

@@ -48,7 +48,7 @@ class Power:
         return self + Power(-_coefficients(other))
 
     def __rsub__(self, other: Any) -> Power:
-        return -self + other
+        return (-self).__add__(other)
 
     __radd__ = __add__
     __rmul__ = __mul__

@@ -28,15 +28,18 @@ _TILTS, _TURNS = 121, 72  # of the search for the nearest orientation
 _REFINED = 5
 
 
-def clearances(design: TripodDesign, posture: Posture) -> tuple[Clearance, ...]:
+def clearances(
+    design: TripodDesign, posture: Posture, *, singular: bool = True
+) -> tuple[Clearance, ...]:
     """To stroke ends and parallel singularities at the orientation, and to singularities and
     stroke ends by turning at the altitude; the nearest first.
 
-    Where a stroke end is passed already its distance is negative: the way back.
+    Where a stroke end is passed already its distance is negative: the way back. Without
+    ``singular`` what is met by turning is left out, which has to be searched for.
     """
     if not posture.closes:
         return ()
-    found = [*_along(design, posture), *_turning(design, posture)]
+    found = [*_along(design, posture), *(_turning(design, posture) if singular else [])]
     return tuple(sorted(found, key=lambda clearance: clearance.distance))
 
 
@@ -65,9 +68,10 @@ def _along(design: TripodDesign, posture: Posture) -> list[Clearance]:
             way = min(ways, key=abs)
             beyond = any(r.limb == i + 1 and r.bound == bound for r in posture.reasons)
             amount = -abs(way) if beyond else abs(way)
+            word = "beyond" if beyond else "to"
             text = (
-                f"{abs(way):.2f} mm {what} {'beyond' if beyond else 'to'} the end of limb {i + 1}'s "
-                f"stroke ({bound.replace('rho_', 'ρ ')})"
+                f"{abs(way):.2f} mm {what} {word} the end of limb {i + 1}'s stroke "
+                f"({bound.replace('rho_', 'ρ ')})"
             )
             point = _place(design, reduced, v + way, posture.mode)
             found.append(Clearance("stroke", amount, point, text, i + 1, bound, error))
@@ -87,7 +91,9 @@ def _singular_altitudes(h: float, k: float, reduced: Reduced) -> list[float]:
     return [unit * float(root) for root in real]
 
 
-def _place(design: TripodDesign, reduced: Reduced, v: float, mode: str) -> tuple[float, float, float]:
+def _place(
+    design: TripodDesign, reduced: Reduced, v: float, mode: str
+) -> tuple[float, float, float]:
     there = reduced._replace(v=np.array(v))
     x, y, z = translation(posing.to_study(design, there, mode)).tolist()
     return x, y, z
@@ -105,10 +111,11 @@ def _turning(design: TripodDesign, posture: Posture) -> list[Clearance]:
         tilt, azimuth = circle.contacts[0]
         there = np.array([z, tilt, azimuth])
         x, y, _ = posing.positions(design, there, posture.mode).tolist()
+        bound = circle.bound.replace("rho_", "ρ ")
         what = {
             "parallel": "a parallel singularity",
             "constraint": "the constraint singularity at a tilt of 180°",
-            "stroke": f"the end of limb {circle.limb}'s stroke ({circle.bound.replace('rho_', 'ρ ')})",
+            "stroke": f"the end of limb {circle.limb}'s stroke ({bound})",
         }[circle.limit]
         text = (
             f"{np.degrees(circle.radius):.2f}° of turning at this altitude to {what} (about "
@@ -163,12 +170,10 @@ def remedy(design: TripodDesign, posture: Posture) -> Remedy:
         )
     here, there = (posing.positions(design, np.array(p.pose), p.mode) for p in (posture, turned))
     text = (
-        f"The nearest orientation found at this altitude is a tilt of {np.degrees(turned.pose[1]):.2f}° "
-        f"about the azimuth {np.degrees(turned.pose[2]):.2f}°."
+        "The nearest orientation found at this altitude is a tilt of "
+        f"{np.degrees(turned.pose[1]):.2f}° about the azimuth {np.degrees(turned.pose[2]):.2f}°."
     )
-    return Remedy(
-        turned, float(np.linalg.norm(there - here)), changes, text, modes, float("inf")
-    )
+    return Remedy(turned, float(np.linalg.norm(there - here)), changes, text, modes, float("inf"))
 
 
 def _changes(design: TripodDesign, posture: Posture) -> tuple[tuple[DesignChange, ...], ...]:
@@ -258,4 +263,3 @@ def _unit(chart: Array) -> Array:
     half = 0.5 * chart[..., 0]
     s = np.sin(half)
     return np.stack([np.cos(half), s * np.cos(chart[..., 1]), s * np.sin(chart[..., 1])], axis=-1)
-

@@ -145,8 +145,8 @@ def mode_change(design: TripodDesign, posture: Posture) -> ModeChange:
     if abs(tilt - np.pi) <= MEETING:
         at = posture_at(design, (z, np.pi, azimuth), posture.mode)
         text = (
-            f"The platform is in the constraint singularity, where the operation modes meet: it may "
-            f"go on in mode {other}."
+            "The platform is in the constraint singularity, where the operation modes meet: it "
+            f"may go on in mode {other}."
         )
         return ModeChange(at, in_other_mode(design, at), True, 0.0, False, text)
     at = posture_at(design, (z, np.pi, azimuth), posture.mode)

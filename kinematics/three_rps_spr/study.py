@@ -41,9 +41,8 @@ def with_translation(x: Values, position: Values) -> Values:
 
     Eq. 2 and eq. 3 are four equations in y whose rows are orthogonal, of length 2 and 1.
     """
-    y = sum(
-        0.5 * position[..., n : n + 1] * row for n, row in enumerate(_rows(x))
-    )
+    one, two, three = _rows(x)
+    y = 0.5 * (position[..., 0:1] * one + position[..., 1:2] * two + position[..., 2:3] * three)
     return np.concatenate(np.broadcast_arrays(x, y), axis=-1)
 
 
@@ -58,7 +57,8 @@ def _rows(x: Values) -> tuple[Values, Values, Values]:
 
 def inverse(study: Values) -> Values:
     """The inverse displacement: the conjugate of the dual quaternion, (..., 8) → (..., 8)."""
-    return study * np.array([1.0, -1.0, -1.0, -1.0] * 2)
+    turned: Values = study * np.array([1.0, -1.0, -1.0, -1.0] * 2)
+    return turned
 
 
 def to_transform(study: ArrayLike) -> Array:

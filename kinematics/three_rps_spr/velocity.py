@@ -1,9 +1,9 @@
 """First and second order motion of the 3-RPS and 3-SPR, analytic and for batches.
 
 The platform turns with ω = θ̇ n + φ̇ (e_z − e), n = (cos φ, sin φ, 0) the axis of tilt and e = R e_z
-the platform's normal, in both operation modes. Its centre moves as the parasitic motions X(Z, θ, φ),
-Y(Z, θ, φ) say. Actuators: r_i ṙ_i = (B_i − A_i)·ḃ_i. The other way round the twist is solved for
-from the six wrenches: actuation wrench · twist = ṙ_i, constraint wrench · twist = 0.
+the platform's normal, in both operation modes. Its centre moves as the parasitic motions
+X(Z, θ, φ), Y(Z, θ, φ) say. Actuators: r_i ṙ_i = (B_i − A_i)·ḃ_i. The other way round the twist is
+solved for from the six wrenches: actuation wrench · twist = ṙ_i, constraint wrench · twist = 0.
 """
 
 from __future__ import annotations
@@ -168,7 +168,8 @@ def _constraint_drift(design: TripodDesign, mode: str, p: Array, twist: Array) -
     if design.revolute_on_base:
         # s_i·(v + ω × b) = 0 with s_i at rest: s_i·(a + α × b + ω × (ω × b)) = 0.
         arm = placed(matrix, design.platform_radius * RADIAL) - centre
-        return (TANGENT * np.cross(omega, np.cross(omega, arm))).sum(axis=-1)
+        at_rest: Array = (TANGENT * np.cross(omega, np.cross(omega, arm))).sum(axis=-1)
+        return at_rest
     # The platform's point at A_i, which stays while s_i = R s′_i turns along with the platform.
     arm = design.base_radius * RADIAL - centre
     axis = TANGENT @ matrix[..., :3, :3].swapaxes(-1, -2)

@@ -84,7 +84,7 @@ def condition(design: TripodDesign, poses: ArrayLike, mode: str) -> Array:
     rows, _ = wrench_rows(design, p, mode)
     matrix = rows / _scale(design)
     there = np.isfinite(reduce_poses(design, p, mode).v)
-    known = np.isfinite(matrix).all(axis=(-1, -2))
+    known = np.asarray(np.isfinite(matrix).all(axis=(-1, -2)))
     matrix = np.where(known[..., None, None], matrix, np.eye(6))
     _, size, axes = np.linalg.svd(matrix[..., LIMBS:, :])
     free = axes[..., LIMBS:, :].swapaxes(-1, -2)
@@ -107,7 +107,7 @@ def twist_of(design: TripodDesign, rows: Array, powers: Array) -> Array:
     NaN where the wrenches are dependent or not known.
     """
     scale = _scale(design)
-    known = np.isfinite(rows).all(axis=(-1, -2)) & np.isfinite(powers).all(axis=-1)
+    known = np.asarray(np.isfinite(rows).all(axis=(-1, -2)) & np.isfinite(powers).all(axis=-1))
     good = np.where(known[..., None, None], rows, 0.0)
     holds = shared.singular_values(good, characteristic_length(design))[..., -1] > shared.RANK
     matrix = np.where(holds[..., None, None], good / scale, np.eye(6))

@@ -271,7 +271,6 @@ def test_broken_questions(here: Run, arguments: list[str], said: str) -> None:
 
 
 def test_a_question_needs_a_pose(here: Run) -> None:
-    assert "--pose is required" in refused(here("singularity", "rpur-table1"))
     assert "required: --pose" in refused(here("velocity", "rpur-table1", "--rates", "1,2,3,4,5"))
 
 

@@ -10,7 +10,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -42,6 +42,16 @@ ARGUMENTS = [
     "--disable-dev-shm-usage",
     "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
 ]
+
+# Few and plain pictures: drawn in software, they would take the cores from all that is tested.
+CALM = """
+window.requestAnimationFrame = (draw) => setTimeout(() => draw(performance.now()), 250);
+window.cancelAnimationFrame = clearTimeout;
+const context = HTMLCanvasElement.prototype.getContext;
+HTMLCanvasElement.prototype.getContext = function (kind, options) {
+    return context.call(this, kind, {...options, antialias: false});
+};
+"""
 
 
 class Served:
@@ -95,7 +105,7 @@ class Served:
         return code
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def browser(chromium: str) -> Iterator[Browser]:
     from playwright.sync_api import sync_playwright
 
@@ -120,9 +130,9 @@ def serve(tmp_path: Path) -> Iterator[Callable[..., Served]]:
         served.check()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
-    """One server for all tests that leave it as they found it."""
+    """One server for all tests that leave it as they found it, and not for longer."""
     running = Served(folder=tmp_path_factory.mktemp("served"))
     yield running
     running.stop()
@@ -134,6 +144,7 @@ class Tab:
 
     def __init__(self, browser: Browser, address: str, shots: Path) -> None:
         self.context = browser.new_context(viewport=SIZE, accept_downloads=True)
+        self.context.add_init_script(CALM)
         self.page = self.context.new_page()
         self.shots = shots
         self.faults: list[str] = []
@@ -257,6 +268,16 @@ class Tab:
         self.context.close()
 
 
+FAILED = pytest.StashKey[bool]()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, Any]:
+    report = yield
+    item.stash[FAILED] = item.stash.get(FAILED, False) or report.failed
+    return report
+
+
 @pytest.fixture
 def shots(tmp_path: Path) -> Path:
     """Where screenshots go; BOHEMIA_SHOTS keeps them."""
@@ -268,6 +289,12 @@ def _shots(folder: Path) -> Path:
     folder = Path(kept) if kept else folder
     folder.mkdir(parents=True, exist_ok=True)
     return folder
+
+
+def _end(tab: Tab, request: pytest.FixtureRequest, name: str) -> None:
+    """How the page looked in the end, where somebody will look: a picture takes seconds."""
+    if request.node.stash.get(FAILED, False) or os.environ.get("BOHEMIA_SHOTS"):
+        tab.shot(name)
 
 
 @pytest.fixture
@@ -283,12 +310,12 @@ def open_page(
 
     yield start
     for n, tab in enumerate(tabs):
-        tab.shot(f"{request.node.name}-{n}")
+        _end(tab, request, f"{request.node.name}-{n}")
         tab.close()
         assert tab.faults == []
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def shared_tab(
     browser: Browser, served: Served, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[Tab]:
@@ -311,5 +338,5 @@ def tab(shared_tab: Tab, fresh_session: Path, request: pytest.FixtureRequest) ->
     shared_tab.faults.clear()
     shared_tab.open_review(fresh_session)
     yield shared_tab
-    shared_tab.shot(request.node.name)
+    _end(shared_tab, request, request.node.name)
     assert shared_tab.faults == []

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from kinematics.causes import cause, listed, lost, motion_text, wrench_list
-from kinematics.lines import Screw, geometry
+from kinematics.lines import geometry
 from kinematics.motion import WrenchName, WrenchSystem
 from kinematics.singularities import NEAR
 from kinematics.spatial import Array
+from kinematics.varieties import Screw
 from kinematics.wrenches import determinant
 from tests.kinematics.test_lines import KINDS, lines, unit
 

@@ -10,8 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinematics.lines import Circuit, Screw, geometry, screw, variety
+from kinematics.lines import Circuit, geometry
 from kinematics.spatial import Array
+from kinematics.varieties import Screw, screw, variety
 
 Rng = np.random.Generator
 TOLERANCE = 1e-6

@@ -57,7 +57,7 @@ def _nearest(design: FiveRPURDesign, wanted: Posture) -> tuple[Found | None, str
         )
     found = turned(design, wanted)
     if found is None:
-        return None, "no pose was found that this machine can hold"
+        return None, "no pose that this machine can hold was found"
     there = found.posture
     by = [
         f"{symbol} = {degrees(there.pose[k]):.1f}°"

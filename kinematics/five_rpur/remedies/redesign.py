@@ -9,7 +9,7 @@ degree 4 for a point moved along an axis. Lengths mm, angles rad.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import chain
 from math import ceil, floor
@@ -136,7 +136,7 @@ _LINK: _What = ("link",)
 
 
 def _of_limb(design: FiveRPURDesign, wanted: Posture, i: int) -> dict[_What, Way]:
-    """By what is changed: the smallest changes that do. Never empty."""
+    """By what is changed: the smallest changes that do, or none where the pose is far away."""
     single: dict[_What, Way] = {what: (change,) for what, change in _single(design, wanted, i)}
     if not single:
         single[_STROKE] = single[_LINK] = _pair(design, wanted, i)
@@ -144,11 +144,23 @@ def _of_limb(design: FiveRPURDesign, wanted: Posture, i: int) -> dict[_What, Way
 
 
 def _pair(design: FiveRPURDesign, wanted: Posture, i: int) -> Way:
-    """The link made as long as it must be to close at all, the stroke to go with it."""
-    here = _closing(design, wanted, i)
-    rho = float(np.hypot(here.x, here.z))
-    link = _change(design, ("limb", i, "link"), abs(here.y))
-    return (link, _change(design, ("limb", i, "stroke", int(rho > here.limb.stroke[1])), rho))
+    """The link made long enough to close, and the stroke to go with it.
+
+    At |Y| = l the actuator's length runs as the square root of the link's: the link is rounded up
+    to what is told of it, so that both numbers hold as they are read.
+    """
+    limb = ("limb", i)
+    link = ceil(10.0 * abs(_closing(design, wanted, i).y) + 0.1) / 10.0
+    try:
+        longer_link = with_field(design, (*limb, "link"), link)
+    except BohemiaError:  # no machine is that large
+        return ()
+    rho = posture(longer_link, wanted.pose, wanted.mode).joints[i]
+    end = int(rho > design.stroke[i, 1])
+    return (
+        _change(design, (*limb, "link"), link),
+        _change(design, (*limb, "stroke", end), rho),
+    )
 
 
 def _closing(design: FiveRPURDesign, wanted: Posture, i: int) -> _Closing:
@@ -172,13 +184,11 @@ def _single(
         end = int(rho > limb.stroke[1])
         yield _STROKE, _change(design, ("limb", i, "stroke", end), rho)
 
-    lengths = (
-        (length - limb.link, replace(here, limb=replace(limb, link=length)))
-        for root in here.links()
-        for length in (root + nudge * size for nudge in _NUDGES)
-        if length >= SHORTEST_LINK
-    )
-    shift = _least(lengths)
+    def with_link(shift: float) -> bool:
+        length = limb.link + shift
+        return length >= SHORTEST_LINK and replace(here, limb=replace(limb, link=length)).holds
+
+    shift = _least((length - limb.link for length in here.links()), with_link, size)
     if shift is not None:
         yield _LINK, _change(design, ("limb", i, "link"), limb.link + shift)
 
@@ -190,22 +200,22 @@ def _single(
     for key, point, frame in frames:
         for axis in range(3):
             direction = frame[:, axis]
-            moves = (
-                (delta, here.moved(delta * direction))
-                for root in here.shifts(direction)
-                for delta in (root + nudge * size for nudge in _NUDGES)
-            )
-            shift = _least(moves)
+
+            def moved(shift: float, direction: Array = direction) -> bool:
+                return here.moved(shift * direction).holds
+
+            shift = _least(here.shifts(direction), moved, size)
             if shift is not None:
                 path = ("limb", i, key, axis)
                 yield (key, axis), _change(design, path, point[axis] + shift)
 
 
-def _least(tried: Iterator[tuple[float, _Closing]]) -> float | None:
-    """The smallest change after which the limb holds the pose."""
-    for shift, closing in sorted(tried, key=lambda pair: abs(pair[0])):
-        if closing.holds:
-            return float(shift)
+def _least(shifts: Iterable[float], holds: Callable[[float], bool], size: float) -> float | None:
+    """The smallest change after which the limb holds the pose, or a rounding beside it."""
+    for shift in sorted(shifts, key=abs):
+        for nudge in _NUDGES:
+            if holds(shift + nudge * size):
+                return float(shift + nudge * size)
     return None
 
 

@@ -21,6 +21,9 @@ from kinematics.partition import partition
 from kinematics.solids import BuiltSolid, TracedMesh
 
 
+_NEAR = 1e-7  # part of the machine's size
+
+
 def aspects(
     design: FiveRPURDesign,
     phi: float,
@@ -68,5 +71,9 @@ def aspects(
         return partition(whole, None, 1 if known.max() > 0.0 else -1, field, error, thinnest=thin)
     # Of the two sides the smaller one is the cheaper tool.
     sign = 1 if (known > 0.0).sum() <= (known < 0.0).sum() else -1
-    cutter = positive_part(cells.axes, sign * cells.values, Field(determinant, sign))
+    # Exact enough to be put on the zeros at the end, with what the split makes of them.
+    near = _NEAR * determinant.size
+    cutter = positive_part(
+        cells.axes, sign * cells.values, Field(determinant, sign), tolerance=near
+    )
     return partition(whole, cutter, sign, field, error, thinnest=thin, reach=2.0 * coarsest)

@@ -14,6 +14,8 @@ from kinematics.spatial import Array
 CELLS: dict[Resolution, int] = {"preview": 14, "normal": 30, "fine": 60}
 """Along each side of the workspace's box, were it a cube."""
 
+_SOME = 512  # nodes that tell whether F is anything but rounding
+
 _INNER = 1e-9
 """Part of the span of y' that is left out at its ends: there limbs are in serial singularities,
 and where two of them are at once the determinant is zero whatever x' and z'."""
@@ -73,11 +75,11 @@ class Cells:
         return cls(determinant, (x, y, z), values)
 
     def vanish(self) -> bool:
-        """Whether F is no more than rounding at all nodes that count."""
+        """Whether F is no more than rounding wherever nodes count."""
         index = np.argwhere(np.isfinite(self.values))
         points = np.stack([a[index[:, k]] for k, a in enumerate(self.axes)], axis=-1)
         points[:, 1] = np.clip(points[:, 1], *Field(self.determinant).span)
-        some = points[:: max(1, len(points) // 4096)]
+        some = points[:: max(1, len(points) // _SOME)]
         size, noise = np.abs(self.determinant.value(some)), self.determinant.roundoff(some)
         return bool((size <= noise).all())
 
@@ -88,11 +90,17 @@ class Cells:
 
 
 def _stations(determinant: Determinant, low: float, high: float, count: int) -> Array:
-    """Nodes along y', crowded towards ends of the span, and one beyond each end."""
+    """Nodes along y', crowded towards ends of the span, and one beyond each end.
+
+    At an end of the span the workspace has a flat side: that lies in the middle of a cell.
+    """
     ends = Field(determinant).span
     middle, half = 0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0])
     turn = np.arccos(np.clip((middle - np.array([low, high])) / half, -1.0, 1.0))
-    y = middle - half * np.cos(np.linspace(turn[0], turn[1], count))
+    shift = 0.5 * (turn[1] - turn[0]) / count
+    first = turn[0] + (shift if turn[0] < shift else 0.0)
+    last = turn[1] - (shift if turn[1] > np.pi - shift else 0.0)
+    y = middle - half * np.cos(np.linspace(first, last, count))
     step = (high - low) / count
     return np.concatenate([[min(low, y[0] - step)], y, [max(high, y[-1] + step)]])
 

@@ -9,10 +9,11 @@ singularity that the way passes without meeting it are told up to `NEAR`.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.five_rpur.inverse import LINK_SLACK, STROKE_SLACK, decimals
@@ -20,7 +21,7 @@ from kinematics.five_rpur.watching.pieces import special_points, with_middles, z
 from kinematics.five_rpur.watching.way import Way
 from kinematics.singularities import Event
 from kinematics.solutions import Posture
-from kinematics.spatial import Array
+from kinematics.spatial import Array, finite
 
 NEAR = 1.0
 """mm, angles times the characteristic length: what is passed so near is told."""
@@ -30,18 +31,35 @@ _DISTINCT = 1e-6  # of the way: what comes near only so close to an end or a cro
 _STILL = 1e-12  # mm: a shorter way is none
 
 
-def passed(design: FiveRPURDesign, before: Posture, after: Posture) -> tuple[Event, ...]:
-    """What is passed on the straight way from one posture to another of the same mode.
+def passed(
+    design: FiveRPURDesign, before: Posture, after: Posture, through: ArrayLike = ()
+) -> tuple[Event, ...]:
+    """What is passed on the way from one posture to another of the same mode.
 
-    Angles go the shorter way round. Of postures in different modes it is only told that no way
-    was driven.
+    The way is straight, or straight from one to the next of the poses ``through`` (N, 5); angles go
+    the shorter way round. Of postures in different modes it is only told that no way was driven.
 
     Returns:
-        Events in the order in which they are met.
+        Events in the order in which they are met; their fractions are of the whole length, angles
+        counted by the characteristic length.
+
+    Raises:
+        InputError: the poses on the way are not five finite numbers each.
     """
     if before.mode != after.mode:
         return (_other_mode(before, after),)
-    return events(Way.between(design, before.pose, after.pose, before.mode))
+    corners = [before.pose, *finite(np.reshape(through, (-1, 5)), name="a pose"), after.pose]
+    ways = [Way.between(design, a, b, before.mode) for a, b in pairwise(corners)]
+    if len(ways) == 1:
+        return events(ways[0])
+    lengths = [way.length for way in ways]
+    starts = np.cumsum([0.0, *lengths])
+    told = []
+    for way, start, length in zip(ways, starts.tolist(), lengths, strict=False):
+        for event in events(way):
+            fraction = (start + event.fraction * length) / float(starts[-1])
+            told.append(_placed(event, fraction))
+    return tuple(told)
 
 
 def events(way: Way) -> tuple[Event, ...]:
@@ -209,6 +227,12 @@ def _after(s: float) -> str:
     return f"after {100.0 * s:.3g} % of the way"
 
 
+def _placed(event: Event, fraction: float) -> Event:
+    """An event of a part of a way, told of the whole."""
+    text = event.text.replace(_after(event.fraction), _after(fraction))
+    return replace(event, fraction=fraction, text=text)
+
+
 def _other_mode(before: Posture, after: Posture) -> Event:
     changed = [i for i in range(LIMBS) if before.mode[i] != after.mode[i]]
     which = (
@@ -225,15 +249,19 @@ def _other_mode(before: Posture, after: Posture) -> Event:
 
 
 def _serial(way: Way, i: int, s: float, leaves: bool | None) -> Event:
+    # Two links that are parallel to e₁ at once may be of no more use than one.
+    what = "a serial singularity"
+    if way.determinant_vanishes(s):
+        what = "a serial and a parallel singularity at once"
     if leaves is None:
-        text = f"limb {i + 1} touched a serial singularity {_after(s)}, its link along e₁"
+        text = f"limb {i + 1} touched {what} {_after(s)}, its link along e₁"
     elif leaves:
         text = (
-            f"limb {i + 1} came to the reach of its link {_after(s)}, a serial singularity, and "
-            "cannot close beyond"
+            f"limb {i + 1} came to the reach of its link {_after(s)}, {what}, and cannot close "
+            "beyond"
         )
     else:
-        text = f"limb {i + 1} can close again {_after(s)}, from a serial singularity on"
+        text = f"limb {i + 1} can close again {_after(s)}, from {what} on"
     return Event("serial", s, way.pose(s), i + 1, text, leaves is not False)
 
 

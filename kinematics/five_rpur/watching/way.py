@@ -24,6 +24,7 @@ from kinematics.spatial import Array, rotation_x, rotation_y
 
 ROUNDING = 1e-14
 """Part of the product of the rows' lengths below which the determinant is no more than rounding."""
+_AT_REACH = 1e-10  # part of the size, and of the rows' product, that is nothing at |Y| = l
 _TINY = 1e-5  # part of the machine's size: the step of differences
 
 
@@ -118,6 +119,17 @@ class Way:
         )
         noise = ROUNDING * np.linalg.norm(rows, axis=-1).prod(axis=-1)
         return np.asarray(np.linalg.det(rows)), np.asarray(noise)
+
+    def determinant_vanishes(self, s: float) -> bool:
+        """Whether all limbs close at s, but for rounding, and the wrenches are dependent there.
+
+        For where |Y| = l, which a rounding of s changes by the square root of it.
+        """
+        at = np.array([s])
+        room = self.reach(at).reshape(LIMBS, 2).min(axis=1)
+        value, noise = self.determinant(self.poses(at))
+        closes = bool((room >= -_AT_REACH * self.size).all())
+        return closes and bool(abs(value[0]) <= _AT_REACH / ROUNDING * noise[0])
 
     def apart(self, pose: Sequence[float]) -> float:
         """About how far a pose is from a parallel singularity, mm: |F| / |∇F| over all five

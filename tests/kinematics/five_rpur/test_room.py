@@ -11,11 +11,10 @@ from kinematics.designs import load_design
 from kinematics.five_rpur import inscribed, inverse
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.feet import feet
-from kinematics.mechanism import mechanism
+from kinematics.five_rpur.room import clearances
 from kinematics.spatial import rotation_x, rotation_y
 
 TABLES = ("rpur-table1", "rpur-table1-icee", "rpur-table2", "rpur-a1a1")
-MECHANISM = mechanism("five_rpur")
 
 
 def a_posture(seed: int, reachable: bool = True):
@@ -91,7 +90,7 @@ def _beside(there, clearance) -> float:
 @pytest.mark.parametrize("seed", range(12))
 def test_at_each_nearest_point_its_bound_is_met(seed):
     design, posture = a_posture(seed)
-    found = MECHANISM.clearances(design, posture)
+    found = clearances(design, posture)
     assert [c.distance for c in found] == sorted(c.distance for c in found)
     assert len(found) == 16  # two ends and a mode of each limb, and the boundary
     for clearance in found:
@@ -110,7 +109,7 @@ def test_at_each_nearest_point_its_bound_is_met(seed):
 @pytest.mark.parametrize("seed", range(6))
 def test_boundary_is_the_largest_ball_of_the_mode(seed):
     design, posture = a_posture(seed)
-    boundary = next(c for c in MECHANISM.clearances(design, posture) if c.kind == "boundary")
+    boundary = next(c for c in clearances(design, posture) if c.kind == "boundary")
     ball = inscribed.sphere(design, *posture.pose[3:], (posture.mode,), posture.pose[:3])
     assert ball.radius == pytest.approx(boundary.distance, abs=1e-6)
     rng = np.random.default_rng(seed)
@@ -132,7 +131,7 @@ def test_boundary_is_the_largest_ball_of_the_mode(seed):
 @pytest.mark.parametrize("seed", range(8))
 def test_beyond_a_bound_the_way_back_is_negative(seed):
     design, posture = a_posture(seed, reachable=False)
-    found = MECHANISM.clearances(design, posture)
+    found = clearances(design, posture)
     beyond = {(c.limb, c.bound) for c in found if c.distance < 0.0}
     assert beyond == {(r.limb, r.bound) for r in posture.reasons}
     assert all(c.kind != "boundary" for c in found)
@@ -145,13 +144,15 @@ def test_beyond_a_bound_the_way_back_is_negative(seed):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_motions_and_another_reference_point_leave_the_distances(seed):
-    """The whole machine moved, and another reference point on the platform."""
+    """The whole machine moved and turned about e₁, and another point of reference on it."""
     design, posture = a_posture(seed)
     rng = np.random.default_rng(seed)
     shift, other = rng.uniform(-300, 300, 3), rng.uniform(-80, 80, 3)
+    about = rng.uniform(-1, 1)
+    turn = rotation_y(about)
     limbs = tuple(
         Limb(
-            tuple(np.add(limb.base, shift).tolist()),
+            tuple((turn @ limb.base + shift).tolist()),
             tuple(np.subtract(limb.platform, other).tolist()),
             limb.link,
             limb.stroke,
@@ -160,10 +161,10 @@ def test_motions_and_another_reference_point_leave_the_distances(seed):
     )
     phi, theta = posture.pose[3:]
     turned = rotation_y(theta) @ rotation_x(phi)
-    pose = (*(np.add(posture.pose[:3], shift) + turned @ other), phi, theta)
+    pose = (*(turn @ (posture.pose[:3] + turned @ other) + shift), phi, theta + about)
     moved = FiveRPURDesign(limbs)
-    before = MECHANISM.clearances(design, posture)
-    after = MECHANISM.clearances(moved, inverse.posture(moved, pose, posture.mode))
+    before = clearances(design, posture)
+    after = clearances(moved, inverse.posture(moved, pose, posture.mode))
 
     def table(found):
         return {(c.kind, c.limb, c.bound): c.distance for c in found if c.kind != "boundary"}
@@ -176,7 +177,7 @@ def test_a_stroke_from_zero_is_no_boundary():
     limb = Limb(zero, zero, 100.0, (0.0, 300.0))
     design = FiveRPURDesign((limb,) * 5)
     posture = inverse.posture(design, (1.0, 0.0, 100.0, 0.0, 0.0), "+++++")
-    found = MECHANISM.clearances(design, posture)
+    found = clearances(design, posture)
     assert found[0].distance == pytest.approx(1.0)
     assert found[0].bound == "rho_min"
     boundary = next(c for c in found if c.kind == "boundary")

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from kinematics.designs import load_design
 from kinematics.errors import DesignError
 from kinematics.five_rpur import inverse
+from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.remedies.projection import nearest
 from kinematics.mechanism import mechanism
 from kinematics.singularities import DesignChange
@@ -22,7 +23,8 @@ TABLES = ("rpur-table1", "rpur-table2", "rpur-a1a1")
 def allows(design, wanted: Posture, way, share: float = 1.0) -> bool:
     try:
         for c in way:
-            design = MECHANISM.with_field(design, c.path, c.before + share * (c.after - c.before))
+            value = c.after if share == 1.0 else c.before + share * (c.after - c.before)
+            design = MECHANISM.with_field(design, c.path, value)
     except DesignError:
         return False
     return MECHANISM.posture(design, wanted.pose, wanted.mode).reachable
@@ -64,6 +66,33 @@ def test_every_way_works_and_half_of_it_does_not(seed):
     )
     for mode in remedy.modes:
         assert MECHANISM.posture(design, wanted.pose, mode).reachable
+
+
+@settings(max_examples=8)
+@given(st.integers(0, 10_000), st.sampled_from([1.0, 300.0, 300.0, 1e4, 1e9]))
+def test_any_design_at_any_pose_has_an_answer(seed, far):
+    rng = np.random.default_rng(seed)
+    limbs = tuple(
+        Limb(
+            tuple(rng.uniform(-100, 100, 3).tolist()),
+            tuple(rng.uniform(-60, 60, 3).tolist()),
+            float(rng.uniform(80, 250)),
+            (low := float(rng.choice([0.0, 200.0])), low + float(rng.uniform(30, 250))),
+        )
+        for _ in range(5)
+    )
+    design = FiveRPURDesign(limbs)
+    pose = (*(far * rng.normal(size=3)).tolist(), *rng.uniform(-3.1, 3.1, 2).tolist())
+    wanted = MECHANISM.posture(design, pose, str(rng.choice(inverse.MODES)))
+    remedy = MECHANISM.remedy(design, wanted)
+    if remedy.nearest is None:
+        assert remedy.distance == np.inf
+    else:
+        assert remedy.nearest.reachable
+        away = np.linalg.norm(np.subtract(remedy.nearest.pose[:3], pose[:3]))
+        assert remedy.distance == pytest.approx(float(away), rel=1e-9, abs=1e-9)
+    assert remedy.changes or wanted.reachable or far > 1e4
+    assert all(allows(design, wanted, way) for way in remedy.changes)
 
 
 @pytest.mark.parametrize("seed", range(0, 18, 3))

@@ -10,6 +10,7 @@ from kinematics.five_rpur import inverse
 from kinematics.five_rpur.clearance import Region
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.remedies.projection import nearest
+from kinematics.spatial import rotation_y
 
 TABLES = ("rpur-table1", "rpur-table2", "rpur-a1a1", "rpur-mpa2")
 ZERO = (0.0, 0.0, 0.0)
@@ -121,6 +122,26 @@ def test_a_workspace_that_is_one_point():
     apart = Limb((0.0, 0.0, -800.001), ZERO, 100.0, (200.0, 300.0))
     empty = FiveRPURDesign((limb, limb, limb, limb, apart))
     assert nearest(empty, (50.0, 20.0, 0.0, 0.0, 0.0), "----+") is None
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_motion_of_the_whole_moves_the_nearest_place(seed):
+    design, pose, mode = case(seed)
+    rng = np.random.default_rng(seed)
+    about, shift = rng.uniform(-1, 1), rng.uniform(-200, 200, 3)
+    turn = rotation_y(about)
+    moved = FiveRPURDesign(
+        tuple(
+            Limb(tuple((turn @ limb.base + shift).tolist()), limb.platform, limb.link, limb.stroke)
+            for limb in design.limbs
+        )
+    )
+    there = nearest(moved, (*(turn @ pose[:3] + shift), pose[3], pose[4] + about), mode)
+    here = nearest(design, pose, mode)
+    if here is None or there is None:
+        assert here is there
+    else:
+        assert there.distance == pytest.approx(here.distance, abs=1e-8)
 
 
 def test_limbs_too_far_apart_in_y():

@@ -12,6 +12,7 @@ from scipy.optimize import brentq, minimize_scalar
 from kinematics.designs import load_design
 from kinematics.five_rpur import inverse, velocity
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
+from kinematics.five_rpur.watching.passing import passed
 from kinematics.five_rpur.watching.way import Way
 from kinematics.mechanism import Bare, mechanism
 
@@ -223,6 +224,35 @@ def test_a_motion_of_the_whole_leaves_the_events(seed):
     here = MECHANISM.passed(design, before, after)
     assert [(e.kind, e.limb, e.stops) for e in there] == [(e.kind, e.limb, e.stops) for e in here]
     assert [e.fraction for e in there] == pytest.approx([e.fraction for e in here], abs=1e-7)
+
+
+@pytest.mark.parametrize("seed", range(1, 40, 8))
+def test_a_way_in_parts_passes_the_same(seed):
+    design, before, after = a_way(seed)
+    way = Way.between(design, before.pose, after.pose, before.mode)
+    whole = MECHANISM.passed(design, before, after)
+    parts = passed(design, before, after, way.poses(np.array([0.211, 0.658])))
+    assert [(e.kind, e.limb, e.stops, e.text) for e in parts] == [
+        (e.kind, e.limb, e.stops, e.text) for e in whole
+    ]
+    assert [e.fraction for e in parts] == pytest.approx([e.fraction for e in whole], abs=1e-9)
+
+
+def test_two_parallel_links_at_their_reach_are_singular_in_both_ways():
+    """Limbs 1 and 2 of Table 1 hold their links in parallel: there both are along e₁."""
+    design = load_design("rpur-table1")
+    home = MECHANISM.home(design)
+    goal = MECHANISM.posture(
+        design, (*home.pose[:1], home.pose[1] + 200.0, *home.pose[2:]), home.mode
+    )
+    told = {e.limb: e.text for e in MECHANISM.passed(design, home, goal) if e.kind == "serial"}
+    assert "a serial and a parallel singularity at once" in told[1]
+    assert "a serial and a parallel singularity at once" in told[2]
+    back = MECHANISM.posture(
+        design, (*home.pose[:1], home.pose[1] - 90.0, *home.pose[2:]), home.mode
+    )
+    (alone,) = [e for e in MECHANISM.passed(design, home, back) if e.kind == "serial"]
+    assert "a serial singularity" in alone.text
 
 
 def test_a_mechanism_without_it_passes_nothing():

@@ -1,0 +1,355 @@
+"""`bohemia trajectory`: what a path asks of the actuators."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from math import isfinite, radians
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from app import tables
+from app.commands import common
+from app.commands.controlling import load_numbers
+from kinematics.errors import InputError
+
+if TYPE_CHECKING:
+    from kinematics.mechanism import Coordinate, Design, Mechanism
+    from kinematics.trajectories import Event, Fits, Law, Limits, NamedTrajectory, Trajectory
+    from kinematics.trajectories import Path as Way
+
+PACE = 100.0  # mm/s, where no duration is given
+
+
+def register(command: common.AddCommand) -> None:
+    trajectory = command(
+        "trajectory",
+        _trajectory,
+        "Joints, rates, accelerations, forces and the distance to singularities along a path.",
+    )
+    common.add_design(trajectory)
+    trajectory.add_argument(
+        "path",
+        metavar="FILE.csv|NAME",
+        help="points, one a line, under a line that names the pose coordinates (and t, s); or a "
+        "path of the mechanism, as line or rest-to-rest of the five-bar",
+    )
+    common.add_mode(trajectory, "that of the named path, else of the home posture")
+    trajectory.add_argument(
+        "--law",
+        metavar="LAW",
+        help="linear, cubic, quintic or trapezoidal (default quintic; not for points with times)",
+    )
+    trajectory.add_argument(
+        "--duration", metavar="S", help="seconds (default: 100 mm/s along the path)"
+    )
+    trajectory.add_argument(
+        "--samples", metavar="N", default="101", help="rows to compute (default %(default)s)"
+    )
+    trajectory.add_argument(
+        "--through",
+        choices=("spline", "lines"),
+        default="spline",
+        help="how points are joined (default %(default)s)",
+    )
+    trajectory.add_argument(
+        "--blend",
+        metavar="MM",
+        help="with --through lines: round corners from this far on (default 0, sharp)",
+    )
+    trajectory.add_argument(
+        "--load", metavar="Fx,Fy,Fz,Tx,Ty,Tz", help="N and N·mm, base frame: actuator forces for it"
+    )
+    for name, what in (
+        ("rates", "mm/s, angles degrees/s"),
+        ("accelerations", "mm/s², angles degrees/s²"),
+        ("forces", "N, of rotary actuators N·mm; goes with --load"),
+    ):
+        trajectory.add_argument(
+            f"--max-{name}", metavar="v1,...", help=f"limits of the actuators, {what}"
+        )
+    trajectory.add_argument(
+        "--fit", metavar="DEGREE", help="fit polynomials of time to the joints, with the true error"
+    )
+    trajectory.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="write the samples as .csv"
+    )
+    common.add_json(trajectory)
+    trajectory.epilog = (
+        "JSON and CSV have no number where the path is outside or a singularity leaves it open; "
+        "singularity_mm is null in JSON and inf in CSV where there is no singularity."
+    )
+
+
+def _trajectory(arguments: argparse.Namespace) -> None:
+    from app.trajectory_files import trajectory_csv
+    from kinematics import trajectories
+
+    output: Path | None = arguments.output
+    if output is not None:
+        common.ending(output, ("csv",), "a trajectory")
+    design, mechanism = common.load(arguments.design)
+    joints = mechanism.joint_coordinates(design)
+    axes = mechanism.pose_coordinates(design)
+    named, path, law = _way(arguments, design, mechanism)
+    given = arguments.mode is None and named is not None
+    mode = named.mode if given and named else common.chosen_mode(arguments.mode, design, mechanism)
+    load = None if arguments.load is None else load_numbers(arguments.load)
+    limits = _limits(arguments, joints)
+    degree = None if arguments.fit is None else _whole("--fit", arguments.fit)
+    with common.progress("Trajectory"):
+        found = trajectories.trajectory(
+            mechanism,
+            design,
+            path,
+            law,
+            mode,
+            samples=_whole("--samples", arguments.samples),
+            load=load,
+            limits=limits,
+        )
+        fits = None if degree is None else trajectories.fit(mechanism, design, found, degree)
+    common.warn(design, mechanism)
+    if output is not None:
+        common.write(output, trajectory_csv(found, axes, joints).encode())
+    title = named.title if named else Path(arguments.path).name
+    if arguments.json:
+        common.print_json(
+            _answer(arguments, design, mechanism, law, found, fits, None if named else title)
+        )
+        return
+    head = f"{title}{common.mode_text(mechanism, mode)}, {law.kind}, {law.duration:g} s"
+    common.print_head(design, head)
+    print("\n".join(_lines(found, fits, axes, joints)))
+    if output is not None:
+        print(f"file       {output} ({len(found.times)} rows; mm, degrees, s)")
+
+
+# --- the path and its law ------------------------------------------------------------------
+
+
+def _way(
+    arguments: argparse.Namespace, design: Design, mechanism: Mechanism
+) -> tuple[NamedTrajectory | None, Way, Law]:
+    """The path and its time law, and the named trajectory if it is one."""
+    from kinematics.trajectories import law
+
+    known = {each.name: each for each in mechanism.trajectories(design)}
+    named = known.get(arguments.path)
+    duration = None
+    if arguments.duration is not None:
+        duration = common.number(arguments.duration, "--duration")
+    if arguments.blend is not None and arguments.through != "lines":
+        raise InputError("--blend goes with --through lines")
+    if named is not None:
+        kind = named.law.kind if arguments.law is None else arguments.law
+        seconds = named.law.duration if duration is None else duration
+        return named, named.path, law(kind, seconds)
+    path, times = _points(arguments, design, mechanism, tuple(known))
+    if times is not None:
+        if arguments.law is not None:
+            raise InputError("--law: the file gives the times, so that there is no law to choose")
+        return None, path, law("linear", times if duration is None else duration)
+    seconds = max(1.0, path.length / PACE) if duration is None else duration
+    return None, path, law(arguments.law or "quintic", seconds)
+
+
+def _points(
+    arguments: argparse.Namespace, design: Design, mechanism: Mechanism, known: tuple[str, ...]
+) -> tuple[Way, float | None]:
+    """The path through a file's points, and how long it takes if the file says so."""
+    from app.trajectory_files import LARGEST, read_points
+    from kinematics.trajectories import polyline, spline
+
+    file = Path(arguments.path)
+    try:
+        if file.stat().st_size > LARGEST:
+            raise InputError(f"{file}: longer than 16 MB, which no path is")
+        text = file.read_bytes().decode("utf-8")
+    except UnicodeDecodeError:
+        raise InputError(f"{file}: not a text file in UTF-8, so not a list of points") from None
+    except (OSError, ValueError):
+        names = f"; paths by name are {', '.join(known)}" if known else ""
+        raise InputError(f"there is no file {arguments.path!r} that can be read{names}") from None
+    axes = mechanism.pose_coordinates(design)
+    points = read_points(text, axes, origin=str(file))
+    length = mechanism.characteristic_length(design)
+    scale = [length if axis.unit == "rad" else 1.0 for axis in axes]
+    if points.times is not None:
+        if arguments.through == "lines":
+            raise InputError("--through lines: points with times are joined by a spline")
+        path = spline(points.poses, scale, points.times)
+        return path, points.times[-1] - points.times[0]
+    if arguments.through == "lines":
+        blend = 0.0 if arguments.blend is None else common.number(arguments.blend, "--blend")
+        return polyline(points.poses, scale, blend), None
+    return spline(points.poses, scale), None
+
+
+def _whole(option: str, text: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        raise InputError(f"{option} must be a whole number, got {text.strip()!r}") from None
+
+
+def _limits(arguments: argparse.Namespace, joints: Sequence[Coordinate]) -> Limits:
+    from kinematics.trajectories import Limits
+
+    def read(name: str, *, turning: bool) -> tuple[float, ...] | None:
+        text = getattr(arguments, f"max_{name}")
+        if text is None:
+            return None
+        typed = common.numbers(f"--max-{name}", text, joints)
+        return tuple(
+            radians(value) if turning and joint.unit == "rad" else value
+            for value, joint in zip(typed, joints, strict=True)
+        )
+
+    if arguments.max_forces is not None and arguments.load is None:
+        raise InputError("--max-forces goes with --load")
+    return Limits(
+        read("rates", turning=True),
+        read("accelerations", turning=True),
+        read("forces", turning=False),
+    )
+
+
+# --- answers -------------------------------------------------------------------------------
+
+
+def _answer(
+    arguments: argparse.Namespace,
+    design: Design,
+    mechanism: Mechanism,
+    law: Law,
+    found: Trajectory,
+    fits: Fits | None,
+    file: str | None,
+) -> dict[str, Any]:
+    from app.trajectory_files import columns_of
+
+    axes, joints = mechanism.pose_coordinates(design), mechanism.joint_coordinates(design)
+    columns = columns_of(found, axes, joints)
+    flags = columns.pop("within_stroke")
+    return {
+        "design": design.name,
+        "mechanism": design.mechanism,
+        "path": arguments.path if file is None else file,
+        **common.mode_entry(mechanism, found.mode),
+        "law": law.kind,
+        "duration_s": law.duration,
+        "length_mm": found.length,
+        "sound": found.sound,
+        "events": [_event(event, axes) for event in found.events],
+        "samples": {
+            **{key: [common.finite(v) for v in values] for key, values in columns.items()},
+            "within_stroke": [bool(flag) for flag in flags],
+        },
+        **({} if fits is None else {"fit": _fit(fits, axes, joints)}),
+        "file": None if arguments.output is None else str(arguments.output),
+    }
+
+
+def _event(event: Event, axes: Sequence[Coordinate]) -> dict[str, Any]:
+    return {
+        "kind": event.kind,
+        "start_s": event.start,
+        "end_s": event.end,
+        "pose": dict(zip(map(tables.key, axes), tables.outer(event.pose, axes), strict=True)),
+        "text": event.text,
+    }
+
+
+def _fit(fits: Fits, axes: Sequence[Coordinate], joints: Sequence[Coordinate]) -> dict[str, Any]:
+    """Polynomials in rad as the papers print them, errors in people's units."""
+    named = {}
+    for what, spread, most in zip(
+        ("", "_per_s", "_per_s2"), fits.deviation, fits.largest, strict=True
+    ):
+        for axis, one, two in zip(
+            axes,
+            tables.outer(spread.tolist(), axes),
+            tables.outer(most.tolist(), axes),
+            strict=True,
+        ):
+            named[f"{tables.key(axis)}{what}"] = {
+                "deviation": common.finite(one),
+                "largest": common.finite(two),
+            }
+    return {
+        "degree": fits.degree,
+        "coefficients": {
+            joint.key: row for joint, row in zip(joints, fits.coefficients.tolist(), strict=True)
+        },
+        "error": named,
+    }
+
+
+def _lines(
+    found: Trajectory,
+    fits: Fits | None,
+    axes: Sequence[Coordinate],
+    joints: Sequence[Coordinate],
+) -> list[str]:
+    import numpy as np
+
+    def most(values: Any) -> list[float]:
+        known = np.where(np.isfinite(values), np.abs(values), 0.0)
+        return [float(v) for v in known.max(axis=0)]
+
+    rates = tables.outer(most(found.joint_rates), joints)
+    accelerations = tables.outer(most(found.joint_accelerations), joints)
+    forces = most(found.forces)
+    rows = []
+    for n, joint in enumerate(joints):
+        mark = "°" if joint.unit == "rad" else "mm"
+        ends = tables.outer([found.joints[0, n], found.joints[-1, n]], [joint, joint])
+        row = [f"{joint.symbol} ({mark})", *(f"{v:.4f}" for v in ends)]
+        row += [tables.number_text(rates[n]), tables.number_text(accelerations[n])]
+        if found.names:
+            unit = "N·mm" if joint.unit == "rad" else "N"
+            row.append(f"{tables.number_text(forces[n])} {unit}")
+        rows.append(row)
+    header = ["joint", "start", "end", "largest rate /s", "acceleration /s²"]
+    header += ["force"] if found.names else []
+    lines = ["", tables.table(header, rows), "", f"length     {found.length:.1f} mm"]
+    near = found.distance[np.isfinite(found.distance)]
+    if near.size:
+        n = int(np.nanargmin(np.where(np.isfinite(found.distance), found.distance, np.inf)))
+        lines.append(
+            f"nearest    {near.min():.1f} mm to a singularity, at t = {found.times[n]:.3f} s"
+        )
+    if fits is not None:
+        lines += _fit_lines(fits, axes, joints)
+    if found.events:
+        lines += [event.text for event in found.events]
+    else:
+        lines.append("Nothing on the way: inside the workspace, no singularity, no limit exceeded.")
+    return lines
+
+
+def _fit_lines(fits: Fits, axes: Sequence[Coordinate], joints: Sequence[Coordinate]) -> list[str]:
+    lines = ["", f"polynomials of degree {fits.degree}, t in s"]
+    for joint, row in zip(joints, fits.coefficients.tolist(), strict=True):
+        unit = "rad" if joint.unit == "rad" else "mm"
+        terms = [_term(value, power) for power, value in reversed(list(enumerate(row)))]
+        text = " ".join(terms).removeprefix("+ ")
+        lines.append(f"{joint.symbol}(t) = {text} {unit}")
+    rows = []
+    for axis, *errors in zip(axes, *fits.deviation, strict=True):
+        mark = "°" if axis.unit == "rad" else "mm"
+        shown = [tables.outer([float(error)], [axis])[0] for error in errors]
+        rows.append([f"{axis.symbol} ({mark})", *(_digits(value) for value in shown)])
+    header = ["true error, σ", "position", "velocity /s", "acceleration /s²"]
+    return [*lines, tables.table(header, rows), ""]
+
+
+def _digits(value: float) -> str:
+    return f"{value:.4g}" if isfinite(value) else "-"
+
+
+def _term(value: float, power: int) -> str:
+    sign = "-" if value < 0 else "+"
+    factor = {0: "", 1: "t"}.get(power, f"t^{power}")
+    return f"{sign} {abs(value):.4g}{factor}"

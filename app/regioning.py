@@ -1,0 +1,205 @@
+"""Workspaces that lie in a plane, on the page: laid out beside its loop."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from app import palette, regions
+from app.changes import Change
+from app.exporting import ExportedFile, sanitized
+from app.lane import Done, Job, Lane, Lost
+from app.panels.desk import Laying
+from app.parts import Stage
+from app.regions import Laid, Wish
+from app.requests import SaveRegions
+from app.scene import Scene
+from app.section_files import section_bytes
+from app.slicing import MEDIA_TYPES
+from app.state import Review
+from app.worker import LaneName
+from kinematics.arcs import together
+from kinematics.sections import Region, SectionSpec
+
+if TYPE_CHECKING:
+    import viser
+
+MOST = 12  # regions with a mesh of their own
+LIMBS = 5
+OPACITY = 0.55
+_NO_LINE = np.zeros((1, 2, 3), dtype=np.float32)
+_NOTHING = np.zeros((3, 3), dtype=np.float32)
+_ONE_FACE = np.array([[0, 1, 2]], dtype=np.uint32)
+
+
+class Regioning:
+    """Keeps the plane regions true to the design, its modes and its orientation."""
+
+    lanes: tuple[LaneName, ...] = ("regions",)
+
+    def __init__(self, stage: Stage) -> None:
+        self._stage = stage
+        self._lane = Lane("regions", stage.put)
+        self._nodes = _Nodes(stage.scene)
+        self._wish: Wish | None = None
+        self._laid: Laid | None = None
+        self._trouble = ""
+        self._late = False
+
+    @property
+    def late(self) -> bool:
+        return self._late
+
+    def start(self) -> None:
+        self._lane.start()
+
+    def stop(self) -> None:
+        self._lane.stop()
+
+    def cancel(self, lane: LaneName) -> None:
+        self._lane.cancel()
+
+    def prepare(self) -> None:
+        review = self._stage.view.review
+        self._nodes.prepare(bool(review.mechanism.region_specs(review.design)))
+        self._laid = None
+
+    def applied(self, change: Change, before: Review, note: str) -> None:
+        pass
+
+    def follow(self) -> None:
+        wish = regions.wish(self._stage.view.review)
+        if wish == self._wish:
+            return
+        self._wish = wish
+        job = Job(wish, "the regions of the workspace", regions.lay, (wish,))
+        self._lane.want(() if wish is None else (job,))
+        self._late = True
+
+    def take(self, item: object) -> bool:
+        match item:
+            case Done(_, Laid() as laid):
+                self._laid, self._trouble, self._late = laid, "", True
+            case Lost(job, text) if job.key == self._wish:
+                self._trouble, self._late = text, True
+            case SaveRegions(kind, client):
+                self._save(kind, client)
+        return False
+
+    def catch_up(self) -> None:
+        if not self._late:
+            return
+        self._late = False
+        laid = self._laid if self._wish is not None else None
+        sheet = self._stage.sheet()
+        with self._stage.server.atomic():
+            self._nodes.show(laid)
+            for panel in self._stage.panels:
+                panel.draw_regions(sheet, Laying(laid, self._trouble))
+        self._stage.server.flush()
+
+    def _save(self, kind: str, client: viser.ClientHandle | None) -> None:
+        laid = self._laid
+        if laid is None or laid.wish != self._wish:
+            self._stage.complain("There are no regions to save yet; show them first.", client)
+            return
+        self._stage.apart(client, lambda: self._stage.download(regions_file(laid, kind), client))
+
+
+class _Nodes:
+    """Scene nodes of regions, made once for a mechanism."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        self._fills: list[Any] = []
+        self._edges: list[Any] = []
+        self._locus: Any = None
+
+    def prepare(self, offered: bool) -> None:
+        """Make them, with nothing to see; none where the mechanism has no regions."""
+        scene = self._scene.server.scene
+        self._fills, self._edges, self._locus = [], [], None
+        if not offered:
+            return
+        self._fills = [
+            scene.add_mesh_simple(
+                f"/regions/fill{n}",
+                _NOTHING,
+                _ONE_FACE,
+                color=palette.rgb(palette.WORKSPACE),
+                opacity=OPACITY,
+                side="double",
+                flat_shading=True,
+                cast_shadow=False,
+                receive_shadow=False,
+                visible=False,
+            )
+            for n in range(MOST)
+        ]
+        self._edges = [
+            scene.add_line_segments(
+                f"/regions/edges{limb}",
+                _NO_LINE,
+                palette.rgb(palette.limb_color(limb)),
+                thickness=2.5,
+                thickness_units="screen",
+                visible=False,
+            )
+            for limb in range(1, LIMBS + 1)
+        ]
+        self._locus = scene.add_line_segments(
+            "/regions/locus",
+            _NO_LINE,
+            palette.rgb(palette.BEYOND),
+            thickness=2.5,
+            thickness_units="screen",
+            visible=False,
+        )
+
+    def show(self, laid: Laid | None) -> None:
+        """Bring them to these regions; None hides them."""
+        colors = () if laid is None else region_colors(laid.regions)
+        fills = () if laid is None else laid.fills
+        for n, node in enumerate(self._fills):
+            seen = n < len(fills) and len(fills[n].faces) > 0
+            if seen:
+                node.vertices, node.faces = fills[n].vertices, fills[n].faces
+                node.color = palette.rgb(colors[n])
+            if node.visible != seen:
+                node.visible = seen
+        for limb, node in enumerate(self._edges, 1):
+            own = _NO_LINE[:0] if laid is None else laid.lines[laid.line_limb == limb]
+            _draw(node, own)
+        if self._locus is not None:
+            _draw(self._locus, _NO_LINE[:0] if laid is None else laid.locus)
+
+
+def _draw(node: Any, lines: np.ndarray) -> None:
+    seen = bool(len(lines))
+    if seen:
+        node.points = lines.astype(np.float32)
+    if node.visible != seen:
+        node.visible = seen
+
+
+def region_colors(found: tuple[Region, ...]) -> tuple[str, ...]:
+    """A colour for each region: the workspace's for an only one, else as aspects have them."""
+    if len(found) == 1:
+        return (palette.WORKSPACE,)
+    seen: dict[int, int] = {}
+    colors = []
+    for region in found:
+        seen[region.sign] = seen.get(region.sign, -1) + 1
+        colors.append(palette.aspect_color(region.sign, seen[region.sign]))
+    return tuple(colors)
+
+
+def regions_file(laid: Laid, kind: str) -> ExportedFile:
+    """The regions as a file."""
+    design = laid.wish.design
+    plane = SectionSpec(laid.spec.title, "normal", laid.spec.axes, laid.spec.figure)
+    whole = together([region.section for region in laid.regions])
+    data = section_bytes(whole, plane, kind, title=design.title or design.name)
+    name = f"{sanitized(design.name)}_{sanitized(laid.spec.key)}"
+    return ExportedFile(f"{name}.{kind}", data, MEDIA_TYPES[kind])

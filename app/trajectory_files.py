@@ -1,0 +1,146 @@
+"""Trajectories as files: points in from CSV, samples out to CSV, in people's units. Pure functions.
+
+Lengths mm, angles degrees, times s; forces N, torques N·mm.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import degrees, isfinite
+
+from app import tables
+from kinematics.errors import InputError
+from kinematics.mechanism import Coordinate
+from kinematics.trajectories import Trajectory
+
+LARGEST = 16 * 1024 * 1024
+"""Bytes; a longer file is refused unread."""
+
+
+@dataclass(frozen=True, slots=True)
+class Points:
+    """What a CSV file says: poses (mm and rad), and times, s, where there is a column t."""
+
+    poses: tuple[tuple[float, ...], ...]
+    times: tuple[float, ...] | None
+
+
+def read_points(text: str, axes: Sequence[Coordinate], *, origin: str) -> Points:
+    """The points of a path.
+
+    The first line names the columns: each pose coordinate by its key, an angle also with "_deg"
+    behind it (degrees in any case), and if wanted t (s). Other columns are not read, so that what
+    `trajectory_csv` writes can be read again. Columns are parted by commas, semicolons or tabs.
+
+    Raises:
+        InputError: naming the origin, the line and what is wrong.
+    """
+    if len(text) > LARGEST:
+        raise InputError(f"{origin}: longer than 16 MB, which no path is")
+    text = text.removeprefix("\ufeff")
+    first = text.split("\n", 1)[0]
+    part = max(",;\t", key=first.count)
+    rows = csv.reader(io.StringIO(text), delimiter=part)
+    header = [name.strip().lower() for name in next(rows, [])]
+    columns = [_column(header, axis, axes, origin) for axis in axes]
+    time = header.index("t") if "t" in header else None
+    poses, times = [], []
+    for number, row in enumerate(rows, start=2):
+        if not any(cell.strip() for cell in row):
+            continue
+        where = f"{origin}, line {number}"
+        if len(row) < len(header):
+            raise InputError(f"{where}: {len(header)} columns are named, found {len(row)}")
+        poses.append(
+            tuple(
+                tables.inner(_number(row[n], f"{where}: {axis.key}"), axis)
+                for n, axis in zip(columns, axes, strict=True)
+            )
+        )
+        if time is not None:
+            times.append(_number(row[time], f"{where}: t"))
+            if len(times) > 1 and times[-1] <= times[-2]:
+                raise InputError(f"{where}: t must increase from line to line, got {times[-1]:g}")
+    if len(poses) < 2:
+        raise InputError(f"{origin}: a path needs at least two points, found {len(poses)}")
+    return Points(tuple(poses), None if time is None else tuple(times))
+
+
+def _column(
+    header: Sequence[str], axis: Coordinate, axes: Sequence[Coordinate], origin: str
+) -> int:
+    for name in (axis.key, tables.key(axis)):
+        if name.lower() in header:
+            return header.index(name.lower())
+    wanted = ",".join(map(tables.key, axes))
+    raise InputError(
+        f"{origin}: the first line must name a column {tables.key(axis)}; write {wanted}, with a "
+        f"column t (s) if the points have times"
+    )
+
+
+def _number(text: str, name: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        raise InputError(f"{name} must be a number, got {text.strip()[:20]!r}") from None
+    if not isfinite(value):
+        raise InputError(f"{name} must be a finite number, got {text.strip()[:20]}")
+    return value
+
+
+# --- out -----------------------------------------------------------------------------------
+
+
+def columns_of(
+    found: Trajectory, axes: Sequence[Coordinate], joints: Sequence[Coordinate]
+) -> dict[str, list[float]]:
+    """The samples by column: time, pose, joints, their rates and accelerations, forces, and how
+    near a singularity is. NaN and infinity stay.
+    """
+    columns: dict[str, list[float]] = {"t": found.times.tolist()}
+    for n, axis in enumerate(axes):
+        columns[tables.key(axis)] = _outer(found.poses[:, n].tolist(), axis)
+    for n, joint in enumerate(joints):
+        columns[tables.key(joint)] = _outer(found.joints[:, n].tolist(), joint)
+    for what, values in (
+        ("per_s", found.joint_rates),
+        ("per_s2", found.joint_accelerations),
+    ):
+        for n, joint in enumerate(joints):
+            columns[f"{tables.key(joint)}_{what}"] = _outer(values[:, n].tolist(), joint)
+    turning = {joint.limb: joint.unit == "rad" for joint in joints}
+    for n, name in enumerate(found.names):
+        unit = "Nmm" if name.kind == "actuation" and turning.get(name.limb, False) else "N"
+        unit = unit if name.kind == "actuation" else ""
+        key = f"{name.kind}{name.limb or ''}"
+        columns["_".join(filter(None, (f"force_{key}", unit)))] = found.forces[:, n].tolist()
+    columns["within_stroke"] = [float(ok) for ok in found.reachable.tolist()]
+    columns["determinant"] = found.determinant.tolist()
+    columns["conditioning"] = found.conditioning.tolist()
+    columns["singularity_mm"] = found.distance.tolist()
+    return columns
+
+
+def trajectory_csv(
+    found: Trajectory, axes: Sequence[Coordinate], joints: Sequence[Coordinate]
+) -> str:
+    """One row a sample; empty where there is no number, "inf" where there is no singularity."""
+    columns = columns_of(found, axes, joints)
+    written = io.StringIO()
+    rows = csv.writer(written, lineterminator="\n")
+    rows.writerow(columns)
+    for row in zip(*columns.values(), strict=True):
+        rows.writerow(["" if value != value else _plain(value) for value in row])
+    return written.getvalue()
+
+
+def _plain(value: float) -> float | int:
+    return int(value) if isfinite(value) and value == int(value) and abs(value) < 1e15 else value
+
+
+def _outer(values: Sequence[float], axis: Coordinate) -> list[float]:
+    return [degrees(v) if axis.unit == "rad" else float(v) for v in values]

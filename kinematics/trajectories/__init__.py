@@ -1,0 +1,42 @@
+"""Trajectories of any mechanism: a path in pose space, a time law, and what they ask for."""
+
+from kinematics.trajectories.fits import Fits, fit
+from kinematics.trajectories.laws import LAWS, Law, law, trapezoidal
+from kinematics.trajectories.paths import (
+    Drawn,
+    Line,
+    NamedTrajectory,
+    Path,
+    Polyline,
+    Spline,
+    drawn,
+    line,
+    polyline,
+    spline,
+)
+from kinematics.trajectories.results import Event, Limits, Trajectory
+from kinematics.trajectories.sampling import duration_within, trajectory
+
+__all__ = [
+    "LAWS",
+    "Drawn",
+    "Event",
+    "Fits",
+    "Law",
+    "Limits",
+    "Line",
+    "NamedTrajectory",
+    "Path",
+    "Polyline",
+    "Spline",
+    "Trajectory",
+    "drawn",
+    "duration_within",
+    "fit",
+    "law",
+    "line",
+    "polyline",
+    "spline",
+    "trajectory",
+    "trapezoidal",
+]

@@ -1,0 +1,113 @@
+"""Polynomials of time instead of joint curves, and what that costs at the platform.
+
+As in Sosa-López et al. 2017 (eqs. 16 to 19): each joint's samples are fitted by least squares. The
+machine that is driven by the polynomials is then solved again, FK(fit(IK)), and compared.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinematics.errors import InputError
+from kinematics.mechanism import Design, Mechanism
+from kinematics.spatial import Array, Frozen
+from kinematics.trajectories.results import Trajectory
+
+HIGHEST = 20
+
+
+@dataclass(frozen=True, eq=False)
+class Fits(Frozen):
+    """Polynomials of the joints and their true errors; arrays read-only, NaN where there is no FK.
+
+    Attributes:
+        degree: of the polynomials.
+        coefficients: (J, degree + 1) from t⁰ upwards; mm or rad, t in s.
+        joints: (N, J) their values at the samples.
+        poses, pose_rates, pose_accelerations: (N, P) of the machine that follows them.
+        joint_error: (N, J) fit − exact.
+        pose_error, rate_error, acceleration_error: (N, P) likewise.
+    """
+
+    degree: int
+    coefficients: Array
+    joints: Array
+    poses: Array
+    pose_rates: Array
+    pose_accelerations: Array
+    joint_error: Array
+    pose_error: Array
+    rate_error: Array
+    acceleration_error: Array
+
+    @property
+    def deviation(self) -> tuple[Array, Array, Array]:
+        """Standard deviations (P,) of the pose's, its rates' and its accelerations' errors, with
+        n − 1 in the denominator as the paper's."""
+        errors = (self.pose_error, self.rate_error, self.acceleration_error)
+        a, b, c = (np.std(each, axis=0, ddof=1) for each in errors)
+        return a, b, c
+
+    @property
+    def largest(self) -> tuple[Array, Array, Array]:
+        """The largest errors (P,) likewise."""
+        errors = (self.pose_error, self.rate_error, self.acceleration_error)
+        a, b, c = (np.abs(each).max(axis=0) for each in errors)
+        return a, b, c
+
+
+def fit(mechanism: Mechanism, design: Design, found: Trajectory, degree: int) -> Fits:
+    """Fit polynomials of ``degree`` to the joints of a trajectory.
+
+    Raises:
+        InputError: the path leaves the workspace, or there are too few samples for the degree.
+    """
+    if not 0 <= degree <= HIGHEST:
+        raise InputError(f"the degree of a fit must lie between 0 and {HIGHEST}, got {degree}")
+    if degree >= len(found.times):
+        raise InputError(f"a fit of degree {degree} needs more than {degree} samples")
+    if not np.isfinite(found.joints).all():
+        raise InputError("the path leaves the workspace, so its joints cannot be fitted")
+    shapes = [
+        np.polynomial.Polynomial.fit(found.times, column, degree) for column in found.joints.T
+    ]
+    coefficients = np.zeros((len(shapes), degree + 1))
+    for n, shape in enumerate(shapes):
+        plain = shape.convert().coef  # a zero leading coefficient is left out
+        coefficients[n, : len(plain)] = plain
+    joints, rates, accelerations = (
+        np.stack([shape.deriv(k)(found.times) if k else shape(found.times) for shape in shapes], -1)
+        for k in range(3)
+    )
+    poses = np.full_like(found.poses, np.nan)
+    modes: list[str] = []
+    for n, pose in enumerate(found.poses):
+        posture = mechanism.posture(design, tuple(pose.tolist()), found.mode)
+        reached = mechanism.follow(design, posture, joints[n].tolist())
+        modes.append(reached.posture.mode)
+        if reached.stop == "target":
+            poses[n] = reached.posture.pose
+    pose_rates, pose_accelerations = np.full_like(poses, np.nan), np.full_like(poses, np.nan)
+    there = np.isfinite(poses).all(axis=1)
+    for mode in sorted(set(modes)):
+        rows = np.flatnonzero(there & (np.array(modes) == mode))
+        if len(rows):
+            motion = mechanism.forward_motion(
+                design, poses[rows], mode, rates[rows], accelerations[rows]
+            )
+            pose_rates[rows] = motion.pose_rates
+            pose_accelerations[rows] = motion.pose_accelerations
+    return Fits(
+        degree=degree,
+        coefficients=coefficients,
+        joints=joints,
+        poses=poses,
+        pose_rates=pose_rates,
+        pose_accelerations=pose_accelerations,
+        joint_error=joints - found.joints,
+        pose_error=poses - found.poses,
+        rate_error=pose_rates - found.pose_rates,
+        acceleration_error=pose_accelerations - found.pose_accelerations,
+    )
