@@ -44,6 +44,17 @@ def rings_section(rings: Rings, at: float = 0.0) -> Section:
     return _section(arcs, starts, at, rings)
 
 
+def rings_moments(rings: Rings) -> tuple[float, Array]:
+    """The area, mm², and ∫ (v, w) dA, (2,) mm³, of the intersection: quicker than the section."""
+    circles = _circles(rings)
+    arcs = _Arcs.none() if circles is None else _kept_arcs(circles)
+    if not len(arcs.radius):
+        return 0.0, np.zeros(2)
+    about = arcs.start.mean(axis=0)
+    area, *first = _integrals(arcs, about)[:3].tolist()
+    return area, np.array(first) + area * about
+
+
 def inside(rings: Rings, points: ArrayLike) -> NDArray[np.bool_]:
     """Whether points (..., 2) lie within all rings, (...,)."""
     p = np.asarray(points, dtype=float)
@@ -113,7 +124,7 @@ def _circles(rings: Rings) -> _Circles | None:
     if not (outer > 0.0).all():
         return None
     bounded = np.isfinite(outer)
-    hole = inner > 0.0
+    hole = inner > _SAME * float(outer.min())
     if (hole & (inner >= outer)).any() or not bounded.any():
         return None
     center = np.concatenate([rings.center[bounded], rings.center[hole]])

@@ -252,15 +252,28 @@ def _shortly_before(line: Line[S], before: Place[S], level: float) -> Place[S]:
     if before.along <= level:
         return before
     # Near a fold λ falls with the square of the way back.
-    back = 1e-7
+    near, back = 0.0, 1e-7
+    found: Place[S] | None = None
     while back < _LONGEST:
         there = line.ahead(before, -back)
         if there is None:
             break
         if there.along <= level:
-            return there
-        back *= 1.5
-    return before
+            found = there
+            break
+        near, back = back, 1.5 * back
+    for _ in range(30):
+        if found is None or level - found.along <= 1e-3 * (before.along - level):
+            break
+        middle = 0.5 * (near + back)
+        there = line.ahead(before, -middle)
+        if there is None:
+            break
+        if there.along <= level:
+            found, back = there, middle
+        else:
+            near = middle
+    return before if found is None else found
 
 
 def _at_level(line: Line[S], here: Place[S], there: Place[S], level: float) -> S | None:

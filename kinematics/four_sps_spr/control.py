@@ -210,7 +210,7 @@ def locus(design: FourSPSSPRDesign, key: str, pose: Sequence[float]) -> LocusCur
         start=found.start,
         kinds=kinds,
         limb=np.zeros(count, dtype=np.int64),
-        residual=found.residual,
+        residual=curve.distance(found.points),
         bounds=np.stack([low, high], axis=1),
     )
 

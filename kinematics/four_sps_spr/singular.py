@@ -60,10 +60,20 @@ class Cubic:
         return np.asarray(rows / self.unit**2)
 
     def distance(self, uv: Array) -> Array:
-        """|D| / |∇D|, mm: to the first order how far points (..., 2) are from the curve."""
+        """How far points (..., 2) are from the curve, mm, by the leading term there.
+
+        |D| / |∇D| as a rule; next to double and triple lines a root of |D| by the next derivative.
+        """
         value, gradient = self.values(uv)
         slope = np.sqrt((gradient**2).sum(axis=-1))
-        return np.asarray(np.abs(value) / np.maximum(slope, 1e-300))
+        bend = 0.5 * np.abs(np.linalg.eigvalsh(self.second(uv))).max(axis=-1)
+        top = np.abs([self.c[3, 0], self.c[2, 1], self.c[1, 2], self.c[0, 3]]).max() / self.unit**3
+        size = np.abs(value)
+        parts = [
+            (size / np.maximum(by, 1e-300)) ** (1.0 / power)
+            for power, by in ((1, slope), (2, bend), (3, np.asarray(top)))
+        ]
+        return np.asarray(np.minimum(np.minimum(parts[0], parts[1]), parts[2]))
 
     def settled(self, uv: Array, rounds: int = 8) -> Array:
         """Points (n, 2) near the curve brought onto it, across it.

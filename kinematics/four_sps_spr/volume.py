@@ -23,7 +23,7 @@ import numpy as np
 from scipy.integrate import quad
 from scipy.ndimage import binary_dilation
 
-from kinematics.discs import Rings, rings_section
+from kinematics.discs import Rings, rings_moments
 from kinematics.four_sps_spr import home
 from kinematics.four_sps_spr.constraint import angle_terms, dependent_values
 from kinematics.four_sps_spr.design import LIMBS, SPR, FourSPSSPRDesign
@@ -284,7 +284,5 @@ def _swept(design: FourSPSSPRDesign, angles: tuple[float, float, float], request
         )
     elif start <= 0.0:
         return 0.0
-    region = rings_section(found, here.at)
-    if not region.loops:
-        return 0.0
-    return region.area * (start + float(slope @ region.centroid))
+    area, first = rings_moments(found)
+    return area * start + float(slope @ first)
