@@ -71,9 +71,11 @@ class Machine(NamedTuple):
 
 
 class Nodes(NamedTuple):
-    """Sections: x' (N,), moments (N, 6) and their derivatives, marks (N,)."""
+    """Sections: x' (N,) in ``at`` and ``to``, see `cut`; moments (N, 6) and their derivatives,
+    marks (N,)."""
 
     at: Array
+    to: Array
     moments: Array
     marks: Ints
 
@@ -111,16 +113,32 @@ def places_of_roots(limbs: Array, first: float, last: float, narrow: float, out:
     return count + 1
 
 
-def cut(machine: Machine, nodes: Nodes, n: int, x: float) -> None:
-    """The section at x as node n."""
+def cut(machine: Machine, nodes: Nodes, n: int) -> None:
+    """The section of node n, whose x' is known.
+
+    Where ``to`` is another x' than ``at``: a section that holds all sections between the two.
+    """
+    limbs, low, high = machine.limbs, machine.low, machine.high
+    x, to = nodes.at[n], nodes.to[n]
+    reached = heights(x, limbs, low, high)
+    if to != x:
+        heights(to, limbs, machine.other[0], machine.other[1])
+        reached = True
+        for i in range(limbs.shape[1]):
+            low[i] = min(low[i], machine.other[0, i])
+            high[i] = max(high[i], machine.other[1, i])
+            if min(x, to) <= limbs[WX, i] <= max(x, to):  # S is largest at w'_x
+                high[i] = limbs[HIGH, i]
+            reached = reached and high[i] >= 0.0
+    nodes.marks[n] = 0
+    nodes.moments[n, :] = 0.0
     machine.taken[0] += 1
-    nodes.at[n] = x
-    if heights(x, machine.limbs, machine.low, machine.high):
+    if reached:
         nodes.marks[n], _ = measured(
             x,
-            machine.limbs,
-            machine.low,
-            machine.high,
+            limbs,
+            low,
+            high,
             machine.signs,
             machine.table,
             machine.ends,
@@ -129,39 +147,6 @@ def cut(machine: Machine, nodes: Nodes, n: int, x: float) -> None:
             machine.room,
             nodes.moments[n],
         )
-    else:
-        nodes.marks[n] = 0
-        nodes.moments[n, :] = 0.0
-
-
-def bound(machine: Machine, x0: float, x1: float) -> float:
-    """The area of a section that holds all sections between x0 and x1."""
-    limbs, low, high = machine.limbs, machine.low, machine.high
-    other = machine.other
-    machine.taken[0] += 1
-    heights(x0, limbs, low, high)
-    heights(x1, limbs, other[0], other[1])
-    for i in range(limbs.shape[1]):
-        low[i] = min(low[i], other[0, i])
-        high[i] = max(high[i], other[1, i])
-        if x0 <= limbs[WX, i] <= x1:  # S is largest at w'_x
-            high[i] = limbs[HIGH, i]
-        if high[i] < 0.0:
-            return 0.0
-    measured(
-        x0,
-        limbs,
-        low,
-        high,
-        machine.signs,
-        machine.table,
-        machine.ends,
-        machine.size,
-        machine.origin,
-        machine.room,
-        other[2],
-    )
-    return float(other[2, 0])
 
 
 def judge(machine: Machine, nodes: Nodes, panels: Panels, p: int, change: float) -> None:
@@ -179,7 +164,10 @@ def judge(machine: Machine, nodes: Nodes, panels: Panels, p: int, change: float)
     empty = (marks[one] == 0) + (marks[two] == 0) + (marks[three] == 0)
     if empty >= 2:
         x0, x1 = nodes.at[one], nodes.at[three]
-        most = bound(machine, min(x0, x1), max(x0, x1))
+        last = nodes.at.size - 1  # kept free for this
+        nodes.at[last], nodes.to[last] = x0, x1
+        cut(machine, nodes, last)
+        most = m[last, 0]
         seen = max(m[one, 0], m[two, 0], m[three, 0])
         off = max(off, (1.0 if seen <= NOTHING * most else TIP) * most * abs(x1 - x0))
     panels.error[p] = off
@@ -206,7 +194,8 @@ def halve(machine: Machine, nodes: Nodes, panels: Panels, p: int, n: int, new: i
     um = 0.5 * (u0 + u1)
     for half in range(2):
         u = 0.5 * (um + (u1 if half else u0))
-        cut(machine, nodes, n + half, end + kappa * u * u)
+        nodes.at[n + half] = nodes.to[n + half] = end + kappa * u * u
+        cut(machine, nodes, n + half)
     panels.span[new, 0], panels.span[new, 1] = um, u1
     panels.span[new, 2], panels.span[new, 3] = end, kappa
     panels.span[p, 1] = um
@@ -214,12 +203,12 @@ def halve(machine: Machine, nodes: Nodes, panels: Panels, p: int, n: int, new: i
     panels.nodes[new, 0], panels.nodes[new, 1] = middle, n + 1
     panels.nodes[new, 2] = panels.nodes[p, 2]
     panels.nodes[p, 1], panels.nodes[p, 2] = n, middle
-    whole = panels.value[p]
-    assess(panels, nodes, p)
-    assess(panels, nodes, new)
-    change = abs(panels.value[p] + panels.value[new] - whole)
-    judge(machine, nodes, panels, p, change)
-    judge(machine, nodes, panels, new, change)
+    change = -panels.value[p]
+    for half in (p, new):
+        assess(panels, nodes, half)
+        change += panels.value[half]
+    for half in (p, new):
+        judge(machine, nodes, panels, half, abs(change))
 
 
 def push(heap: Ints, filled: int, error: Array, p: int) -> None:
@@ -248,13 +237,12 @@ def pop(heap: Ints, filled: int, error: Array) -> int:
 
 
 def begin(
-    machine: Machine, nodes: Nodes, panels: Panels, first: float, last: float
+    limbs: Array, nodes: Nodes, panels: Panels, first: float, last: float, narrow: float
 ) -> tuple[int, int]:
     """Panels from each root to the middle between it and the next one; how many nodes, panels."""
-    limbs = machine.limbs
     places = np.empty(2 * limbs.shape[1] + 2)
-    stops = places_of_roots(limbs, first, last, NARROW * machine.size, places)
-    cut(machine, nodes, 0, first)
+    stops = places_of_roots(limbs, first, last, narrow, places)
+    nodes.at[0] = first
     n, p = 1, 0
     for k in range(stops - 1):
         half = 0.5 * (places[k + 1] - places[k])
@@ -266,15 +254,14 @@ def begin(
                 u0 = (parts - part if side else part) / parts
                 u1 = (parts - part - 1 if side else part + 1) / parts
                 um = 0.5 * (u0 + u1)
-                cut(machine, nodes, n, end + kappa * um * um)
-                cut(machine, nodes, n + 1, end + kappa * u1 * u1)
+                nodes.at[n], nodes.at[n + 1] = end + kappa * um * um, end + kappa * u1 * u1
                 panels.span[p, 0], panels.span[p, 1] = min(u0, u1), max(u0, u1)
                 panels.span[p, 2], panels.span[p, 3] = end, kappa
                 panels.nodes[p, 0], panels.nodes[p, 2] = (n + 1, n - 1) if side else (n - 1, n + 1)
                 panels.nodes[p, 1] = n
-                assess(panels, nodes, p)
                 n += 2
                 p += 1
+    nodes.to[:n] = nodes.at[:n]
     return n, p
 
 
@@ -321,33 +308,38 @@ def integral(
     )
     bounds_of(limbs, machine.ends)
     most = max(most, 4 * (math.ceil(1.0 / WIDEST) + 4 * n))  # `begin` takes less
-    nodes = Nodes(np.empty(most), np.empty((most, 6)), np.empty(most, np.int64))
+    nodes = Nodes(np.empty(most), np.empty(most), np.empty((most, 6)), np.empty(most, np.int64))
     room = most // 2
     panels = Panels(
         np.empty((room, 4)), np.empty((room, 3), np.int64), np.empty(room), np.empty(room)
     )
     scale = (last - first) * size * size
     narrow = NARROW * size
-    cuts, count = begin(machine, nodes, panels, first, last)
+    cuts, count = begin(limbs, nodes, panels, first, last, narrow)
+    for k in range(cuts):
+        cut(machine, nodes, k)
+    for p in range(count):
+        assess(panels, nodes, p)
     volume = panels.value[:count].sum()
     wanted = max(volume, SMALL * (last - first) ** 3) * relative
     widest = 2.0 * UNMET * wanted ** (1.0 / 3.0)
     for p in range(count):
         judge(machine, nodes, panels, p, -1.0)
-    p = 0
-    while p < count and cuts + 2 <= nodes.at.size:
-        if panels.error[p] > 0.0 and width(nodes, panels, p) > widest:
+    for p in range(room):
+        if p == count:
+            break
+        while (
+            panels.error[p] > 0.0 and width(nodes, panels, p) > widest and cuts + 2 < nodes.at.size
+        ):
             halve(machine, nodes, panels, p, cuts, count)
             cuts += 2
             count += 1
-        else:
-            p += 1
     heap = np.empty(room, np.int64)
     for p in range(count):
         push(heap, p, panels.error, p)
     filled = count
     volume, error = panels.value[:count].sum(), panels.error[:count].sum()
-    while filled > 0 and cuts + 2 <= nodes.at.size:
+    while filled > 0 and cuts + 2 < nodes.at.size:
         rounding = 1e-13 * volume + 1e-16 * scale
         allowed = max(relative * volume, UNSEEN * scale) - rounding
         if error <= allowed or count % 512 == 0:  # sums that grow and shrink lose digits
