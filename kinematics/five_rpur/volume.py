@@ -118,7 +118,7 @@ def integrate(
 
 def pieces(cutter: Cutter, found: Integral) -> tuple[float, ...]:
     """The volumes of the connected pieces, mm³, largest first; what rounding makes is left out."""
-    volumes = cutter.pieces(found.at, found.weights, found.marks)
+    volumes = cutter.pieces(found.at, found.weights)
     kept = volumes[volumes > _SPECK * found.moments[0]]
     if kept.size:  # what the smallest were given too much
         kept[0] -= kept.sum() - found.moments[0]

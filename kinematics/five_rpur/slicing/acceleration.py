@@ -200,4 +200,4 @@ def _exercise() -> None:
     cutter.outline(float(x[1]))
     cutter.strokes(x[1:2], 3)
     found = cutter.integral(*cutter.range, 0.5, 60)
-    cutter.pieces(found.at, found.weights, found.marks)
+    cutter.pieces(found.at, found.weights)

@@ -178,22 +178,18 @@ class Cutter:
             moments,
         )
 
-    def pieces(self, x: Array, weights: Array, marks: Ints) -> Array:
+    def pieces(self, x: Array, weights: Array) -> Array:
         """The integrals of the connected pieces' areas, largest first (P,).
 
         Args:
             x: (N,) increasing.
             weights: (N, 2) of the areas and of their derivatives.
-            marks: (N,) of the sections, 0 where there is nothing.
         """
-        lows, highs = self.heights(x)
-        machine = self.limbs, self.signs, self.table, self.size
-        room = 16 * len(x) + 64
+        room = 16 * len(x) + 1024
         while True:
             forest, volumes = np.empty(room, np.int64), np.empty((room, 2))
-            used = acceleration.call(
-                "trace", len(x), x, lows, highs, weights, marks, *machine, forest, volumes
-            )
+            machine = self.limbs, self.signs, self.table, self.size
+            used = acceleration.call("trace", len(x), x, weights, *machine, forest, volumes)
             if used >= 0:
                 break
             room *= 4
