@@ -357,7 +357,7 @@ def _drive(review: Review, index: int, value: float) -> tuple[Review, str]:
     joints[index] = value
     followed = review.mechanism.follow(review.design, posture, joints)
     reached = replace(review, pose=followed.posture.pose, mode=followed.posture.mode)
-    return reached, followed.text or note
+    return reached, followed.text or followed.warning or note
 
 
 def _use_design(review: Review, design: Design) -> Review:

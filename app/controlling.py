@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from app import controller
-from app.changes import Change, EditDesign, Place, SetControl, Visit
+from app.changes import Change, EditDesign, GoHome, Move, Place, SetControl, Visit
 from app.compute import SolidWish, View
 from app.controller import Here
 from app.controller import Place as Spot
@@ -152,6 +152,8 @@ class Controlling:
             self._note(note, "stop")
         if isinstance(change, Visit):
             self._note("Went to another solution; the way between was not driven.", "jump")
+        if not isinstance(change, Move | Place | GoHome):
+            # An actuator drives along its own way, and says itself what stopped it.
             self._watched = None
 
     def _note(self, text: str, kind: str) -> None:

@@ -91,11 +91,12 @@ class Page:
         self._inbox: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self.scene = Scene(server)
         self._control = Controlling(self)
+        self._regions = Regioning(self)
         self._parts: tuple[Part, ...] = (
             Solving(self),
             Slicing(self),
             Mapping(self),
-            Regioning(self),
+            self._regions,
             self._control,
         )
         self._morph: Morph | None = None
@@ -473,7 +474,12 @@ class Page:
                 placed = built.solid.mesh.vertices @ built.wish.placement[:3, :3].T
                 placed = placed + built.wish.placement[:3, 3]
                 low, high = np.minimum(low, placed.min(0)), np.maximum(high, placed.max(0))
-        position, target = self.scene.frame((low, high))
+        flat = self._regions.bounds
+        if flat is not None:
+            low, high = np.minimum(low, flat[0]), np.maximum(high, flat[1])
+        axes = review.mechanism.pose_coordinates(review.design)
+        planar = all(c.key in ("x", "y") for c in axes)
+        position, target = self.scene.frame((low, high), from_above=planar)
         first = self.server.initial_camera
         first.near, first.far = drawing.size / 100.0, drawing.size * 80.0
         first.fov = FIELD_OF_VIEW

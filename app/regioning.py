@@ -21,6 +21,7 @@ from app.state import Review
 from app.worker import LaneName
 from kinematics.arcs import together
 from kinematics.sections import Region, SectionSpec
+from kinematics.spatial import Array
 
 if TYPE_CHECKING:
     import viser
@@ -80,12 +81,23 @@ class Regioning:
     def take(self, item: object) -> bool:
         match item:
             case Done(_, Laid() as laid):
+                first = self._laid is None
                 self._laid, self._trouble, self._late = laid, "", True
+                if first:
+                    self._stage.put("fit")
             case Lost(job, text) if job.key == self._wish:
                 self._trouble, self._late = text, True
             case SaveRegions(kind, client):
                 self._save(kind, client)
         return False
+
+    @property
+    def bounds(self) -> tuple[Array, Array] | None:
+        """The box around the regions on display, mm; None where there are none."""
+        if self._laid is None or self._wish is None or not len(self._laid.lines):
+            return None
+        points = self._laid.lines.reshape(-1, 3)
+        return points.min(axis=0), points.max(axis=0)
 
     def catch_up(self) -> None:
         if not self._late:

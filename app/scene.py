@@ -393,12 +393,17 @@ class Scene:
         """The drag ended: put the handle back where the platform really is."""
         self._forget("/handle")
 
-    def frame(self, bounds: tuple[Array, Array]) -> tuple[Array, Array]:
-        """Camera position and target that show a box whole, from the front right above."""
+    def frame(
+        self, bounds: tuple[Array, Array], *, from_above: bool = False
+    ) -> tuple[Array, Array]:
+        """Camera position and target that show a box whole, from the front right above.
+
+        A machine in the x-y plane is seen nearly ``from_above``.
+        """
         low, high = bounds
         centre = 0.5 * (low + high)
         radius = 0.5 * float(np.linalg.norm(high - low))
-        toward = np.array([0.62, -0.95, 0.42])
+        toward = np.array([0.12, -0.45, 1.0] if from_above else [0.62, -0.95, 0.42])
         distance = 1.02 * radius / math.sin(0.5 * FIELD_OF_VIEW)
         return centre + distance * toward / np.linalg.norm(toward), centre
 
