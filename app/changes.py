@@ -398,7 +398,7 @@ def _control_for(review: Review, control: Control) -> Control:
     try:
         return checked_control(control, review)
     except InputError:  # a measure or a chart that the other mechanism has not
-        return replace(control, shade="", chart="")
+        return replace(control, shade="", chart="", rates=(), accelerations=())
 
 
 def _edit(

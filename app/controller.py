@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kinematics.errors import InputError
 from kinematics.mechanism import Design, Mechanism, mechanism
-from kinematics.motion import Statics, WrenchSystem
+from kinematics.motion import Motion, Statics, WrenchSystem
 from kinematics.sections import Sphere
 from kinematics.singularities import (
     NEAR,
@@ -28,12 +29,14 @@ from kinematics.spatial import Array
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A posture, and the load that it is to hold ([F, T] at O′, N and N·mm)."""
+    """A posture, the load that it is to hold ([F, T] at O′, N and N·mm), and how it moves."""
 
     design: Design
     pose: tuple[float, ...]
     mode: str
     load: tuple[float, ...]
+    rates: tuple[float, ...] = ()
+    accelerations: tuple[float, ...] = ()
 
     @property
     def kind(self) -> Mechanism:
@@ -54,6 +57,7 @@ class Here:
         wrenches, statics: at this one posture; None where the machine does not close.
         clearances: sorted, the nearest first.
         remedy: the ways out; None where the pose can be held.
+        motion: at the rates that are asked for; None where there are none.
         circles: of orientations, one for each limit; none where a mechanism has none.
     """
 
@@ -65,6 +69,7 @@ class Here:
     clearances: tuple[Clearance, ...]
     remedy: Remedy | None
     circles: tuple[OrientationCircle, ...]
+    motion: Motion | None
 
     def nearest(self, *kinds: str) -> Clearance | None:
         """The nearest of what is of one of these kinds."""
@@ -85,7 +90,24 @@ def look(place: Place) -> Here:
         kind.clearances(design, posture),
         None if posture.reachable else kind.remedy(design, posture),
         kind.circles(design, place.pose, place.mode),
+        _motion(place) if closes and place.rates else None,
     )
+
+
+def _motion(place: Place) -> Motion | None:
+    """At the rates asked for; where the mechanism has a constraint one of them gives way to it."""
+    kind, design = place.kind, place.design
+    dependent = kind.dependent_coordinates(design)
+    rates, gains = np.array(place.rates), np.array(place.accelerations or (0.0,) * len(place.rates))
+    for n in dependent[::-1] or (None,):
+        wanted, gained = rates.copy(), gains.copy()
+        if n is not None:
+            wanted[n] = gained[n] = np.nan
+        try:
+            return kind.inverse_motion(design, place.pose, place.mode, wanted, gained)
+        except InputError:  # that one does not follow from the others here
+            continue
+    return None
 
 
 def _value(place: Place, measure: Measure) -> float:

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import time
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from app import controller
-from app.changes import Change, EditDesign, Place, Visit
+from app.changes import Change, EditDesign, Place, SetControl, Visit
 from app.compute import SolidWish, View
 from app.controller import Here
 from app.controller import Place as Spot
 from app.exporting import ExportedFile, solid_name
 from app.held import Held
 from app.lane import Done, Job, Lane, Lost
+from app.loads import Loads
 from app.locus_files import locus_bytes
 from app.painter import Painter
 from app.painting import Coat
@@ -44,6 +45,15 @@ KEPT = 60  # lines of the log
 MEDIA_TYPES = {"svg": "image/svg+xml", "csv": "text/csv"}
 
 
+@dataclass(frozen=True, slots=True)
+class Pulled:
+    """A hand holds the tip of the load's arrow (mm, base frame), or lets it go."""
+
+    phase: str
+    client_id: int | None
+    tip: tuple[float, ...]
+
+
 class Controlling:
     """Keeps what is told of control true to the machine."""
 
@@ -54,6 +64,8 @@ class Controlling:
         self._quick = Lane("control", stage.put)
         self._slow = Lane("loci", stage.put)
         self._held = Held(stage.scene)
+        self._loads = Loads(stage.scene, self._pulled)
+        self._pulling: set[int] = set()
         self._late = False
         self._here: Here | None = None
         self._curves: tuple[object, LocusCurves] | None = None
@@ -85,6 +97,7 @@ class Controlling:
 
     def prepare(self) -> None:
         self._held.prepare(self._stage.view.drawing.size)
+        self._loads.prepare(self._stage.view.drawing.size)
 
     # --- what is wanted
 
@@ -173,6 +186,8 @@ class Controlling:
                 return self._ball_came(result)
             case Lost(job, text):
                 self._lost(job, text)
+            case Pulled(phase, client_id, tip):
+                return self._pull(phase, client_id, tip)
             case FindFree(here, client):
                 self._find(here, client)
             case GoToFree(client):
@@ -200,6 +215,27 @@ class Controlling:
                 self._asked, self._late = None, True
                 if text:
                     self._stage.complain(text)
+
+    # --- the load's arrow
+
+    def _pulled(self, phase: str, client_id: int | None, tip: tuple[float, ...]) -> None:
+        """Called on the event loop."""
+        self._stage.put(Pulled(phase, client_id, tip))
+
+    def _pull(self, phase: str, client_id: int | None, tip: tuple[float, ...]) -> bool:
+        """The arrow's tip is dragged: the force follows it, the moment stays."""
+        who = -1 if client_id is None else client_id
+        if phase == "end":
+            self._pulling.discard(who)
+            self._loads.pulled = False
+            self._late = True
+            return False
+        self._pulling.add(who)
+        self._loads.pulled = True
+        view = self._stage.view
+        force = self._loads.force_of(view, tip)
+        load = (*force, *view.review.control.load[3:])
+        return self._stage.apply(SetControl("load", load), None)
 
     # --- the ball
 
@@ -275,6 +311,7 @@ class Controlling:
         current = self._current()
         with self._stage.server.atomic():
             self._held.show(sheet.view, current or self._nearly(), self._ball)
+            self._loads.show(sheet.view, current or self._nearly())
             for panel in self._stage.panels:
                 panel.draw_control(sheet, controlled)
         self._stage.server.flush()
@@ -343,7 +380,15 @@ class Controlling:
 
 def spot_of(review: Review) -> Spot:
     """Where the machine stands, with its load."""
-    return Spot(review.design, review.pose, review.mode, review.control.load)
+    control = review.control
+    return Spot(
+        review.design,
+        review.pose,
+        review.mode,
+        control.load,
+        control.rates,
+        control.accelerations,
+    )
 
 
 def counterpart(review: Review) -> Spot | None:

@@ -99,6 +99,10 @@ class Control:
         compare: the mechanism's counterpart stands beside it, with the same numbers.
         ratios: h₂/h₁ of further machines whose profile is drawn.
         load: [F, T] on the platform at O′, N and N·mm, base frame.
+        forces: what the limbs push and pull under the load, drawn on them.
+        arrow: the load's force as an arrow to drag.
+        rates, accelerations: of the pose coordinates, mm/s and rad/s and their derivatives, whose
+            motion is drawn; () for none.
     """
 
     wrenches: bool = False
@@ -109,6 +113,10 @@ class Control:
     compare: bool = False
     ratios: tuple[float, ...] = ()
     load: tuple[float, ...] = (0.0, 0.0, -100.0, 0.0, 0.0, 0.0)
+    forces: bool = False
+    arrow: bool = False
+    rates: tuple[float, ...] = ()
+    accelerations: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -256,6 +264,11 @@ def checked_control(control: Control, review: Review) -> Control:
         raise InputError(f"a ratio is a positive number up to {MAX_RATIO:g}")
     if len(control.ratios) > MAX_RATIOS:
         raise InputError(f"at most {MAX_RATIOS} ratios can be compared")
+    axes = kind.pose_coordinates(design)
+    for name, values in (("rates", control.rates), ("accelerations", control.accelerations)):
+        if values and (len(values) != len(axes) or not all(map(math.isfinite, values))):
+            symbols = ", ".join(c.symbol for c in axes)
+            raise InputError(f"{name} are {len(axes)} finite numbers, of {symbols}")
     if len(control.load) != 6 or not all(map(math.isfinite, control.load)):
         raise InputError("a load is six finite numbers: three forces (N), three moments (N·mm)")
     return control

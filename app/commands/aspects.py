@@ -12,6 +12,7 @@ from app.commands import common
 from kinematics.errors import ComputationError, InputError
 
 if TYPE_CHECKING:
+    from kinematics.mechanism import Resolution
     from kinematics.solids import BuiltSolid
 
 KEY = "aspects"
@@ -59,7 +60,7 @@ def run(arguments: argparse.Namespace) -> None:
             f"{design.name}: a {mechanism.title} has no singular surfaces at an orientation; "
             "give --pose, or --pose and --chart"
         )
-    resolution = arguments.resolution or "normal"
+    resolution: Resolution = arguments.resolution or "normal"
     what = (arguments.what or LOCUS).strip().lower()
     if what != LOCUS and not what.isdecimal():
         raise InputError(f"--what must be {LOCUS} or the number of a piece, got {arguments.what!r}")

@@ -30,6 +30,7 @@ from app.panels.desk import (
     put,
     put_prop,
 )
+from app.panels.rates import MotionFolder
 from app.requests import ChangeDesign, ClearLog, Escape, Swing
 from kinematics.mechanism import Design, Mechanism
 from kinematics.singularities import Remedy
@@ -86,7 +87,10 @@ class SingularitiesPanel(Panel):
             self._moment = gui.add_vector3("Moment (N·mm)", (load[3], load[4], load[5]), step=100.0)
             for handle in (self._force, self._moment):
                 answer(desk, handle, self._set_load)
+            self._arrow = self._switch("Arrow to drag", "arrow", "The force, in the scene")
+            self._on_limbs = self._switch("Forces on the limbs", "forces", "Push or pull, in N")
             self._forces = gui.add_html("")
+        self._motion = MotionFolder(desk, sheet)
         with gui.add_folder("What happened on the way", expand_by_default=False):
             self._log = gui.add_html(log_html(()))
             button(desk, "Clear", lambda _: desk.ask(ClearLog()))
@@ -103,6 +107,9 @@ class SingularitiesPanel(Panel):
         put(self._desk, self._ways, control.clearances)
         put(self._desk, self._force, control.load[:3])
         put(self._desk, self._moment, control.load[3:])
+        put(self._desk, self._arrow, control.arrow)
+        put(self._desk, self._on_limbs, control.forces)
+        self._motion.draw(sheet)
         for folder in (self._aspects, self._chart, self._profile):
             if folder is not None:
                 folder.draw(sheet)
@@ -119,6 +126,7 @@ class SingularitiesPanel(Panel):
         put_prop(self._swing, "visible", swings)
         put_prop(self._clearances, "content", clearances_html(here))
         put_prop(self._forces, "content", forces_html(None if here is None else here.statics))
+        self._motion.draw_control(controlled)
         self._draw_remedy(None if here is None else here.remedy)
         for folder in (self._aspects, self._chart, self._profile):
             if folder is not None:

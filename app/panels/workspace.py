@@ -10,6 +10,7 @@ from app import palette
 from app.atlas import number as signed
 from app.changes import ChooseModes, ChooseSurface, Fade, Show
 from app.modes import matching, page_mode
+from app.panels.control_html import ASPECTS
 from app.panels.desk import (
     Desk,
     Laying,
@@ -65,7 +66,7 @@ class WorkspacePanel(Panel):
             RegionsFolder(desk, sheet) if review.mechanism.region_specs(review.design) else None
         )
         specs = review.mechanism.solids(review.design)
-        alone = [s for s in specs if s.limb is None and not s.of_present_mode]
+        alone = [s for s in specs if s.limb is None and s.key != ASPECTS]
         for spec in alone:
             gui.add_html(box(f"<b>{esc(spec.title)}</b>"))
             self._switch(spec, "Show", sheet)
@@ -232,7 +233,7 @@ def _report(sheet: Sheet) -> str:
     lines = [f"The present position is {where} this workspace."]
     for shown in view.review.solids:
         built = sheet.built.get(shown.key)
-        if built is None or built.wish.spec.limb is not None or built.wish.spec.of_present_mode:
+        if built is None or built.wish.spec.limb is not None or shown.key == ASPECTS:
             continue
         solid = built.solid
         if not solid.pieces:

@@ -204,7 +204,7 @@ def _cuts(loop: Loop) -> list[float]:
     design = loop.design
     found = [_roots(partial(_bend_of, loop, i), tau) for i in range(2)]
     found += [
-        _roots(partial(_past, loop, i, end), tau)
+        _at_end(loop, i, end, _roots(partial(_past, loop, i, end), tau))
         for i, limb in enumerate(design.limbs)
         if limb.joint_range_deg is not None
         for end in design.joint_range[i].tolist()
@@ -244,6 +244,12 @@ def _past(loop: Loop, i: int, end: float, tau: Array) -> Array:
     _, joints = loop.points(tau)
     sine: Array = np.sin(joints[..., i] - end)
     return sine
+
+
+def _at_end(loop: Loop, i: int, end: float, tau: Array) -> Array:
+    """Of values of τ those at which joint i is at ``end``, and not half a turn away."""
+    _, joints = loop.points(tau)
+    return tau[np.cos(joints[..., i] - end) > 0.0]
 
 
 def _roots(function: Callable[[Array], Array], tau: Array) -> Array:

@@ -147,7 +147,7 @@ def _at(
         elif after.closes[i] and not before.closes[i]:
             text = f"P came back within the reach of limb {limb} {where}"
             yield Event("serial", s, pose, limb, text, False)
-        elif before.closes[i] and float(np.hypot(*(p - design.base[i]))) <= 1e-9 * design.size:
+        elif before.closes[i] and np.hypot(*(p - design.base[i])) <= 1e-9 * design.size:
             text = f"P passed A{SUBSCRIPTS[i]} {where}, where limb {limb} is folded onto its base"
             yield Event("serial", s, pose, limb, text, True)
         elif before.within[i] and not after.within[i]:
@@ -156,8 +156,9 @@ def _at(
         elif after.within[i] and not before.within[i]:
             text = f"θ{SUBSCRIPTS[i]} is back within its range {where}"
             yield Event("stroke", s, pose, limb, text, False)
-    if not (all(before.closes) and all(after.closes)):
-        return
+    based = np.linalg.norm(p - design.base, axis=-1) <= 1e-9 * design.size
+    if based.any() or not (all(before.closes) and all(after.closes)):
+        return  # on a base joint its angle leaps, and with it the determinant
     if before.sign != after.sign:
         text = f"crossed a parallel singularity {where}: the machine is now in another aspect"
         yield Event("parallel", s, pose, None, text, True)

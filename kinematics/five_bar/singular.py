@@ -61,16 +61,16 @@ def singularities(
     found: list[Singularity] = []
     for i in range(LIMBS):
         rho = float(np.hypot(*(p - design.base[i])))
-        if abs(float(limbs[i])) <= tolerance:
-            far = rho > float(design.proximal[i])
-            cause = f"limb {i + 1} is {'stretched' if far else 'folded'}"
-            text = f"P cannot be moved along limb {i + 1} by its actuator, whose two solutions meet"
-            found.append(Singularity("serial", (i + 1,), cause, text, abs(float(limbs[i]))))
-        elif rho <= tolerance * design.size:
+        if rho <= tolerance * design.size:
             text = f"with P on A{SUBSCRIPTS[i]} limb {i + 1} may turn as it likes"
             found.append(
                 Singularity("serial", (i + 1,), f"limb {i + 1} is folded onto its base", text, 0.0)
             )
+        elif abs(float(limbs[i])) <= tolerance:
+            far = rho > float(design.proximal[i])
+            cause = f"limb {i + 1} is {'stretched' if far else 'folded'}"
+            text = f"P cannot be moved along limb {i + 1} by its actuator, whose two solutions meet"
+            found.append(Singularity("serial", (i + 1,), cause, text, abs(float(limbs[i]))))
     if abs(float(between)) <= tolerance:
         found.append(_parallel(design, p, q, abs(float(between))))
     return tuple(found)

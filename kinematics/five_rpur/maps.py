@@ -82,8 +82,10 @@ def _measures(
         result["volume"] = volume, found.error
         if {"pieces", "largest_piece"} & set(quantities):
             parts = pieces(cutter, found)
-            result["pieces"] = float(len(parts)), 0.0
-            result["largest_piece"] = (parts[0] if parts else 0.0), found.error
+            # What is smaller than the volume's error may be more or fewer, or part of another.
+            small = [part for part in parts if part <= found.error]
+            result["pieces"] = float(len(parts)), float(len(small))
+            result["largest_piece"] = (parts[0] if parts else 0.0), found.error + sum(small)
         if "stroke" in quantities:
             result["stroke"] = _stroke_share(design, cutter, found)
     if "sphere" in quantities:

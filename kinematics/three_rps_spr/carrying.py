@@ -79,10 +79,12 @@ def _became(design: TripodDesign, a: ForwardSolutions, b: ForwardSolutions) -> A
 
 
 def _room(design: TripodDesign, found: ForwardSolutions) -> Array:
-    """Distance of each solution to the next one of its own operation mode, mm."""
+    """Distance of each solution to the next one it could be taken for, mm: of its own operation
+    mode, and from the same side of P = 0, so that it cannot meet it."""
     apart = distances(design, found.poses, found.modes, found.poses, found.modes)
-    other = np.array(found.modes)[:, None] != np.array(found.modes)[None, :]
-    apart[other] = np.inf
+    side = np.sign(found.determinant)
+    apart[np.array(found.modes)[:, None] != np.array(found.modes)[None, :]] = np.inf
+    apart[side[:, None] != side[None, :]] = np.inf
     np.fill_diagonal(apart, np.inf)
     return np.asarray(apart.min(axis=1))
 

@@ -64,7 +64,7 @@ def roots(h: float, sign: float, lengths: Array) -> Roots:
     d = (2.0 / 3.0) * (square * _U.conj()).sum(axis=-1)
     slope, e = 2.0 * k * k - 4.0 * k * h, mean - (k - h) ** 2
     scale = 4.0 * (1.0 + np.sqrt(mean))  # of γ, so that all unknowns are of the same size
-    forms, constants = _forms(h, k, slope, e, d, scale)
+    forms, constants = _evened(*_forms(h, k, slope, e, d, scale))
     plane = _plane(slope, d)
     inner = plane.swapaxes(-1, -2)[:, None] @ forms @ plane[:, None]  # (B, 4, 3, 3)
     first, second, level, size = _conics(inner, constants)
@@ -138,6 +138,13 @@ def _forms(h: float, k: float, c: float, e: Array, d: Complex, scale: Array) -> 
     return forms, np.stack([d.real, d.imag, np.zeros(len(d)), e], axis=-1)
 
 
+def _evened(forms: Array, constants: Array) -> tuple[Array, Array]:
+    """Each equation counts alike; in the plane one may vanish, which is then no equation."""
+    weight = np.linalg.norm(forms, axis=(-1, -2)) + np.abs(constants)
+    weight = np.where(weight > 0.0, weight, 1.0)
+    return forms / weight[..., None, None], constants / weight
+
+
 def _plane(c: float, d: Complex) -> Array:
     """Orthonormal coordinates of C a = Re(D1 ζ), (B, 4, 3), turned at random."""
     row = np.stack([d.real, -d.imag, np.zeros(len(d)), np.full(len(d), -c)], axis=-1)
@@ -148,10 +155,7 @@ def _plane(c: float, d: Complex) -> Array:
 
 def _conics(forms: Array, constants: Array) -> tuple[Array, Array, Array, Array]:
     """Two forms that vanish at all solutions, one that does not, and the value of that one."""
-    # Each equation counts alike; then they are combined so that one constant is left.
-    weight = np.linalg.norm(forms, axis=(-1, -2)) + np.abs(constants)
-    weight = np.where(weight > 0.0, weight, 1.0)
-    forms, constants = forms / weight[..., None, None], constants / weight
+    # Combined so that one constant is left.
     _, size, turn = np.linalg.svd(constants[:, None, :])
     mixed = np.einsum("bmn,bnij->bmij", turn, forms)
     level = mixed[:, 0] * np.sign(np.einsum("bn,bn->b", turn[:, 0], constants))[:, None, None]

@@ -57,19 +57,15 @@ def forward(design: TripodDesign, joints: ArrayLike) -> tuple[ForwardSolutions, 
         began = perf_counter()
         h = design.revolute_radius / design.spherical_radius
         scaled = part / design.spherical_radius
-        found = [conics.roots(h, mode_sign(mode), scaled) for mode in MODES]
-        seconds = perf_counter() - began
-        for row, one in enumerate(part):
-            began = perf_counter()
-            sets = [
-                _distinct(
-                    np.stack([r.x0[row], r.x1[row], r.x2[row], r.v[row]], axis=-1), r.miss[row]
-                )
-                for r in found
-            ]
-            curve = [bool(r.curve[row]) for r in found]
-            spent = seconds / len(part) + perf_counter() - began
-            answers.append(_answer(design, one, sets, curve, spent))
+        both: list[list[_Told]] = []
+        for mode in MODES:
+            r = conics.roots(h, mode_sign(mode), scaled)
+            points = np.stack([r.x0, r.x1, r.x2, r.v], axis=-1)
+            sets = [_distinct(*one) for one in zip(points, r.miss, strict=True)]
+            both.append(_told(design, part, mode, sets, r.curve.tolist()))
+        seconds = (perf_counter() - began) / len(part)
+        told = zip(part, both[0], both[1], strict=True)
+        answers += [_answer(design, one, a, b, seconds) for one, a, b in told]
     return tuple(answers)
 
 
@@ -131,32 +127,68 @@ def _distinct(points: Complex, miss: Array) -> _Distinct:
     return _Distinct(one, number, real, points)
 
 
+@dataclass(frozen=True, slots=True)
+class _Told:
+    """What is known of the solutions of one mode; of the n real ones poses (n, 3) and so on."""
+
+    mode: str
+    found: _Distinct
+    curve: bool
+    poses: Array
+    placed: Array
+    residual: Array
+    condition: Array
+    determinant: Array
+    roots: Complex
+
+
+def _told(
+    design: TripodDesign, rho: Array, mode: str, sets: list[_Distinct], curves: list[bool]
+) -> list[_Told]:
+    """For B length vectors (B, 3) at once, since the arrays of each are short."""
+    radius = design.spherical_radius
+    x0, x1, x2, v = np.concatenate([one.points[one.real].real for one in sets]).T
+    norm = np.sqrt(x0 * x0 + x1 * x1 + x2 * x2)
+    reduced = Reduced(x0 / norm, x1 / norm, x2 / norm, radius * v)
+    poses = posing.to_poses(design, reduced, mode)
+    counts = [int(one.real.sum()) for one in sets]
+    off = posing.limb_lengths(design, poses, mode) - np.repeat(rho, counts, axis=0)
+    a, b, c, d = np.concatenate([one.everything for one in sets]).T
+    roots = posing.to_study(design, Reduced(a, b, c, radius * d), mode)
+    each = [
+        np.split(values, np.cumsum(counts)[:-1])
+        for values in (
+            poses,
+            posing.transform(design, poses, mode),
+            np.abs(off).max(axis=-1, initial=0.0),
+            condition(design, poses, mode),
+            wrench_system(design, poses, mode).determinant,
+        )
+    ]
+    whole = np.split(roots, np.cumsum([len(one.everything) for one in sets])[:-1])
+    return [
+        _Told(mode, one, curve, *parts)
+        for one, curve, *parts in zip(sets, curves, *each, whole, strict=True)
+    ]
+
+
 def _answer(
-    design: TripodDesign, rho: Array, sets: list[_Distinct], curve: list[bool], seconds: float
+    design: TripodDesign, rho: Array, first: _Told, second: _Told, seconds: float
 ) -> ForwardSolutions:
     began = perf_counter()
-    radius = design.spherical_radius
-    poses, modes, numbers, roots = [], [], [], []
-    for mode, one in zip(MODES, sets, strict=True):
-        x0, x1, x2, v = (one.points[one.real].real[:, n] for n in range(4))
-        norm = np.sqrt(x0 * x0 + x1 * x1 + x2 * x2)
-        reduced = Reduced(x0 / norm, x1 / norm, x2 / norm, radius * v)
-        poses.append(posing.to_poses(design, reduced, mode))
-        modes += [mode] * len(v)
-        numbers.append(one.multiplicity[one.real])
-        a, b, c, d = (one.everything[:, n] for n in range(4))
-        roots.append(posing.to_study(design, Reduced(a, b, c, radius * d), mode))
-    pose = np.concatenate(poses)
-    residual, number, determinant = (np.empty(len(pose)) for _ in range(3))
-    for mode in MODES:
-        own = np.array([m == mode for m in modes], dtype=bool)
-        residual[own] = np.abs(posing.limb_lengths(design, pose[own], mode) - rho).max(
-            axis=-1, initial=0.0
-        )
-        number[own] = condition(design, pose[own], mode)
-        determinant[own] = wrench_system(design, pose[own], mode).determinant
+    both = (first, second)
+    sets = [told.found for told in both]
+    curve = [told.curve for told in both]
+    modes = tuple(told.mode for told in both for _ in range(len(told.poses)))
+    pose, residual, number, determinant, placed = (
+        np.concatenate([getattr(told, name) for told in both])
+        for name in ("poses", "residual", "condition", "determinant", "placed")
+    )
+    numbers = [one.multiplicity[one.real] for one in sets]
+    roots = [told.roots for told in both]
     count = sum(one.count for one in sets)
-    closed = all(_closed(one.everything) for one in sets)
+    complete = count == EXPECTED and not any(curve)
+    complete &= all(_closed(one.everything) for one in sets)
     motions = _self_motions(design, rho, curve)
     low, high = design.stroke
     within = bool(((rho >= low - STROKE_SLACK) & (rho <= high + STROKE_SLACK)).all())
@@ -166,20 +198,20 @@ def _answer(
     return ForwardSolutions(
         joints=tuple(rho.tolist()),
         poses=pose,
-        modes=tuple(modes),
+        modes=modes,
         residual=residual,
         condition=number,
         determinant=determinant,
         within_stroke=_readonly(np.full(len(pose), within)),
         multiplicity=_readonly(np.concatenate(numbers)),
-        gap=_readonly(gaps(design, pose, tuple(modes))),
+        gap=_readonly(_gaps(design, placed)),
         identities=tuple(range(len(pose))),
         complex_count=count,
         expected_count=EXPECTED,
-        complete=count == EXPECTED and closed and not any(curve),
+        complete=complete,
         method=_METHOD,
         seconds=seconds + perf_counter() - began,
-        notes=_notes(count, len(pose), motions, determinant, number),
+        notes=_notes(count, len(pose), motions, number, complete=complete),
         self_motions=motions,
         roots=_readonly(np.concatenate(roots).T),
     )
@@ -194,11 +226,11 @@ def _closed(points: Complex) -> bool:
     return bool((apart <= 1e-6 * (1.0 + np.abs(points).max(axis=-1))).all())
 
 
-def gaps(design: TripodDesign, poses: Array, modes: tuple[str, ...]) -> Array:
+def _gaps(design: TripodDesign, placed: Array) -> Array:
     """(N,) distance of each pose to the nearest other one, mm, angles times h2; inf of a single."""
-    if len(poses) < 2:
-        return np.full(len(poses), np.inf)
-    apart = distances(design, poses, modes, poses, modes)
+    if len(placed) < 2:
+        return np.full(len(placed), np.inf)
+    apart = _apart(design, placed, placed)
     np.fill_diagonal(apart, np.inf)
     return np.asarray(apart.min(axis=1))
 
@@ -212,6 +244,10 @@ def distances(
 ) -> Array:
     """(N, M) mm: √(|ΔO′|² + (h2 · angle)²) between all poses of two sets, whatever their modes."""
     a, b = posing.transform(design, poses, modes), posing.transform(design, others, other_modes)
+    return _apart(design, a, b)
+
+
+def _apart(design: TripodDesign, a: Array, b: Array) -> Array:
     shift = np.linalg.norm(a[:, None, :3, 3] - b[None, :, :3, 3], axis=-1)
     # |R1 − R2| = 2 √2 sin(angle/2), which is exact for small angles too.
     turn = np.linalg.norm(a[:, None, :3, :3] - b[None, :, :3, :3], axis=(-1, -2))
@@ -273,15 +309,18 @@ def _notes(
     count: int,
     real: int,
     motions: tuple[SelfMotion, ...],
-    determinant: Array,
     number: Array,
+    *,
+    complete: bool,
 ) -> tuple[str, ...]:
     notes = [motion.text for motion in motions]
     if count < EXPECTED and not motions:
         notes.append(
             f"{EXPECTED - count} of {EXPECTED} solutions are at infinity for these lengths."
         )
-    if not real and not motions:
+    elif not complete and not motions:
+        notes.append("Solutions nearly coincide, so that they may not be told apart rightly.")
+    if complete and not real:
         notes.append("There is no real solution: the limbs cannot be assembled with these lengths.")
     if (~np.isfinite(number)).any():
         notes.append("Some solutions are singular: the platform is not held there.")

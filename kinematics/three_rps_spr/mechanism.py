@@ -4,12 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinematics.mechanism import Bare, Coordinate, DesignField, Drawing
+from kinematics.errors import InputError
+from kinematics.mechanism import (
+    Bare,
+    Coordinate,
+    DesignField,
+    Drawing,
+    Resolution,
+    SolidRequest,
+    SolidSpec,
+    SurfaceKind,
+)
 from kinematics.motion import Motion, Statics, WrenchSystem
 from kinematics.singularities import (
     AT,
@@ -56,6 +66,19 @@ from kinematics.three_rps_spr import (
 from kinematics.three_rps_spr import design as designs
 from kinematics.three_rps_spr import micr as inscribed
 from kinematics.three_rps_spr.design import Kind, TripodDesign
+
+if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
+    from kinematics.solids import BuiltSolid
+
+SOLIDS = (
+    SolidSpec(
+        "workspace",
+        "Orientations and altitudes within the strokes",
+        "Workspace",
+        of_present_mode=True,
+    ),
+    SolidSpec("aspects", "Aspects of the present mode", "Singularities", of_present_mode=True),
+)
 
 
 class Tripod(Bare):
@@ -247,6 +270,40 @@ class Tripod(Bare):
 
     def micr(self, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike) -> MicrTable:
         return inscribed.table(self.kind, base, platform, altitude)
+
+    # --- solids
+
+    def solids(self, design: TripodDesign) -> tuple[SolidSpec, ...]:
+        return SOLIDS
+
+    def solid_request(
+        self,
+        design: TripodDesign,
+        key: str,
+        pose: Sequence[float],
+        modes: tuple[str, ...] | None,
+        resolution: Resolution,
+        surface: SurfaceKind = "facets",
+    ) -> SolidRequest:
+        if key not in {spec.key for spec in SOLIDS}:
+            known = ", ".join(spec.key for spec in SOLIDS)
+            raise InputError(f"there is no solid {key!r}; known are {known}")
+        if modes is None or len(modes) != 1:
+            raise InputError(f"the {key} is that of one operation mode; choose one")
+        sizes = (design.base_radius, design.platform_radius, design.stroke)
+        return SolidRequest(self.kind, (key, *sizes, modes[0]), resolution)
+
+    def solid_placement(self, design: TripodDesign, key: str, pose: Sequence[float]) -> Array:
+        """The charts stand upright on the base's centre."""
+        return np.eye(4)
+
+    def build_solid(self, request: SolidRequest) -> BuiltSolid:
+        from kinematics.three_rps_spr import workspace
+
+        key, base, platform, stroke, mode = request.arguments
+        design = TripodDesign(self.kind, base, platform, stroke)
+        build = workspace.aspects if key == "aspects" else workspace.workspace
+        return build(design, mode, request.resolution)
 
     def inside(
         self, design: TripodDesign, pose: Sequence[float], modes: tuple[str, ...] | None

@@ -29,7 +29,6 @@ from kinematics.three_rps_spr import study
 from kinematics.three_rps_spr.design import (
     AZIMUTHS,
     LIMBS,
-    MODES,
     RADIAL,
     TANGENT,
     TripodDesign,
@@ -96,6 +95,8 @@ def reduce_poses(design: TripodDesign, poses: Array, mode: str) -> Reduced:
     return Reduced(c, sign * s * np.cos(azimuth), sign * s * np.sin(azimuth), v)
 
 
+ASIDE = 1e-8
+"""rad: there the pose is as wrong by its tilt as its position is by rounding, some 1e-6 mm."""
 LEVEL = 1e-12
 """|cos θ| below which the altitude of a 3-SPR says nothing of where it is."""
 
@@ -115,7 +116,11 @@ def to_study(design: TripodDesign, reduced: Reduced, mode: str) -> Values:
 
 
 def to_poses(design: TripodDesign, reduced: Reduced, mode: str) -> Array:
-    """Real reduced poses → (..., 3): Z, tilt in [0, π], azimuth in (−π, π]."""
+    """Real reduced poses → (..., 3): Z, tilt in [0, π], azimuth in (−π, π].
+
+    At a tilt of 90° these three say nothing of where along its normal the platform of a 3-SPR
+    stands, which they do as little as `ASIDE` from it: there the pose next to it is given.
+    """
     x0, x1, x2, v = (np.asarray(part, dtype=float) for part in reduced)
     # x and −x are one pose; at a tilt of π, where that is one orientation seen from both sides,
     # the azimuth is the one in (−90°, 90°].
@@ -128,6 +133,10 @@ def to_poses(design: TripodDesign, reduced: Reduced, mode: str) -> Array:
     azimuth = np.where(azimuth <= -np.pi, np.pi, azimuth)
     z = v
     if not design.revolute_on_base:
+        off = tilt - 0.5 * np.pi
+        near = 0.5 * np.pi + np.where(off < 0.0, -ASIDE, ASIDE)
+        tilt = np.where(np.abs(off) < ASIDE, near, tilt)
+        s = np.sin(0.5 * tilt)
         lift = design.base_radius * s * s * np.sin(tilt) * np.sin(3.0 * azimuth)
         z = lift - v * np.cos(tilt)
     return np.stack(np.broadcast_arrays(z, tilt, azimuth), axis=-1)
@@ -156,7 +165,7 @@ def transform(design: TripodDesign, poses: ArrayLike, mode: str | Sequence[str])
             raise InputError(f"{len(mode)} modes need as many poses, got an array {p.shape}")
         each = np.array(mode)
         found = np.empty((len(p), 4, 4))
-        for one in MODES:
+        for one in sorted(set(mode)):
             found[each == one] = transform(design, p[each == one], one)
         return found
     return homogeneous(study.rotation(quaternion(p, mode)), positions(design, p, mode))

@@ -1,4 +1,4 @@
-"""MICR against the altitude (Nayak et al. 2017, Figs. 4 and 5), of one machine or of many ratios."""
+"""MICR against the altitude, of one machine or of many ratios (Nayak et al. 2017, Figs. 4, 5)."""
 
 from __future__ import annotations
 

@@ -20,7 +20,6 @@ from kinematics.mechanism import Resolution
 from kinematics.partition import partition
 from kinematics.solids import BuiltSolid, TracedMesh
 
-
 _NEAR = 1e-7  # part of the machine's size
 
 

@@ -19,17 +19,19 @@ import sys
 import time
 from functools import cache
 from pathlib import Path
-from types import ModuleType
+from typing import Any, ClassVar
 
 import numpy as np
 import platformdirs
 
+from kinematics.five_rpur.slicing import integral as _integral
 from kinematics.five_rpur.slicing import kernel as _kernel
+from kinematics.five_rpur.slicing import quadrature as _quadrature
 from kinematics.five_rpur.slicing import sweep as _sweep
 
 log = logging.getLogger(__name__)
 
-_MODULES = (_sweep, _kernel)
+_MODULES = (_sweep, _quadrature, _kernel, _integral)
 _READY = "ready"
 _LOADING = 0.8  # s that it takes to load what was compiled before
 _COMPILING = 10.0  # s that it takes to compile one use of sections
@@ -37,29 +39,42 @@ _LOOK = 0.25  # s between looks whether somebody else has compiled
 
 
 class _Plain:
-    """How long plain Python has been at work, and whether it still is."""
+    """How long plain Python has been at work, and what has come in its place."""
 
     spent = 0.0
     looked = -np.inf
     compiled = False
     failed = False
+    members: ClassVar[list[dict[str, Any]]] = []  # of each module, before they were compiled
 
 
-def kernel(sections: int) -> ModuleType:
-    """The module `kernel`, compiled or not, to compute so many sections next."""
+def call(name: str, sections: int, *arguments: Any) -> Any:
+    """A function of the kernel, compiled or not, that computes so many sections.
+
+    Where numba cannot compile it, plain Python computes them: no result depends on which.
+    """
     if not _Plain.compiled and _pays(sections):
-        _compile(everything=False)
-    return _kernel
+        _compile()
+    if _Plain.compiled:
+        from numba import NumbaError
 
-
-def spent(seconds: float) -> None:
-    """Plain Python took so long for sections."""
-    _Plain.spent += seconds
+        try:
+            return _function(name)(*arguments)
+        except NumbaError as error:
+            _give_up(error)
+    begun = time.perf_counter()
+    result = _function(name)(*arguments)
+    _Plain.spent += time.perf_counter() - begun
+    return result
 
 
 def is_compiled() -> bool:
-    """Whether `kernel` is compiled in this process."""
+    """Whether the kernel is compiled in this process."""
     return _Plain.compiled
+
+
+def _function(name: str) -> Any:
+    return next(vars(module)[name] for module in _MODULES if name in vars(module))
 
 
 _PER_SECTION = 0.008  # s of plain Python for one section
@@ -81,41 +96,45 @@ def _pays(sections: int) -> bool:
 
 def prepare() -> bool:
     """Compile all of the kernel, or load it if that was done before; whether it is compiled now."""
-    return _compile(everything=True)
-
-
-def _compile(*, everything: bool) -> bool:
     if not _available():
         return False
+    folder = _compile()
     if _Plain.compiled:
-        if everything:
-            _exercise()
-        return True
+        _exercise()
+    if _Plain.compiled and folder is not None:
+        (folder / _READY).touch()
+        _tidy(folder)
+    return _Plain.compiled
+
+
+def _compile() -> Path | None:
+    """Have functions compiled when they are first called; returns where they are kept."""
     from numba import NumbaError, config
 
     folder = _folder()
-    plain = [dict(vars(module)) for module in _MODULES]
+    if _Plain.compiled:
+        return folder
+    _Plain.members = [dict(vars(module)) for module in _MODULES]
     before = config.CACHE_DIR
     if folder is not None:
         config.CACHE_DIR = str(folder)
     try:
         _replace(keep=folder is not None)
         _Plain.compiled = True
-        if everything:
-            _exercise()
-    except NumbaError as error:  # a numba that cannot: plain Python is slower, not wrong
-        log.warning("sections stay slow, numba could not compile them: %s", error)
-        for module, members in zip(_MODULES, plain, strict=True):
-            vars(module).update(members)
-        _Plain.compiled = False
-        _Plain.failed = True
-        return False
+    except NumbaError as error:
+        _give_up(error)
     finally:
         config.CACHE_DIR = before
-    if folder is not None and everything:
-        (folder / _READY).touch()
-        _tidy(folder)
-    return True
+    return folder
+
+
+def _give_up(error: Exception) -> None:
+    """A numba that cannot: plain Python is slower, not wrong."""
+    log.warning("sections stay slow, numba could not compile them: %s", error)
+    for module, members in zip(_MODULES, _Plain.members, strict=True):
+        vars(module).update(members)
+    _Plain.compiled = False
+    _Plain.failed = True
 
 
 def _replace(*, keep: bool) -> None:
@@ -177,7 +196,8 @@ def _exercise() -> None:
 
     cutter = example()
     x = np.linspace(*cutter.range, 3)
-    cuts = cutter.cut(x)
-    cutter.pieces(x, np.ones(x.size), cuts.marks)
+    cutter.cut(x)
     cutter.outline(float(x[1]))
     cutter.strokes(x[1:2], 3)
+    found = cutter.integral(*cutter.range, 0.5, 60)
+    cutter.pieces(found.at, found.weights)

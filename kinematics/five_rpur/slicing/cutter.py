@@ -5,12 +5,9 @@ Lengths mm, angles rad.
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
-from types import ModuleType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +19,7 @@ from kinematics.five_rpur.slicing import acceleration
 from kinematics.sections import Ints
 from kinematics.spatial import Array
 
+_USUAL = 1500  # sections: what a process that asks for one volume may ask for
 _MOST_EDGES = 4096  # of one section; twice what crossings of five limbs can make
 
 
@@ -35,6 +33,22 @@ class Cuts:
     moments: Array
     marks: NDArray[np.int64]
     parts: NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Integral:
+    """Sections at increasing ``at`` (N,): ``moments`` (N, 6) of 1, v, w about the origin and their
+    derivatives by x', ``marks`` (N,) equal where sections are built alike; the ``weights`` (N, 2)
+    of moments and derivatives make integrals of them; ``error`` is that of the volume, and
+    ``sections`` so many were computed.
+    """
+
+    at: Array
+    moments: Array
+    marks: Ints
+    weights: Array
+    error: float
+    sections: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,53 +110,62 @@ class Cutter:
     def cut(self, x: Array) -> Cuts:
         """The sections at x (N,)."""
         x = np.asarray(x, dtype=float)
-        return self._measure(x, *self.heights(x))
+        count = len(x)
+        moments = np.empty((count, 3))
+        marks, parts = np.empty(count, np.int64), np.empty(count, np.int64)
+        machine = self.limbs, self.signs, self.table, self.size, self.origin
+        acceleration.call("measure", count, x, *self.heights(x), *machine, moments, marks, parts)
+        return Cuts(x, moments, marks, parts)
 
-    def hull(self, x0: Array, x1: Array) -> Cuts:
-        """Sections that hold all sections between ``x0`` and ``x1`` (N,), both included."""
-        wx = self.limbs[0]
-        lows0, highs0 = self.heights(x0)
-        lows1, highs1 = self.heights(x1)
-        passes = (x0[:, None] <= wx) & (wx <= x1[:, None])  # S is largest at w'_x
-        highs = np.where(passes, self.limbs[5], np.maximum(highs0, highs1))
-        return self._measure(x0, np.minimum(lows0, lows1), highs)
+    def integral(self, first: float, last: float, relative: float, most: int) -> Integral:
+        """Sections that tell the volume between two x', first < last.
+
+        Args:
+            relative: the error wanted, as a part of the volume.
+            most: about how many sections are taken at most.
+        """
+        found = acceleration.call(
+            "integral",
+            _USUAL,
+            first,
+            last,
+            self.limbs,
+            self.signs,
+            self.table,
+            self.size,
+            self.origin,
+            relative,
+            most,
+        )
+        return Integral(*found)
 
     def outline(self, x: float) -> Outline:
         """The boundary of the section at x, and its moments."""
         low, high, moments = np.empty(LIMBS), np.empty(LIMBS), np.empty(6)
         room = _MOST_EDGES
         edges, ends, turns = np.empty((room, 4), np.int64), np.empty((room, 2)), np.empty(room)
-        with _working(1) as kernel:
-            count = kernel.outline(
-                x,
-                low,
-                high,
-                self.limbs,
-                self.signs,
-                self.table,
-                self.size,
-                edges,
-                ends,
-                turns,
-                self.origin,
-                moments,
-            )
-            whose, places = np.empty((count, 2), np.int64), np.empty((count, 8))
-            firsts, areas = np.empty(count + 1, np.int64), np.empty(count + 1)
-            pieces = np.empty(count + 1, np.int64)
-            loops, perimeter = kernel.describe(
-                edges[:count],
-                ends[:count],
-                turns[:count],
-                self.limbs,
-                low,
-                high,
-                whose,
-                places,
-                firsts,
-                areas,
-                pieces,
-            )
+        machine = self.limbs, self.signs, self.table, self.size
+        count = acceleration.call(
+            "outline", 1, x, low, high, *machine, edges, ends, turns, self.origin, moments
+        )
+        whose, places = np.empty((count, 2), np.int64), np.empty((count, 8))
+        firsts, areas = np.empty(count + 1, np.int64), np.empty(count + 1)
+        pieces = np.empty(count + 1, np.int64)
+        loops, perimeter = acceleration.call(
+            "describe",
+            1,
+            edges[:count],
+            ends[:count],
+            turns[:count],
+            self.limbs,
+            low,
+            high,
+            whose,
+            places,
+            firsts,
+            areas,
+            pieces,
+        )
         return Outline(
             low,
             high,
@@ -155,91 +178,44 @@ class Cutter:
             moments,
         )
 
-    def pieces(self, x: Array, weights: Array, marks: NDArray[np.int64]) -> Array:
-        """Weighted areas of sections at increasing x (N,), summed by connected pieces.
+    def pieces(self, x: Array, weights: Array) -> Array:
+        """The integrals of the connected pieces' areas, largest first (P,).
 
-        ``marks`` (N,) of the sections tell where there is nothing. Returns (P,), largest first.
+        Args:
+            x: (N,) increasing.
+            weights: (N, 2) of the areas and of their derivatives.
         """
-        lows, highs = self.heights(x)
-        room = 16 * len(x) + 64
+        room = 16 * len(x) + 1024
         while True:
-            forest, volumes = np.empty(room, np.int64), np.empty(room)
-            with _working(len(x)) as kernel:
-                used = kernel.trace(
-                    lows,
-                    highs,
-                    weights,
-                    marks,
-                    self.limbs,
-                    self.signs,
-                    self.table,
-                    self.size,
-                    forest,
-                    volumes,
-                )
+            forest, volumes = np.empty(room, np.int64), np.empty((room, 2))
+            machine = self.limbs, self.signs, self.table, self.size
+            used = acceleration.call("trace", len(x), x, weights, *machine, forest, volumes)
             if used >= 0:
                 break
             room *= 4
         for n in range(used):  # every one points below itself
             forest[n] = forest[forest[n]]
-        sums = np.bincount(forest[:used], weights=volumes[:used], minlength=1)
-        return np.asarray(np.sort(sums[np.unique(forest[:used])])[::-1]) if used else np.empty(0)
+        roots, owner = np.unique(forest[:used], return_inverse=True)
+        sums = np.zeros((len(roots), 2))
+        np.add.at(sums, owner, volumes[:used])
+        # Derivatives take more than there is from what hardly one section met.
+        whole = sums.sum(axis=1)
+        whole = np.where(whole > 0.0, whole, sums[:, 0])
+        return np.asarray(np.sort(whole)[::-1])
 
     def strokes(self, x: Array, samples: int) -> tuple[Array, Array]:
         """The shortest and the longest actuators (5,) each that occur in sections at x (N,)."""
         lows, highs = self.heights(x)
         low_used, high_used = np.full(LIMBS, np.inf), np.full(LIMBS, -np.inf)
-        with _working(x.size) as kernel:
-            kernel.strokes(
-                lows,
-                highs,
-                self.limbs,
-                x,
-                self.signs,
-                self.table,
-                self.size,
-                samples,
-                low_used,
-                high_used,
-            )
+        machine = self.limbs, x, self.signs, self.table, self.size
+        acceleration.call("strokes", x.size, lows, highs, *machine, samples, low_used, high_used)
         return low_used, high_used
-
-    def _measure(self, x: Array, lows: Array, highs: Array) -> Cuts:
-        count = len(x)
-        moments = np.empty((count, 3))
-        marks, parts = np.empty(count, np.int64), np.empty(count, np.int64)
-        with _working(count) as kernel:
-            kernel.measure(
-                lows,
-                highs,
-                self.limbs,
-                self.signs,
-                self.table,
-                self.size,
-                self.origin,
-                moments,
-                marks,
-                parts,
-            )
-        return Cuts(x, moments, marks, parts)
-
-
-@contextmanager
-def _working(sections: int) -> Iterator[ModuleType]:
-    """The kernel for so many sections; plain Python's time is counted."""
-    kernel = acceleration.kernel(sections)
-    if acceleration.is_compiled():
-        yield kernel
-        return
-    begun = time.perf_counter()
-    yield kernel
-    acceleration.spent(time.perf_counter() - begun)
 
 
 def example() -> Cutter:
     """A small machine with something of everything in its sections."""
     one, two, three, four, five = (
-        Limb((10.0 * i, 5.0 * i * i, 0.0), (3.0, -2.0 * i, 1.0), 30.0, (40.0, 70.0))
+        Limb((10.0 * i, 2.0 * i * i, 0.0), (3.0, -2.0 * i, 1.0), 30.0, (40.0, 70.0))
         for i in range(LIMBS)
     )
     return Cutter(FiveRPURDesign((one, two, three, four, five)), 0.1, -0.2, None)

@@ -13,6 +13,7 @@ from kinematics.five_rpur.slicing.sweep import (
     WY,
     WZ,
     Bools,
+    Room,
     bounds_of,
     height,
     heights,
@@ -25,6 +26,7 @@ from kinematics.five_rpur.slicing.sweep import (
 from kinematics.sections import Ints
 from kinematics.spatial import Array
 
+BETWEEN = 4  # halvings of the distance of two sections, to see who belongs to whom
 POINT = 1e-13  # of the size: an edge no longer than that is a point
 
 
@@ -95,18 +97,82 @@ def base_of(limbs: Array, low: Array, high: Array, c: int) -> float:
     return float(limbs[WZ, c >> 3] + offset(c & 3, low[c >> 3], high[c >> 3]))
 
 
-def run_moments(
-    limbs: Array, low: Array, high: Array, runs: Ints, spans: Array, run: int, v0: float, w0: float
-) -> tuple[float, float, float]:
-    """∫ of 1, v, w over a run."""
+def velocity(limbs: Array, low: Array, high: Array, c: int, x: float) -> float:
+    """dz'/dx' of curve c; 0 where it is infinite."""
+    i, k = c >> 3, c & 3
+    outer = k == 0 or k == 3
+    s = high[i] if outer else low[i]
+    slope = (limbs[WX, i] - x) / s if s > 0.0 else 0.0
+    return float(-slope if k < 2 else slope)
+
+
+def run_area(
+    x: float, limbs: Array, low: Array, high: Array, runs: Ints, spans: Array, run: int
+) -> tuple[float, float]:
+    """The area of a run, and its derivative by x', ends left out."""
     y0, y1 = spans[run, 0], spans[run, 1]
     c, d = runs[run, 0], runs[run, 1]
-    area, v, w = first_moments(limbs, d, base_of(limbs, low, high, d), y0, y1, v0, w0)
-    less, v_less, w_less = first_moments(limbs, c, base_of(limbs, low, high, c), y0, y1, v0, w0)
-    return area - less, v - v_less, w - w_less
+    area, _, _ = first_moments(limbs, d, base_of(limbs, low, high, d), y0, y1, 0.0, 0.0)
+    less, _, _ = first_moments(limbs, c, base_of(limbs, low, high, c), y0, y1, 0.0, 0.0)
+    slope = velocity(limbs, low, high, d, x) - velocity(limbs, low, high, c, x)
+    return area - less, slope * (y1 - y0)
+
+
+def measured(
+    x: float,
+    limbs: Array,
+    low: Array,
+    high: Array,
+    signs: Bools,
+    table: Bools,
+    ends: Array,
+    size: float,
+    origin: Array,
+    room: Room,
+    moments: Array,
+) -> tuple[int, int]:
+    """Area and moments of one section, and how they change along x'.
+
+    Args:
+        x: x'.
+        low, high: (n,) S(ρ_min) and S(ρ_max) of every limb; all of them reach x.
+        limbs: (6, n) w'_x, w'_y, w'_z, l, ρ_min, ρ_max.
+        signs: (n, 2) which signs are asked for at all.
+        table: (4^n,) which states are inside.
+        ends: (2,) where all limbs can close, from `bounds_of`.
+        size: mm, a length of the machine.
+        origin: (2,) about which moments are taken.
+        room: `rooms`, in which the runs are left.
+        moments: (6,) out: ∫ of 1, v, w, and their derivatives by x'. Edges alone move, so that of
+            the area is the sum of edges' velocities along z' times their extents along y'.
+
+    Returns:
+        a number, equal where sections are built alike and 0 where there is nothing, and how many
+        runs there are.
+    """
+    _, _, _, _, runs, spans, _, _, _, _, _ = room
+    for m in range(6):
+        moments[m] = 0.0
+    count, _, mark = sweep(limbs, low, high, signs, table, ends, size, room)
+    for run in range(count):
+        y0, y1 = spans[run, 0], spans[run, 1]
+        for end in range(2):
+            c = runs[run, end]
+            sign = 1.0 if end else -1.0
+            base = base_of(limbs, low, high, c)
+            area, v, w = first_moments(limbs, c, base, y0, y1, origin[0], origin[1])
+            moments[0] += sign * area
+            moments[1] += sign * v
+            moments[2] += sign * w
+            slope = sign * velocity(limbs, low, high, c, x)
+            moments[3] += slope * (y1 - y0)
+            moments[4] += slope * (y1 - y0) * (0.5 * (y0 + y1) - origin[0])
+            moments[5] += slope * area
+    return mark, count
 
 
 def measure(
+    at: Array,
     lows: Array,
     highs: Array,
     limbs: Array,
@@ -121,42 +187,30 @@ def measure(
     """Area and moments of many sections.
 
     Args:
+        at: (N,) x' of the sections.
         lows, highs: (N, n) S(ρ_min) and S(ρ_max) of every limb; a negative ``highs`` is out of
             reach.
-        limbs: (6, n) w'_x, w'_y, w'_z, l, ρ_min, ρ_max.
-        signs: (n, 2) which signs are asked for at all.
-        table: (4^n,) which states are inside.
-        size: mm, a length of the machine.
-        origin: (2,) about which moments are taken.
+        limbs, signs, table, size, origin: as for `measured`.
         moments: (N, 3) out: ∫ of 1, v, w.
         marks: (N,) out: equal where the sections are built alike.
         parts: (N,) out: connected pieces.
     """
     n = limbs.shape[1]
     room = rooms(n)
-    _, _, _, _, runs, spans, parent, _, _, _, _ = room
+    _, _, _, _, _, _, parent, _, _, _, _ = room
     ends = np.empty(2)
     bounds_of(limbs, ends)
-    for at in range(lows.shape[0]):
-        marks[at] = 0
-        parts[at] = 0
-        moments[at, 0] = moments[at, 1] = moments[at, 2] = 0.0
-        reached = ends[0] < ends[1]
-        for i in range(n):
-            if highs[at, i] < 0.0:
-                reached = False
-        if not reached:
-            continue
-        count, _, marks[at] = sweep(limbs, lows[at], highs[at], signs, table, ends, size, room)
-        for run in range(count):
-            area, v, w = run_moments(
-                limbs, lows[at], highs[at], runs, spans, run, origin[0], origin[1]
+    found = np.empty(6)
+    for k in range(at.size):
+        parts[k] = marks[k] = 0
+        moments[k, :] = 0.0
+        if ends[0] < ends[1] and highs[k].min() >= 0.0:
+            marks[k], count = measured(
+                at[k], limbs, lows[k], highs[k], signs, table, ends, size, origin, room, found
             )
-            moments[at, 0] += area
-            moments[at, 1] += v
-            moments[at, 2] += w
-            if parent[run] == run:
-                parts[at] += 1
+            moments[k, :] = found[:3]
+            for run in range(count):
+                parts[k] += parent[run] == run
 
 
 def vertex(
@@ -406,11 +460,40 @@ def describe(
     return loops, perimeter
 
 
-def trace(
+def overlap(
+    limbs: Array,
     lows: Array,
     highs: Array,
+    runs: Ints,
+    spans: Array,
+    run: int,
+    runs0: Ints,
+    spans0: Array,
+    other: int,
+    this: int,
+) -> bool:
+    """Whether a run of one section and a run of another one have points in common.
+
+    ``lows`` and ``highs`` (2, n) are of both sections, ``this`` is the run's row in them.
+    """
+    y0 = max(spans[run, 0], spans0[other, 0])
+    y1 = min(spans[run, 1], spans0[other, 1])
+    if y1 <= y0:
+        return False
+    y = 0.5 * (y0 + y1)
+    low, high, low0, high0 = lows[this], highs[this], lows[1 - this], highs[1 - this]
+    bottom = max(
+        height(limbs, low, high, runs[run, 0], y), height(limbs, low0, high0, runs0[other, 0], y)
+    )
+    top = min(
+        height(limbs, low, high, runs[run, 1], y), height(limbs, low0, high0, runs0[other, 1], y)
+    )
+    return bool(top > bottom)
+
+
+def trace(
+    at: Array,
     weights: Array,
-    marks: Ints,
     limbs: Array,
     signs: Bools,
     table: Bools,
@@ -421,12 +504,14 @@ def trace(
     """The connected pieces of the workspace, from sections at increasing x'.
 
     Pieces of neighbouring sections belong together where they are built alike or, if they are
-    not, where they overlap.
+    not, where they overlap. Where a piece overlaps none, sections between the two are looked at:
+    it may have begun there, or moved on.
 
     Args:
-        lows, highs: (N, n), weights: (N,), marks: (N,) of the sections, 0 where there is nothing.
+        at: (N,) x', weights: (N, 2) of the areas and of their derivatives by x'.
         forest: (M,) room: who stands for each piece of each section.
-        volumes: (M,) out: weight times area of each piece of each section.
+        volumes: (M, 2) out: weight times area of each piece of each section, and the same of
+            derivatives.
 
     Returns:
         how many of M were needed, −1 if there was no room.
@@ -434,81 +519,96 @@ def trace(
     n = limbs.shape[1]
     spaces = (rooms(n), rooms(n))  # of this section and of the last one
     piece = np.empty((2, MOST_RUNS), np.int64)
+    lows, highs = np.empty((2, n)), np.empty((2, n))
     ends = np.empty(2)
     bounds_of(limbs, ends)
-    counts = np.zeros(2, np.int64)
-    firsts = np.zeros(2, np.int64)
+    counts, firsts, marks = np.zeros(2, np.int64), np.zeros(2, np.int64), np.zeros(2, np.int64)
     linked = np.zeros(forest.size, np.bool_)
+    met = np.zeros(forest.size, np.bool_)
     told = np.zeros(forest.size, np.int64)
+    waiting = np.empty(BETWEEN + 1)  # x' of sections not yet traced, the next one last
+    x_last = math.nan
     used = 0
     this = 0
-    for at in range(lows.shape[0]):
-        last, this = this, 1 - this
-        counts[this] = 0
-        firsts[this] = used
-        if marks[at] == 0:
-            continue
-        low, high = lows[at], highs[at]
-        count, _, _ = sweep(limbs, low, high, signs, table, ends, size, spaces[this])
-        _, _, _, _, runs, spans, parent, _, tells, _, _ = spaces[this]
-        _, _, _, _, runs0, spans0, _, _, _, _, _ = spaces[last]
-        counts[this] = count
-        if used + count > forest.size:
-            return -1
-        for run in range(count):
-            if parent[run] == run:
-                piece[this, run] = used
-                forest[used] = used
-                volumes[used] = 0.0
-                told[used] = 0
-                linked[used] = False
-                used += 1
-        for run in range(count):
-            own = piece[this, root(parent, run)]
-            piece[this, run] = own
-            area, _, _ = run_moments(limbs, low, high, runs, spans, run, 0.0, 0.0)
-            volumes[own] += weights[at] * area
-            told[own] += tells[run]
-        if at == 0 or counts[last] == 0:
-            continue
-        # Pieces that are built alike are the same, in their order if there are several.
-        alike = marks[at] == marks[at - 1]
-        for a in range(firsts[this], used):
-            twins, match = 0, -1
-            for b in range(firsts[last], firsts[this]):
-                if told[b] == told[a]:
-                    twins += 1
-                    if not linked[b] and match < 0:
-                        match = b
-            if match >= 0 and (alike or twins == 1):
-                linked[a] = linked[match] = True
-                forest[root(forest, a)] = root(forest, match)
-        # The others changed in between: they are the same where they overlap.
-        low0, high0 = lows[at - 1], highs[at - 1]
-        for run in range(count):
-            if linked[piece[this, run]]:
+    for k in range(at.size):
+        waits = 1
+        waiting[0] = at[k]
+        while waits > 0:
+            x = waiting[waits - 1]
+            last, this = this, 1 - this
+            counts[this] = marks[this] = 0
+            firsts[this] = used
+            low, high = lows[this], highs[this]
+            if heights(x, limbs, low, high) and ends[0] < ends[1]:
+                counts[this], _, marks[this] = sweep(
+                    limbs, low, high, signs, table, ends, size, spaces[this]
+                )
+            _, _, _, _, runs, spans, parent, _, tells, _, _ = spaces[this]
+            _, _, _, _, runs0, spans0, _, _, _, _, _ = spaces[last]
+            count = counts[this]
+            if used + count > forest.size:
+                return -1
+            for run in range(count):
+                if parent[run] == run:
+                    piece[this, run] = used
+                    forest[used] = used
+                    volumes[used, 0] = volumes[used, 1] = 0.0
+                    told[used] = 0
+                    used += 1
+            for a in range(firsts[last], used):
+                linked[a] = met[a] = False
+            for run in range(count):
+                own = piece[this, root(parent, run)]
+                piece[this, run] = own
+                told[own] += tells[run]
+            # Pieces that are built alike are the same, in their order if there are several.
+            alike = marks[this] == marks[last]
+            for a in range(firsts[this], used):
+                twins, match = 0, -1
+                for b in range(firsts[last], firsts[this]):
+                    if told[b] == told[a]:
+                        twins += 1
+                        if not linked[b] and match < 0:
+                            match = b
+                if match >= 0 and (alike or twins == 1):
+                    linked[a] = linked[match] = True
+                    forest[a] = match
+            # The others changed in between: they are the same where they overlap.
+            for join in range(2):
+                for run in range(count):
+                    a = piece[this, run]
+                    if linked[a]:
+                        continue
+                    for other in range(counts[last]):
+                        b = piece[last, other]
+                        if not linked[b] and overlap(
+                            limbs, lows, highs, runs, spans, run, runs0, spans0, other, this
+                        ):
+                            met[a] = met[b] = True
+                            if join:
+                                one, two = root(forest, a), root(forest, b)
+                                forest[max(one, two)] = min(one, two)
+                if join or waits > BETWEEN or count == 0 or counts[last] == 0:
+                    continue
+                alone = False
+                for a in range(firsts[last], used):
+                    alone = alone or not (linked[a] or met[a])
+                if alone:
+                    break
+            else:
+                x_last = x
+                waits -= 1
+                for run in range(count):
+                    if waits == 0:
+                        area, slope = run_area(x, limbs, low, high, runs, spans, run)
+                        volumes[piece[this, run], 0] += weights[k, 0] * area
+                        volumes[piece[this, run], 1] += weights[k, 1] * slope
                 continue
-            for other in range(counts[last]):
-                if linked[piece[last, other]]:
-                    continue
-                y0 = max(spans[run, 0], spans0[other, 0])
-                y1 = min(spans[run, 1], spans0[other, 1])
-                if y1 <= y0:
-                    continue
-                y = 0.5 * (y0 + y1)
-                bottom = max(
-                    height(limbs, low, high, runs[run, 0], y),
-                    height(limbs, low0, high0, runs0[other, 0], y),
-                )
-                top = min(
-                    height(limbs, low, high, runs[run, 1], y),
-                    height(limbs, low0, high0, runs0[other, 1], y),
-                )
-                if top > bottom:
-                    a, b = root(forest, piece[this, run]), root(forest, piece[last, other])
-                    forest[max(a, b)] = min(a, b)
-        for k in range(firsts[this], used):
-            linked[k] = False
+            # Something is alone: first what is between the two sections.
+            waiting[waits] = 0.5 * (x_last + x)
+            waits += 1
+            used = firsts[this]
+            this = last
     return used
 
 

@@ -1,94 +1,55 @@
-"""Two nested quadrature rules for integrands with square roots at both ends.
+"""A rule of degree five on a panel's ends and middle, with derivatives at the ends, and its doubt.
 
-An integral over x' = a + (b − a) s, s in [0, 1], where the integrand behaves at the ends like a
-series in √s and √(1 − s): areas of sections between two changes of their structure do. Nodes lie
-at s = (1 − cos πu)/2 with the Gauss-Kronrod nodes u. Every rule has two coarser ones on every
-second of its nodes: where the integrand has a kink, one of them may by chance agree with the
-finer rule, hardly both.
+The panel lies between u0 and u1, x' = end + κ u², and integrals over x' of A are those over u of
+f = A |dx'/du|. The rule is H/30 (7 f0 + 16 f1 + 7 f2) + H²/60 (f0' − f2'), H = u1 − u0: the
+integral of the quintic with f and f' in all three places, exact for A in {1, √s, s, s^³ᐟ², s²},
+s = |x' − end|. Scalars, see `sweep`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-import numpy as np
+import math
 
 from kinematics.spatial import Array
 
-# Gauss-Kronrod, 7 and 15 points on [-1, 1] (QUADPACK): nodes > 0 from the largest on, then 0, and
-# both weights; Gauss's nodes are every second one from the second.
-_NODES = (
-    0.991455371120812640,
-    0.949107912342758525,
-    0.864864423359769073,
-    0.741531185599394440,
-    0.586087235467691130,
-    0.405845151377397167,
-    0.207784955007898468,
-    0.0,
-)
-_KRONROD = (
-    0.022935322010529225,
-    0.063092092629978553,
-    0.104790010322250184,
-    0.140653259715525919,
-    0.169004726639267903,
-    0.190350578064785410,
-    0.204432940075298892,
-    0.209482141084727828,
-)
-_GAUSS = (0.129484966168869693, 0.279705391489276668, 0.381830050505118945, 0.417959183673469388)
 
+def weights_of(span: Array) -> tuple[float, float, float, float, float]:
+    """The weights of A at both ends and between them, in the order 0, 1, 2, and of dA/dx' at 0, 2.
 
-@dataclass(frozen=True, eq=False)
-class Rule:
-    """``place`` (N,) the nodes s, ``weights`` (N,), ``coarser`` (N, 2) of the coarser rules."""
-
-    place: Array
-    weights: Array
-    coarser: Array
-
-
-def _long() -> Rule:
-    """The 15-point rule in u: geometric convergence for whatever is a series at both ends."""
-    half = np.array(_NODES)
-    mirrored = [*range(8), *range(6, -1, -1)]
-    u = 0.5 + 0.5 * np.concatenate([-half, half[-2::-1]])
-    gauss = np.zeros(8)
-    gauss[1::2] = _GAUSS
-    gauss = gauss[mirrored]
-    # The nodes that Gauss leaves out, with the weights that integrate all polynomials they can.
-    left = np.flatnonzero(gauss == 0.0)
-    basis = np.polynomial.legendre.legvander(2.0 * u[left] - 1.0, left.size - 1)
-    other = np.zeros(u.size)
-    other[left] = np.linalg.solve(basis.T, 2.0 * (np.arange(left.size) == 0))
-    slope = 0.25 * np.pi * np.sin(np.pi * u)
-    return Rule(
-        0.5 - 0.5 * np.cos(np.pi * u),
-        np.array(_KRONROD)[mirrored] * slope,
-        np.stack([gauss, other], axis=-1) * slope[:, None],
-    )
-
-
-def _short(place: Array) -> Rule:
-    """A rule on seven symmetric nodes s that is exact for cubics and for s^½, s^³ᐟ² at both ends.
-
-    The rules on every second node are exact for cubics.
+    Args:
+        span: (4,) u0, u1, end, κ.
     """
-    even = np.stack(
-        [place**0, (place - 0.5) ** 2, *(place**p + place[::-1] ** p for p in (0.5, 1.5))]
+    h = span[1] - span[0]
+    curve = 2.0 * abs(span[3])  # d²x'/du², its sign left out as the panel runs that way
+    x0, x2 = curve * span[0], curve * span[1]
+    x1 = 0.5 * (x0 + x2)
+    slope = h * h / 60.0 * (1.0 if span[3] > 0.0 else -1.0)
+    return (
+        h * 7.0 / 30.0 * x0 + h * h / 60.0 * curve,
+        h * 16.0 / 30.0 * x1,
+        h * 7.0 / 30.0 * x2 - h * h / 60.0 * curve,
+        slope * x0 * x0,
+        -slope * x2 * x2,
     )
-    integrals = np.array([1.0, 1.0 / 12.0, 4.0 / 3.0, 4.0 / 5.0])
-    rules = []
-    for nodes, exact in (([0, 1, 2, 3], 4), ([1, 3], 2), ([0, 2], 2)):
-        pairs = even[:exact, nodes] * np.where(np.array(nodes) == 3, 1.0, 2.0)
-        weights = np.zeros(7)
-        weights[nodes] = np.linalg.solve(pairs, integrals[:exact])
-        weights[4:] = weights[2::-1]
-        rules.append(weights)
-    return Rule(place, rules[0], np.stack(rules[1:], axis=-1))
 
 
-LONG = _long()
-SHORT = _short(LONG.place[1::2])
-"""Its nodes are every second one of `LONG`, from the second on."""
+def nulls(span: Array, one: Array, two: Array, three: Array) -> float:
+    """What two rules give that are nothing for cubics, an even one and twice an odd one, together.
+
+    Args:
+        span: (4,) u0, u1, end, κ.
+        one, two, three: (6,) sections at u0, in the middle and at u1: A comes first, and dA/dx' at
+            3. It is not asked for at u = 0, where it may be infinite.
+    """
+    h = span[1] - span[0]
+    curve = 2.0 * abs(span[3])
+    sign = 1.0 if span[3] > 0.0 else -1.0
+    x0, x2 = curve * span[0], curve * span[1]
+    x1 = 0.5 * (x0 + x2)
+    f0, f1, f2 = one[0] * x0, two[0] * x1, three[0] * x2
+    d0 = (sign * one[3] * x0 * x0 if x0 > 0.0 else 0.0) + one[0] * curve
+    d1 = sign * two[3] * x1 * x1 + two[0] * curve
+    d2 = sign * three[3] * x2 * x2 + three[0] * curve
+    even = (f0 - 2.0 * f1 + f2) - 0.25 * h * (d2 - d0)
+    odd = (f2 - f0) - h / 6.0 * (d0 + 4.0 * d1 + d2)
+    return float(h * math.sqrt(even * even + 4.0 * odd * odd))

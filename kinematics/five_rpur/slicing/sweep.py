@@ -203,7 +203,7 @@ def rooms(n: int) -> Room:
         np.empty(MOST_RUNS, np.int64),
         np.empty(2 * MOST_RUNS, np.int64),
         np.empty(MOST_RUNS, np.int64),
-        np.empty((5, 8 * n), np.int64),
+        np.empty((6, 8 * n), np.int64),
         np.empty((3, 8 * n)),
     )
 
@@ -258,7 +258,7 @@ def sweep(
             borders[slabs] = y
     # The curves in the order in which they were last found.
     curves, previous, present = ints[0], ints[1], ints[2]
-    lower, upper = ints[3], ints[4]
+    lower, upper, counts = ints[3], ints[4], ints[5]
     heights_of, bases, rises = floats[0], floats[1], floats[2]
     total = 0
     for i in range(n):
@@ -329,17 +329,15 @@ def sweep(
             runs[run, 3] = slab + 1
             spans[run, 1] = borders[slab + 1]
             present[p] = run
+        counts[0], counts[1], counts[2], counts[3] = before, intervals, slab, 1 if slab == 0 else 0
         mark += meet(
             limbs,
             bases,
             runs,
             previous,
-            before,
             present,
-            intervals,
-            slab,
+            counts,
             borders[slab],
-            1 if slab == 0 else 0,
             size,
             rises,
             parent,
@@ -348,17 +346,15 @@ def sweep(
         )
         previous, present = present, previous
         before = intervals
+    counts[0], counts[1], counts[2], counts[3] = before, 0, slabs, 2
     mark += meet(
         limbs,
         bases,
         runs,
         previous,
-        before,
         present,
-        0,
-        slabs,
+        counts,
         borders[slabs],
-        2,
         size,
         rises,
         parent,
@@ -373,12 +369,9 @@ def meet(
     bases: Array,
     runs: Ints,
     left: Ints,
-    lefts: int,
     right: Ints,
-    rights: int,
-    border: int,
+    counts: Ints,
     y: float,
-    kind: int,
     size: float,
     rises: Array,
     parent: Ints,
@@ -393,15 +386,17 @@ def meet(
     the region lies to the left. In most cases that stretch has no length: a vertex.
 
     Args:
-        left, right: runs before and behind the border, from below; ``lefts``, ``rights`` of them.
-        border, y: which border, and where it is.
-        kind: 0, or 1 and 2 on the first and the last border.
+        left, right: runs before and behind the border, from below.
+        counts: (4,) how many these are; which border; 0, or 1 and 2 on the first and the last one.
+            (In an array, for numba would compile all of it again for every literal number.)
+        y: where the border is.
         follow: (2R,) out: the edge that follows each edge.
         tells: (R,) changed: the vertices of each run are added.
 
     Returns:
         a number that tells the vertices met here.
     """
+    lefts, rights, border, kind = counts[0], counts[1], counts[2], counts[3]
     for i in range(limbs.shape[1]):
         rises[i] = rise(limbs, i, y)
     mark = 0

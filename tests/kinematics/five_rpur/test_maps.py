@@ -39,6 +39,24 @@ def test_every_quantity_is_that_of_its_own_function():
         assert 0.0 < value["stroke"] <= 100.0
 
 
+def test_pieces_as_exact_as_the_volume_are_told_so():
+    """Coarse cells count what finer ones do, but for pieces that their error might hide."""
+    rng = np.random.default_rng(3)
+    design = load_design("rpur-table1")
+    angles = rng.uniform(-1.2, 1.2, (12, 2))
+    keys = ("volume", "pieces", "largest_piece")
+    coarse = map_cells(design, poses(angles), None, keys, relative=1e-3)
+    fine = map_cells(design, poses(angles), None, keys, relative=1e-7)
+    assert (fine.values[:, 0] > 0.0).sum() > 6
+    assert (fine.errors[:, 1] == 0.0).sum() > 6
+    for k, (phi, theta) in enumerate(angles.tolist()):
+        hidden = [p for p in volume(design, phi, theta).pieces if p <= coarse.errors[k, 0]]
+        off = abs(coarse.values[k, 1] - fine.values[k, 1])
+        assert off <= coarse.errors[k, 1] + fine.errors[k, 1] + len(hidden)
+        off = abs(coarse.values[k, 2] - fine.values[k, 2])
+        assert off <= coarse.errors[k, 2] + fine.errors[k, 2]
+
+
 def test_quantities_come_in_the_order_asked_for():
     design = load_design("rpur-table2")
     one = map_cells(design, poses([(0.1, 0.2)]), None, ("pieces", "volume"))

@@ -1,7 +1,7 @@
 """Cases and machines that the tests of the 3-RPS and 3-SPR share.
 
-reference/rps_spr_forward.json, rps_spr_singularity.json and micr_table.json were computed apart from
-this code: all 16 solutions with 30 digits from the loop equations, determinants of the six
+reference/rps_spr_forward.json, rps_spr_singularity.json and micr_table.json were computed apart
+from this code: all 16 solutions with 30 digits from the loop equations, determinants of the six
 wrenches built from the joints, and MICR by a scan of P with refinement.
 """
 
@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from kinematics.spatial import Array
 from kinematics.three_rps_spr import TripodDesign
 from kinematics.three_rps_spr.design import KINDS, Kind

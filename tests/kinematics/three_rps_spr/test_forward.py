@@ -121,7 +121,7 @@ def test_equal_limbs_give_the_level_platform_and_triples(kind: Kind) -> None:
     # Turned by 120° every solution is one again.
     for mode in MODES:
         own = found.poses[[m == mode for m in found.modes]]
-        turned = own + [0.0, 0.0, 2.0 * np.pi / 3.0]
+        turned = own + np.array([0.0, 0.0, 2.0 * np.pi / 3.0])
         modes = (mode,) * len(own)
         assert (
             not len(own) or forward.distances(design, turned, modes, own, modes).min(1).max() < 1e-7
@@ -178,15 +178,25 @@ def test_a_turned_over_platform_belongs_to_both_modes() -> None:
     assert np.isinf(found.condition[over]).all() or (np.abs(found.determinant[over]) < 1e-7).all()
 
 
+def test_a_3_spr_at_90_degrees_is_told_by_the_pose_next_to_it() -> None:
+    design = machine("three_spr", 100.0, 100.0)
+    (found,) = forward.forward(design, [150.0] * 3)
+    assert found.complete
+    upright = np.abs(found.poses[:, 1] - 0.5 * np.pi) < 1e-6
+    assert upright.sum() == 6
+    assert found.residual.max() < 1e-5
+    assert found.residual[~upright].max() < 1e-10
+
+
 def test_identities_stay_while_limbs_move(rng: np.random.Generator) -> None:
     design = machine("three_rps", 200.0, 100.0)
     joints = np.array([300.0, 310.0, 305.0])
     (found,) = forward.forward(design, joints)
-    small = carrying.refresh(design, found, joints + [1.0, -2.0, 0.5])
+    small = carrying.refresh(design, found, joints + np.array([1.0, -2.0, 0.5]))
     assert sorted(small.solutions.identities) == sorted(found.identities)
     assert not small.appeared
     assert not small.merged
-    big = carrying.refresh(design, found, joints + [150.0, 10.0, 0.0])
+    big = carrying.refresh(design, found, joints + np.array([150.0, 10.0, 0.0]))
     stayed = set(found.identities) & set(big.solutions.identities)
     assert len(stayed) + len(big.merged) == len(found)
     assert len(stayed) + len(big.appeared) == len(big.solutions)

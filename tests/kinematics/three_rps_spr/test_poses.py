@@ -1,4 +1,4 @@
-"""Study parameters, both operation modes, inverse kinematics: reference poses, and both ways round."""
+"""Study parameters, operation modes, inverse kinematics: reference poses, both ways round."""
 
 from __future__ import annotations
 

@@ -48,8 +48,10 @@ def test_the_reference_singular_tilts(case: dict) -> None:
 
     grid = np.linspace(1e-3, np.pi - 1e-3, 4000)
     signs = np.sign([p(t) for t in grid])
-    found = [brentq(p, a, b) for a, b, s, t in zip(grid, grid[1:], signs, signs[1:]) if s != t]
-    np.testing.assert_allclose(found, case["theta_singular"], atol=1e-6)
+    found = [brentq(p, grid[n], grid[n + 1]) for n in np.flatnonzero(np.diff(signs))]
+    # The 3-RPS of the paper's example has a fivefold zero at 90°, of which rounding leaves 1e-3.
+    manifold = case["mech"] == "RPS" and case["mode"] == 1 and case["h2"] == 2.0
+    np.testing.assert_allclose(found, case["theta_singular"], atol=1e-3 if manifold else 1e-6)
 
 
 def test_the_determinant_is_the_polynomial_at_random_poses(rng: np.random.Generator) -> None:

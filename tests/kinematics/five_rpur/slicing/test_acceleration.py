@@ -118,6 +118,26 @@ print(json.dumps([prepared, acceleration.prepare(), acceleration.is_compiled(), 
     assert area == pytest.approx(46_318.5898, rel=1e-8)
 
 
+@pytest.mark.parametrize("when", BROKEN)
+def test_a_volume_does_without_a_numba_that_cannot(when, tmp_path):
+    """A volume is worth compiling for, whoever asks first."""
+    code = f"""
+import json, numba
+{BROKEN[when]}
+numba.njit = njit
+from kinematics.designs import load_design
+from kinematics.five_rpur.slicing import acceleration
+from kinematics.five_rpur.volume import volume
+exact = volume(load_design("rpur-table1"), 0.0, 0.0, ["+-+-+"], relative=0.1)
+print(json.dumps([acceleration.is_compiled(), exact.value, exact.error, list(exact.pieces)]))
+"""
+    compiled, value, error, pieces = run(code, XDG_CACHE_HOME=str(tmp_path))
+    assert not compiled
+    exact = volume(load_design("rpur-table1"), 0.0, 0.0, ("+-+-+",))
+    assert abs(value - exact.value) <= error + exact.error
+    assert sum(pieces) == pytest.approx(value)
+
+
 def test_what_is_kept_is_told_apart_by_its_place(root, tmp_path):
     """numba finds what it has compiled by the file's path and date: another copy has nothing."""
     copy = tmp_path / "copy"

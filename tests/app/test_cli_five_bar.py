@@ -1,0 +1,171 @@
+"""The five-bar and trajectories on the command line."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.conftest import Finished, answered, refused
+
+Run = Callable[..., Finished]
+
+
+def test_ik_fk_and_singularity(here: Run) -> None:
+    found = answered(here("ik", "five-bar", "--pose", "0,738.644", "--json"))
+    modes = {each["working_mode"]: each["joints"] for each in found["solutions"]}
+    np.testing.assert_allclose(modes["+-"], [108.0, 72.0], atol=1e-4)
+    assert len(modes) == 4
+    joints = ",".join(map(repr, modes["+-"]))
+    both = answered(here("fk", "five-bar", "--joints", joints, "--json"))
+    assert both["complex_count"] == 2
+    assert both["complete"]
+    assert any(abs(each["pose"]["y"] - 738.644) < 1e-9 for each in both["solutions"])
+    assert both["solutions"][0]["transform"][2] == [0.0, 0.0, 1.0, 0.0]
+    lost = answered(here("singularity", "five-bar", "--pose", "0,738.644", "--json"))
+    assert lost["working_mode"] == "+-"
+    chart = here(
+        "singularity", "five-bar", "--pose", "0,700", "--chart", "plane", "-o", "chart.svg"
+    )
+    assert chart.code == 0, chart.stderr
+
+
+def test_workspace_is_a_plane_region(bohemia: Run, tmp_path: Path) -> None:
+    found = answered(bohemia("workspace", "five-bar", "--json", "-o", "plane.dxf"))
+    assert f"{found['area_mm2'] / 100:.6f}" == "19833.838618"
+    (region,) = found["regions"]
+    assert [edge["kind"] for edge in region["loops"][0]] == ["arc"] * 3
+    assert (tmp_path / "plane.dxf").read_text().count("ARC") >= 3
+
+
+def test_aspects_by_mode(here: Run, tmp_path: Path) -> None:
+    found = answered(
+        here("workspace", "five-bar", "--regions", "aspects", "--modes", "+-", "--json")
+    )
+    assert len(found["regions"]) == 3
+    assert found["area_mm2"] == pytest.approx(1983383.86178738)
+    assert {region["sign"] for region in found["regions"]} == {1, -1}
+    for name in ("a.svg", "a.csv", "a.dxf"):
+        done = here("workspace", "five-bar", "--regions", "aspects", "--modes", "+-", "-o", name)
+        assert done.code == 0, done.stderr
+        assert "group" in done.stdout
+        assert (tmp_path / name).stat().st_size > 1000
+    rows = list(csv.DictReader(io.StringIO((tmp_path / "a.csv").read_text())))
+    assert {row["bound"] for row in rows} == {"link", "parallel"}
+    assert len({row["piece"] for row in rows}) == 3
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("workspace", "five-bar", "--regions", "solid"), "--regions must be one of"),
+        (("workspace", "five-bar", "-o", "a.stl"), ".svg, .dxf, .csv"),
+        (("workspace", "five-bar", "--modes", "+"), "--modes"),
+        (("vertex-space", "five-bar", "--limb", "1"), "no vertex spaces"),
+        (("ik", "five-bar", "--pose", "1,2,3"), "--pose needs 2 numbers"),
+        (("trajectory", "five-bar", "circle"), "paths by name are line, rest-to-rest"),
+        (("trajectory", "five-bar", "line", "--law", "septic"), "no time law 'septic'"),
+        (("trajectory", "five-bar", "line", "--duration", "0"), "a duration must lie between"),
+        (("trajectory", "five-bar", "line", "--samples", "1"), "samples"),
+        (("trajectory", "five-bar", "line", "--samples", "x"), "--samples must be a whole number"),
+        (("trajectory", "five-bar", "line", "--load", "1,2"), "--load needs 6 numbers"),
+        (("trajectory", "five-bar", "line", "--blend", "3"), "--through lines"),
+        (("trajectory", "five-bar", "line", "--max-forces", "3,3"), "goes with --load"),
+        (("trajectory", "five-bar", "line", "--max-rates", "3"), "--max-rates needs 2 numbers"),
+        (("trajectory", "five-bar", "line", "--mode", "+++"), "--mode"),
+        (("trajectory", "five-bar", "line", "-o", "a.txt"), ".csv"),
+        (("trajectory", "five-bar", "line", "--fit", "99"), "degree"),
+    ],
+)
+def test_mistakes_are_one_sentence(here: Run, arguments: tuple[str, ...], said: str) -> None:
+    assert said in refused(here(*arguments))
+
+
+def test_the_paper_s_trajectory_as_a_process(bohemia: Run, tmp_path: Path) -> None:
+    done = bohemia(
+        "trajectory", "five-bar", "rest-to-rest", "--fit", "8", "--samples", "201",
+        "--load", "0,-100,0,0,0,0", "--json", "-o", "way.csv",
+    )  # fmt: skip
+    found = answered(done)
+    assert found["working_mode"] == "+-"
+    assert found["sound"]
+    assert found["events"] == []
+    samples = found["samples"]
+    assert len(samples["t"]) == 201
+    assert samples["theta1_deg"][0] == pytest.approx(108.0, abs=1e-4)
+    assert min(samples["singularity_mm"]) == pytest.approx(102.834, abs=1e-3)
+    assert len(samples["force_actuation1_Nmm"]) == 201
+    fit = found["fit"]
+    assert f"{fit['coefficients']['theta2'][8]:.6f}" == "0.009799"
+    assert fit["error"]["x"]["deviation"] == pytest.approx(0.0192158, rel=1e-5)
+    assert fit["error"]["y_per_s2"]["deviation"] == pytest.approx(57.095236, rel=1e-6)
+    rows = list(csv.DictReader(io.StringIO((tmp_path / "way.csv").read_text())))
+    assert len(rows) == 201
+    assert float(rows[-1]["y"]) == pytest.approx(450.0)
+    again = answered(bohemia("trajectory", "five-bar", "way.csv", "--samples", "201", "--json"))
+    np.testing.assert_allclose(
+        again["samples"]["theta1_deg_per_s"], samples["theta1_deg_per_s"], atol=2e-2
+    )
+    assert again["duration_s"] == 2.0
+
+
+def test_points_from_a_file(here: Run, tmp_path: Path) -> None:
+    (tmp_path / "p.csv").write_text("\ufeffx;y\n0;700\n100;600\n\n200;650\n")
+    spline = answered(here("trajectory", "five-bar", "p.csv", "--json"))
+    assert spline["law"] == "quintic"
+    assert spline["duration_s"] == pytest.approx(spline["length_mm"] / 100.0)
+    lines = answered(
+        here("trajectory", "five-bar", "p.csv", "--through", "lines", "--blend", "20",
+             "--law", "trapezoidal", "--duration", "4", "--mode", "++", "--json")
+    )  # fmt: skip
+    assert lines["length_mm"] < spline["length_mm"]
+    assert lines["duration_s"] == 4.0
+    assert lines["working_mode"] == "++"
+    (tmp_path / "far.csv").write_text("x,y\n0,700\n0,1500\n")
+    done = here("trajectory", "five-bar", "far.csv")
+    assert done.code == 0
+    assert "leaves the workspace" in done.stdout
+    out = answered(here("trajectory", "five-bar", "far.csv", "--json"))
+    assert not out["sound"]
+    assert out["samples"]["theta1_deg"][-1] is None
+    assert out["events"][0]["kind"] == "outside"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "must name a column x"),
+        ("x,z\n1,2\n3,4\n", "must name a column y"),
+        ("x,y\n1,2\n", "at least two points"),
+        ("x,y\n1,2\n3\n", "line 3: 2 columns are named, found 1"),
+        ("x,y\n1,2\n3,up\n", "line 3: y must be a number, got 'up'"),
+        ("x,y\n1,2\n3,inf\n", "line 3: y must be a finite number"),
+        ("t,x,y\n0,1,2\n0,3,4\n", "line 3: t must increase"),
+        ("x,y\n0,700\n0,700\n", "point 2 of the path is the same"),
+    ],
+)
+def test_broken_files(here: Run, tmp_path: Path, text: str, said: str) -> None:
+    (tmp_path / "p.csv").write_text(text)
+    assert said in refused(here("trajectory", "five-bar", "p.csv"))
+
+
+def test_times_choose_the_law(here: Run, tmp_path: Path) -> None:
+    (tmp_path / "p.csv").write_text("t,x,y\n0,0,700\n1,50,650\n3,100,640\n")
+    found = answered(here("trajectory", "five-bar", "p.csv", "--json"))
+    assert found["duration_s"] == 3.0
+    assert found["samples"]["x"][0] == 0.0
+    assert "no law to choose" in refused(here("trajectory", "five-bar", "p.csv", "--law", "cubic"))
+
+
+def test_degrees_in_files_of_the_5_rpur(here: Run, tmp_path: Path) -> None:
+    (tmp_path / "p.csv").write_text("x,y,z,phi_deg,theta\n-10,100,450,5,-3\n-5,95,455,6,-2\n")
+    found = answered(
+        here("trajectory", "rpur-table1", "p.csv", "--mode", "+-+-+", "--samples", "5", "--json")
+    )
+    np.testing.assert_allclose(
+        [found["samples"][key][-1] for key in ("phi_deg", "theta_deg")], [6.0, -2.0]
+    )
