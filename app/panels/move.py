@@ -87,6 +87,9 @@ class MovePanel(Panel):
             with gui.add_folder(kind.mode_noun.capitalize()):
                 self._offer_modes(desk, kind, view.posture.mode)
                 self._other = gui.add_html(_other_modes(sheet))
+                self._change = gui.add_html("")
+                self._go = button(desk, "Go where modes meet", self._go_to_change)
+                self._meeting: ModeChange | None = None
         button(
             desk,
             "Home position",
@@ -101,9 +104,6 @@ class MovePanel(Panel):
         if not signed(kind.modes):
             self._choice = desk.gui.add_dropdown("Mode", kind.modes, initial_value=mode)
             answer(desk, self._choice, lambda chosen, client: desk.send(Flip(chosen), client))
-            self._change = desk.gui.add_html("")
-            self._go = button(desk, "Go where modes meet", self._go_to_change)
-            self._meeting: ModeChange | None = None
             return
         hint = kind.about("mode")
         self._modes = [
@@ -130,17 +130,17 @@ class MovePanel(Panel):
         self._mode = view.posture.mode
         if self._choice is not None:
             put(self._desk, self._choice, self._mode)
-            self._meeting = view.mode_change
-            text = "" if self._meeting is None else box(esc(self._meeting.text))
-            put_prop(self._change, "content", text)
-            away = self._meeting is not None and not self._meeting.here
-            put_prop(self._go, "visible", away)
         for switch, sign in zip(self._modes, self._mode, strict=bool(self._modes)):
             put(self._desk, switch, sign == "+")
         put_prop(self._table, "content", _table(view.joints))
         put_prop(self._residual, "content", _residual(sheet))
         if kind.mode_noun:
             put_prop(self._other, "content", _other_modes(sheet))
+            self._meeting = view.mode_change
+            text = "" if self._meeting is None else box(esc(self._meeting.text))
+            put_prop(self._change, "content", text)
+            away = self._meeting is not None and not self._meeting.here
+            put_prop(self._go, "visible", away)
 
     @staticmethod
     def _slider(desk: Desk, c: Coordinate, act: object, value: float) -> Slider:
