@@ -335,7 +335,7 @@ def _flip(review: Review, mode: str) -> Review:
     kind = review.mechanism
     if mode not in kind.modes:
         raise InputError(f"there is no {kind.mode_noun} {mode!r}")
-    way = kind.mode_change(review.design, review.posture)
+    way = kind.mode_change(review.design, review.posture, mode)
     if way is None or mode == review.mode:
         return replace(review, mode=mode)
     if not way.here:

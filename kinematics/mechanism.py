@@ -282,7 +282,9 @@ class Mechanism(Protocol):
     def remedy(self, design: Any, posture: Posture) -> Remedy: ...
     def passed(self, design: Any, before: Posture, after: Posture) -> tuple[Event, ...]: ...
     def path(self, design: Any, posture: Posture, poses: ArrayLike) -> Followed: ...
-    def mode_change(self, design: Any, posture: Posture) -> ModeChange | None: ...
+    def mode_change(
+        self, design: Any, posture: Posture, wanted: str = ""
+    ) -> ModeChange | None: ...  # to where this mode begins, or any other
     def locus_specs(self, design: Any) -> tuple[LocusSpec, ...]: ...
     def locus(
         self, design: Any, key: str, pose: Sequence[float], mode: str, at: float | None = None
@@ -531,7 +533,7 @@ class Bare:
     def path(self, design: Any, posture: Posture, poses: ArrayLike) -> Followed:
         raise InputError("this mechanism does not follow paths of poses")
 
-    def mode_change(self, design: Any, posture: Posture) -> ModeChange | None:
+    def mode_change(self, design: Any, posture: Posture, wanted: str = "") -> ModeChange | None:
         """Where the mode may be changed without taking the machine apart; None where nowhere."""
         return None
 

@@ -16,6 +16,7 @@ from kinematics.five_bar import (
     home,
     inverse,
     loci,
+    meeting,
     passing,
     regions,
     velocity,
@@ -35,6 +36,7 @@ from kinematics.singularities import (
     LocusCurves,
     LocusSpec,
     Measure,
+    ModeChange,
     Remedy,
     Singularity,
 )
@@ -203,11 +205,22 @@ class FiveBar(Bare):
     def remedy(self, design: FiveBarDesign, posture: Posture) -> Remedy:
         return control.remedy(design, posture)
 
-    def passed(self, design: FiveBarDesign, before: Posture, after: Posture) -> tuple[Event, ...]:
-        return passing.passed(design, before, after)
+    def passed(
+        self,
+        design: FiveBarDesign,
+        before: Posture,
+        after: Posture,
+        through: ArrayLike = (),
+    ) -> tuple[Event, ...]:
+        return passing.passed(design, before, after, through)
 
     def path(self, design: FiveBarDesign, posture: Posture, poses: ArrayLike) -> Followed:
         return passing.path(design, posture, poses)
+
+    def mode_change(
+        self, design: FiveBarDesign, posture: Posture, wanted: str = ""
+    ) -> ModeChange | None:
+        return meeting.mode_change(design, posture, wanted)
 
     def locus_specs(self, design: FiveBarDesign) -> tuple[LocusSpec, ...]:
         return loci.SPECS

@@ -9,6 +9,7 @@ happens at each root, and nothing is passed over. Lengths mm, angles rad.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -45,10 +46,16 @@ class _State(NamedTuple):
     sign: int
 
 
-def passed(design: FiveBarDesign, before: Posture, after: Posture) -> tuple[Event, ...]:
-    """What is passed on the straight way from one posture to another of the same mode, in order.
+def passed(
+    design: FiveBarDesign, before: Posture, after: Posture, through: ArrayLike = ()
+) -> tuple[Event, ...]:
+    """What is passed on the way from one posture to another of the same mode, in order.
 
-    Of postures in different modes it is only told that no way was driven.
+    The way is straight, or straight from one to the next of the poses ``through`` (N, 2); fractions
+    are of the whole length. Of postures in different modes it is only told that no way was driven.
+
+    Raises:
+        InputError: the poses on the way are not two finite numbers each.
     """
     if before.mode != after.mode:
         limb = next(i + 1 for i in range(LIMBS) if before.mode[i] != after.mode[i])
@@ -57,7 +64,18 @@ def passed(design: FiveBarDesign, before: Posture, after: Posture) -> tuple[Even
             f"from {before.mode.replace('-', '−')} but over a serial singularity"
         )
         return (Event("serial", 0.0, before.pose, limb, text, True),)
-    return events(design, np.array(before.pose), np.array(after.pose), before.mode)
+    between = finite(np.reshape(through, (-1, 2)), name="a pose")
+    corners = [np.array(before.pose), *between, np.array(after.pose)]
+    lengths = [float(np.hypot(*(b - a))) for a, b in pairwise(corners)]
+    whole, done = sum(lengths), 0.0
+    told: list[Event] = []
+    for (a, b), length in zip(pairwise(corners), lengths, strict=True):
+        told += [
+            replace(event, fraction=(done + event.fraction * length) / whole)
+            for event in events(design, a, b, before.mode)
+        ]
+        done += length
+    return tuple(told)
 
 
 def events(design: FiveBarDesign, start: Array, end: Array, mode: str) -> tuple[Event, ...]:

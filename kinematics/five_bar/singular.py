@@ -122,7 +122,7 @@ def clearances(
         how = "B₁, P and B₂ come into line" if extended else "the distal links fold together"
         found.append(_clearance(design, "parallel", p, point, f"{how}", 0, ""))
     edges = [edge for loop in workspace.loops(design, (at.mode,)) for edge in loop]
-    nearest = _nearest_edge(edges, p)
+    nearest = nearest_on(edges, p)
     if nearest is not None:
         edge, point = nearest
         limb = int(edge.shown.limb[0])
@@ -131,7 +131,7 @@ def clearances(
     for i in range(LIMBS):
         of_limb = [edge for edge in edges if int(edge.shown.limb[0]) == i + 1]
         links = [edge for edge in of_limb if int(edge.shown.bound[0]) == _LINK]
-        places = [] if not links else [_nearest_edge(links, p)]
+        places = [] if not links else [nearest_on(links, p)]
         points = [each[1] for each in places if each is not None]
         if i in base_points(design):
             points.append(design.base[i])
@@ -141,7 +141,7 @@ def clearances(
             found.append(_clearance(design, "mode", p, point, text, i + 1, "link"))
         for bound in ("rho_min", "rho_max"):
             ends = [e for e in of_limb if BOUNDS[int(e.shown.bound[0])] == bound]
-            end = _nearest_edge(ends, p)
+            end = nearest_on(ends, p)
             if end is not None:
                 text = f"θ{SUBSCRIPTS[i]} comes to the end of its range"
                 found.append(_clearance(design, "stroke", p, end[1], text, i + 1, bound))
@@ -171,7 +171,7 @@ def _clearance(
     )
 
 
-def _nearest_edge(edges: list[Edge], p: Array) -> tuple[Edge, Array] | None:
+def nearest_on(edges: list[Edge], p: Array) -> tuple[Edge, Array] | None:
     """The edge nearest to P, and the point on it; edges are single arcs."""
     best: tuple[float, Edge, Array] | None = None
     for edge in edges:
@@ -258,7 +258,7 @@ def remedy(design: FiveBarDesign, at: Posture) -> Remedy:
     nearest, distance = None, float("inf")
     for mode in (at.mode, *(other for other in MODES if other != at.mode)):
         edges = [edge for loop in workspace.loops(design, (mode,)) for edge in loop]
-        found = _nearest_edge(edges, p)
+        found = nearest_on(edges, p)
         if found is None:
             continue
         inside = _into(design, found[0], found[1], mode)

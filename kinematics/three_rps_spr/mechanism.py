@@ -242,7 +242,7 @@ class Tripod(Bare):
     def remedy(self, design: TripodDesign, posture: Posture) -> Remedy:
         return room.remedy(design, posture)
 
-    def mode_change(self, design: TripodDesign, posture: Posture) -> ModeChange:
+    def mode_change(self, design: TripodDesign, posture: Posture, wanted: str = "") -> ModeChange:
         return singularity.mode_change(design, posture)
 
     def locus_specs(self, design: TripodDesign) -> tuple[LocusSpec, ...]:

@@ -172,3 +172,42 @@ def test_a_change_of_mode_is_no_way() -> None:
 def test_a_base_joint_is_passed() -> None:
     found = passing.events(PAPER, np.array([-240.0, 300.0]), np.array([-240.0, -300.0]), "++")
     assert [e.limb for e in found if "A₁" in e.text] == [1]
+
+
+def test_ways_with_corners_are_told_as_one() -> None:
+    before, after = (M.posture(PAPER, pose, "+-") for pose in ((0.0, 700.0), (100.0, 500.0)))
+    (one, two) = passing.passed(PAPER, before, after, [(0.0, 400.0), (100.0, 400.0)])
+    assert one.pose[1] == pytest.approx(415.692193816, abs=1e-6)
+    assert one.fraction == pytest.approx((700.0 - one.pose[1]) / 500.0)
+    assert one.fraction < two.fraction < 1.0
+
+
+# --- working modes meet --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_modes_meet_in_serial_singularities(name: str) -> None:
+    design = MACHINES[name]
+    start = M.home(design)
+    for wanted in ("", *(mode for mode in inverse.MODES if mode != start.mode)):
+        way = M.mode_change(design, start, wanted)
+        assert way is not None
+        assert not way.here
+        assert way.text
+        assert way.at.mode == start.mode
+        (changed,) = [i for i in range(2) if way.other.mode[i] != start.mode[i]]
+        if wanted:
+            assert way.other.mode[changed] == wanted[changed]
+        turn = np.subtract(way.at.joints, way.other.joints)
+        base = np.hypot(*np.subtract(way.at.pose, design.base[changed])) < 1e-9 * design.size
+        assert base or np.abs(np.angle(np.exp(1j * turn))).max() < 1e-5
+        stops = [e for e in M.passed(design, start, way.at) if e.stops and e.fraction < 0.999]
+        assert bool(stops) == way.blocked
+        there = M.mode_change(design, way.at, way.other.mode)
+        assert there is not None
+        assert there.here
+        assert there.other.mode == way.other.mode
+
+
+def test_no_meeting_where_nothing_is_held() -> None:
+    assert M.mode_change(PAPER, M.posture(PAPER, (0.0, 2000.0), "+-")) is None
