@@ -9,7 +9,7 @@ import csv
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import degrees, isfinite
+from math import degrees, isfinite, nan
 
 from app import tables
 from kinematics.errors import InputError
@@ -22,18 +22,25 @@ LARGEST = 16 * 1024 * 1024
 
 @dataclass(frozen=True, slots=True)
 class Points:
-    """What a CSV file says: poses (mm and rad), and times, s, where there is a column t."""
+    """What a CSV file says: poses (mm and rad), and times, s, where there is a column t.
+
+    ``dependent``: the coordinate that has no column and is NaN in all poses; None: all have one.
+    """
 
     poses: tuple[tuple[float, ...], ...]
     times: tuple[float, ...] | None
+    dependent: int | None = None
 
 
-def read_points(text: str, axes: Sequence[Coordinate], *, origin: str) -> Points:
+def read_points(
+    text: str, axes: Sequence[Coordinate], *, origin: str, dependent: Sequence[int] = ()
+) -> Points:
     """The points of a path.
 
     The first line names the columns: each pose coordinate by its key, an angle also with "_deg"
     behind it (degrees in any case), and if wanted t (s). Other columns are not read, so that what
-    `trajectory_csv` writes can be read again. Columns are parted by commas, semicolons or tabs.
+    `trajectory_csv` writes can be read again. Columns are parted by commas, semicolons or tabs. One
+    of the coordinates ``dependent`` (indices) may be left out, to follow from the others.
 
     Raises:
         InputError: naming the origin, the line and what is wrong.
@@ -45,7 +52,15 @@ def read_points(text: str, axes: Sequence[Coordinate], *, origin: str) -> Points
     part = max(",;\t", key=first.count)
     rows = csv.reader(io.StringIO(text), delimiter=part)
     header = [name.strip().lower() for name in next(rows, [])]
-    columns = [_column(header, axis, axes, origin) for axis in axes]
+    found = [_column(header, axis) for axis in axes]
+    missing = [n for n, column in enumerate(found) if column is None]
+    left = missing[0] if len(missing) == 1 and missing[0] in dependent else None
+    if missing and left is None:
+        wanted = ",".join(map(tables.key, axes))
+        raise InputError(
+            f"{origin}: the first line must name a column {tables.key(axes[missing[0]])}; write "
+            f"{wanted}, with a column t (s) if the points have times"
+        )
     time = header.index("t") if "t" in header else None
     poses, times = [], []
     for number, row in enumerate(rows, start=2):
@@ -56,8 +71,8 @@ def read_points(text: str, axes: Sequence[Coordinate], *, origin: str) -> Points
             raise InputError(f"{where}: {len(header)} columns are named, found {len(row)}")
         poses.append(
             tuple(
-                tables.inner(_number(row[n], f"{where}: {axis.key}"), axis)
-                for n, axis in zip(columns, axes, strict=True)
+                nan if n is None else tables.inner(_number(row[n], f"{where}: {axis.key}"), axis)
+                for n, axis in zip(found, axes, strict=True)
             )
         )
         if time is not None:
@@ -66,20 +81,14 @@ def read_points(text: str, axes: Sequence[Coordinate], *, origin: str) -> Points
                 raise InputError(f"{where}: t must increase from line to line, got {times[-1]:g}")
     if len(poses) < 2:
         raise InputError(f"{origin}: a path needs at least two points, found {len(poses)}")
-    return Points(tuple(poses), None if time is None else tuple(times))
+    return Points(tuple(poses), None if time is None else tuple(times), left)
 
 
-def _column(
-    header: Sequence[str], axis: Coordinate, axes: Sequence[Coordinate], origin: str
-) -> int:
+def _column(header: Sequence[str], axis: Coordinate) -> int | None:
     for name in (axis.key, tables.key(axis)):
         if name.lower() in header:
             return header.index(name.lower())
-    wanted = ",".join(map(tables.key, axes))
-    raise InputError(
-        f"{origin}: the first line must name a column {tables.key(axis)}; write {wanted}, with a "
-        f"column t (s) if the points have times"
-    )
+    return None
 
 
 def _number(text: str, name: str) -> float:

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Sequence
 from math import isfinite, radians
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from app import tables
 from app.commands import common
@@ -14,8 +14,9 @@ from app.commands.controlling import load_numbers
 from kinematics.errors import InputError
 
 if TYPE_CHECKING:
+    from app.trajectory_files import Points
     from kinematics.mechanism import Coordinate, Design, Mechanism
-    from kinematics.trajectories import Event, Fits, Law, Limits, NamedTrajectory, Trajectory
+    from kinematics.trajectories import Event, Fits, Law, Limits, Trajectory
     from kinematics.trajectories import Path as Way
 
 PACE = 100.0  # mm/s, where no duration is given
@@ -91,9 +92,7 @@ def _trajectory(arguments: argparse.Namespace) -> None:
     design, mechanism = common.load(arguments.design)
     joints = mechanism.joint_coordinates(design)
     axes = mechanism.pose_coordinates(design)
-    named, path, law = _way(arguments, design, mechanism)
-    given = arguments.mode is None and named is not None
-    mode = named.mode if given and named else common.chosen_mode(arguments.mode, design, mechanism)
+    way = _way(arguments, design, mechanism)
     load = None if arguments.load is None else load_numbers(arguments.load)
     limits = _limits(arguments, joints)
     degree = None if arguments.fit is None else _whole("--fit", arguments.fit)
@@ -101,25 +100,23 @@ def _trajectory(arguments: argparse.Namespace) -> None:
         found = trajectories.trajectory(
             mechanism,
             design,
-            path,
-            law,
-            mode,
+            way.path,
+            way.law,
+            way.mode,
             samples=_whole("--samples", arguments.samples),
             load=load,
             limits=limits,
+            dependent=way.dependent,
         )
         fits = None if degree is None else trajectories.fit(mechanism, design, found, degree)
     common.warn(design, mechanism)
     if output is not None:
         common.write(output, trajectory_csv(found, axes, joints).encode())
-    title = named.title if named else Path(arguments.path).name
     if arguments.json:
-        common.print_json(
-            _answer(arguments, design, mechanism, law, found, fits, None if named else title)
-        )
+        common.print_json(_answer(arguments, design, mechanism, way, found, fits))
         return
-    head = f"{title}{common.mode_text(mechanism, mode)}, {law.kind}, {law.duration:g} s"
-    common.print_head(design, head)
+    law = f"{way.law.kind}, {way.law.duration:g} s"
+    common.print_head(design, f"{way.title}{common.mode_text(mechanism, way.mode)}, {law}")
     print("\n".join(_lines(found, fits, axes, joints)))
     if output is not None:
         print(f"file       {output} ({len(found.times)} rows; mm, degrees, s)")
@@ -128,10 +125,19 @@ def _trajectory(arguments: argparse.Namespace) -> None:
 # --- the path and its law ------------------------------------------------------------------
 
 
-def _way(
-    arguments: argparse.Namespace, design: Design, mechanism: Mechanism
-) -> tuple[NamedTrajectory | None, Way, Law]:
-    """The path and its time law, and the named trajectory if it is one."""
+class _Asked(NamedTuple):
+    """The trajectory asked for: ``name`` of a named one, or the file's."""
+
+    name: str
+    title: str
+    path: Way
+    law: Law
+    mode: str
+    dependent: int | None = None
+
+
+def _way(arguments: argparse.Namespace, design: Design, mechanism: Mechanism) -> _Asked:
+    """The path, its time law and its mode."""
     from kinematics.trajectories import law
 
     known = {each.name: each for each in mechanism.trajectories(design)}
@@ -141,25 +147,32 @@ def _way(
         duration = common.number(arguments.duration, "--duration")
     if arguments.blend is not None and arguments.through != "lines":
         raise InputError("--blend goes with --through lines")
+    mode = named.mode if named is not None else ""
+    if named is None or arguments.mode is not None:
+        mode = common.chosen_mode(arguments.mode, design, mechanism)
     if named is not None:
         kind = named.law.kind if arguments.law is None else arguments.law
         seconds = named.law.duration if duration is None else duration
-        return named, named.path, law(kind, seconds)
-    path, times = _points(arguments, design, mechanism, tuple(known))
-    if times is not None:
+        return _Asked(named.name, named.title, named.path, law(kind, seconds), mode)
+    points = _points(arguments, design, mechanism, tuple(known))
+    path = _joined(arguments, design, mechanism, points, mode)
+    if points.times is not None:
         if arguments.law is not None:
             raise InputError("--law: the file gives the times, so that there is no law to choose")
-        return None, path, law("linear", times if duration is None else duration)
-    seconds = max(1.0, path.length / PACE) if duration is None else duration
-    return None, path, law(arguments.law or "quintic", seconds)
+        seconds = points.times[-1] - points.times[0] if duration is None else duration
+        chosen = law("linear", seconds)
+    else:
+        seconds = max(1.0, path.length / PACE) if duration is None else duration
+        chosen = law(arguments.law or "quintic", seconds)
+    name = Path(arguments.path).name
+    return _Asked(name, name, path, chosen, mode, points.dependent)
 
 
 def _points(
     arguments: argparse.Namespace, design: Design, mechanism: Mechanism, known: tuple[str, ...]
-) -> tuple[Way, float | None]:
-    """The path through a file's points, and how long it takes if the file says so."""
+) -> Points:
+    """What the file says."""
     from app.trajectory_files import LARGEST, read_points
-    from kinematics.trajectories import polyline, spline
 
     file = Path(arguments.path)
     try:
@@ -172,18 +185,31 @@ def _points(
         names = f"; paths by name are {', '.join(known)}" if known else ""
         raise InputError(f"there is no file {arguments.path!r} that can be read{names}") from None
     axes = mechanism.pose_coordinates(design)
-    points = read_points(text, axes, origin=str(file))
+    return read_points(
+        text, axes, origin=str(file), dependent=mechanism.dependent_coordinates(design)
+    )
+
+
+def _joined(
+    arguments: argparse.Namespace, design: Design, mechanism: Mechanism, points: Points, mode: str
+) -> Way:
+    """The path through a file's points; one that leaves a coordinate open is completed first."""
+    from kinematics.trajectories import polyline, spline
+
+    poses = points.poses
+    if points.dependent is not None:
+        poses = tuple(mechanism.complete_pose(design, pose, mode) for pose in poses)
     length = mechanism.characteristic_length(design)
+    axes = mechanism.pose_coordinates(design)
     scale = [length if axis.unit == "rad" else 1.0 for axis in axes]
     if points.times is not None:
         if arguments.through == "lines":
             raise InputError("--through lines: points with times are joined by a spline")
-        path = spline(points.poses, scale, points.times)
-        return path, points.times[-1] - points.times[0]
+        return spline(poses, scale, points.times)
     if arguments.through == "lines":
         blend = 0.0 if arguments.blend is None else common.number(arguments.blend, "--blend")
-        return polyline(points.poses, scale, blend), None
-    return spline(points.poses, scale), None
+        return polyline(poses, scale, blend)
+    return spline(poses, scale)
 
 
 def _whole(option: str, text: str) -> int:
@@ -222,10 +248,9 @@ def _answer(
     arguments: argparse.Namespace,
     design: Design,
     mechanism: Mechanism,
-    law: Law,
+    way: _Asked,
     found: Trajectory,
     fits: Fits | None,
-    file: str | None,
 ) -> dict[str, Any]:
     from app.trajectory_files import columns_of
 
@@ -235,10 +260,10 @@ def _answer(
     return {
         "design": design.name,
         "mechanism": design.mechanism,
-        "path": arguments.path if file is None else file,
+        "path": way.name,
         **common.mode_entry(mechanism, found.mode),
-        "law": law.kind,
-        "duration_s": law.duration,
+        "law": way.law.kind,
+        "duration_s": way.law.duration,
         "length_mm": found.length,
         "sound": found.sound,
         "events": [_event(event, axes) for event in found.events],

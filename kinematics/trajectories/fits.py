@@ -99,6 +99,10 @@ def fit(mechanism: Mechanism, design: Design, found: Trajectory, degree: int) ->
             )
             pose_rates[rows] = motion.pose_rates
             pose_accelerations[rows] = motion.pose_accelerations
+    error = poses - found.poses
+    for k, coordinate in enumerate(mechanism.pose_coordinates(design)):
+        if coordinate.unit == "rad":  # a whole turn is none
+            error[:, k] -= 2 * np.pi * np.round(error[:, k] / (2 * np.pi))
     return Fits(
         degree=degree,
         coefficients=coefficients,
@@ -107,7 +111,7 @@ def fit(mechanism: Mechanism, design: Design, found: Trajectory, degree: int) ->
         pose_rates=pose_rates,
         pose_accelerations=pose_accelerations,
         joint_error=joints - found.joints,
-        pose_error=poses - found.poses,
+        pose_error=error,
         rate_error=pose_rates - found.pose_rates,
         acceleration_error=pose_accelerations - found.pose_accelerations,
     )

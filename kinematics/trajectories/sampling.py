@@ -11,6 +11,7 @@ from kinematics.errors import InputError
 from kinematics.mechanism import Design, Mechanism
 from kinematics.motion import WrenchName
 from kinematics.spatial import Array, finite
+from kinematics.trajectories.constrained import constrained
 from kinematics.trajectories.events import Along, events_of
 from kinematics.trajectories.laws import Law
 from kinematics.trajectories.paths import Path
@@ -32,6 +33,7 @@ def trajectory(
     limits: Limits | None = None,
     distances: bool = True,
     near: float | None = None,
+    dependent: int | None = None,
 ) -> Trajectory:
     """Joints, rates, accelerations and forces along a path in one working mode, and what is wrong.
 
@@ -41,6 +43,8 @@ def trajectory(
         limits: of the actuators.
         distances: ask the mechanism for the distance to singularities at every sample.
         near: mm to a singularity from which on it is told; None: 3 % of the characteristic length.
+        dependent: of a mechanism with a dependent coordinate, the one that gives way to the others;
+            None: the one that the mechanism would choose.
 
     Raises:
         InputError: no such mode, less than two samples, or a load or limits of the wrong size.
@@ -51,6 +55,7 @@ def trajectory(
         raise InputError(f"a trajectory takes 2 to {MOST_SAMPLES} samples, got {samples}")
     limits = _checked(limits or Limits(), len(mechanism.joint_coordinates(design)))
     times = np.linspace(0.0, law.duration, samples)
+    path = constrained(path, mechanism, design, mode, dependent)
     shares, poses, rates, accelerations = moved(path, law, times)
     along = Along(mechanism, design, path, law, mode)
     joints, reachable = joints_along(mechanism, design, poses, mode)
@@ -78,8 +83,10 @@ def trajectory(
         times=times,
         shares=shares,
         poses=poses,
-        pose_rates=rates,
-        pose_accelerations=accelerations,
+        pose_rates=np.where(np.isnan(rates), found.pose_rates, rates),
+        pose_accelerations=np.where(
+            np.isnan(accelerations), found.pose_accelerations, accelerations
+        ),
         joints=joints,
         joint_rates=np.array(found.joint_rates),
         joint_accelerations=np.array(found.joint_accelerations),

@@ -169,3 +169,13 @@ def test_degrees_in_files_of_the_5_rpur(here: Run, tmp_path: Path) -> None:
     np.testing.assert_allclose(
         [found["samples"][key][-1] for key in ("phi_deg", "theta_deg")], [6.0, -2.0]
     )
+
+
+def test_a_dependent_coordinate_may_be_left_out(here: Run, tmp_path: Path) -> None:
+    (tmp_path / "p.csv").write_text("x,y,z,alpha,beta\n0,0,569,0,0\n10,5,575,3,2\n")
+    found = answered(here("trajectory", "sps-spr", "p.csv", "--samples", "9", "--json"))
+    assert found["sound"]
+    assert found["samples"]["beta_deg"][-1] == pytest.approx(2.0)
+    assert None not in found["samples"]["gamma_deg"]
+    (tmp_path / "q.csv").write_text("x,y,z,alpha\n0,0,569,0\n10,5,575,3\n")
+    assert "must name a column beta_deg" in refused(here("trajectory", "sps-spr", "q.csv"))

@@ -243,3 +243,28 @@ def test_another_mechanism_runs_the_same_room() -> None:
     np.testing.assert_allclose(power, 0.0, atol=1e-5)
     fits = t.fit(kind, design, found, 6)
     assert fits.largest[0].max() < 0.05
+
+
+def test_a_dependent_coordinate_follows_the_constraint() -> None:
+    design = load_design("sps-spr")
+    kind = mechanism("four_sps_spr")
+    home = kind.home(design)
+    # From home to a place off the straight way, with the angles turned.
+    goal = kind.complete_pose(
+        design, tuple(np.add(home.pose, [20.0, 15.0, 10.0, 0.05, -0.04, 0.1])), home.mode
+    )
+    length = kind.characteristic_length(design)
+    path = t.line(home.pose, goal, (1.0, 1.0, 1.0, length, length, length))
+    for dependent in (None, 5):
+        found = t.trajectory(
+            kind, design, path, t.law("quintic", 1.0), home.mode, samples=41, distances=False,
+            dependent=dependent,
+        )  # fmt: skip
+        assert found.reachable.all(), found.events
+        step = found.times[1]
+        rates = (found.poses[2:] - found.poses[:-2]) / (2 * step)
+        scale = np.abs(found.pose_rates).max()
+        np.testing.assert_allclose(found.pose_rates[1:-1], rates, atol=1e-2 * scale)
+        joints = (found.joints[2:] - found.joints[:-2]) / (2 * step)
+        scale = np.abs(found.joint_rates).max()
+        np.testing.assert_allclose(found.joint_rates[1:-1], joints, atol=1e-2 * scale)
