@@ -185,7 +185,8 @@ class Volume(Frozen):
         pieces: the volumes of the connected pieces, mm³, largest first.
         at: (N,) where sections were taken, increasing, mm.
         area: (N,) their areas, mm².
-        events: (P,) where the structure of the section changes, increasing, mm.
+        events: (P,) where the structure of the section changes, increasing, mm; those that have no
+            closed form as closely as neighbouring sections tell.
         sections: how many sections were computed.
     """
 

@@ -425,8 +425,8 @@ def test_fewer_digits_take_fewer_sections():
     design = preset("rpur-table1")
     counts = [volume(design, 0.1, 0.2, relative=10.0**-n).sections for n in (2, 4, 6, 8)]
     assert counts == sorted(counts)
-    assert counts[1] < 2000
-    assert counts[2] < 4000
+    assert counts[1] < 300
+    assert counts[2] < 1000
 
 
 @pytest.mark.parametrize(
