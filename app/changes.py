@@ -369,7 +369,10 @@ def _use_design(review: Review, design: Design) -> Review:
     return replace(
         fresh,
         modes=modes,
-        solids=tuple(s for s in review.solids if s.key in known),
+        # Another kind of machine is shown as it is at first.
+        solids=tuple(s for s in review.solids if s.key in known)
+        if design.mechanism == review.design.mechanism
+        else fresh.solids,
         options=review.options,
         atlas=_atlas_for(fresh.mechanism, review.atlas),
         cut=replace(fresh.cut, on=review.cut.on),

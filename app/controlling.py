@@ -342,9 +342,9 @@ class Controlling:
             key = ("curves", *_chart_key(review))
             curves = self._curves[1] if self._curves[0] == key else None
         profiles: tuple[tuple[Design, Profile], ...] = ()
-        if self._profiles is not None:
-            known = self._profiles[0] == ("profiles", *_profile_key(review))
-            profiles = self._profiles[1] if known else ()
+        if self._profiles is not None and self._profiles[0] == ("profiles", *_profile_key(review)):
+            at = review.mechanism.profile_place(review.design, review.pose)
+            profiles = tuple((each, replace(p, at=at)) for each, p in self._profiles[1])
         return Controlled(
             self._nearly(),
             self._current() is None,
@@ -400,7 +400,7 @@ def counterpart(review: Review) -> Spot | None:
 
 
 def _profile_key(review: Review) -> tuple[object, ...]:
-    return review.design, review.pose[:1], review.control.ratios
+    return review.design, review.control.ratios
 
 
 def _same_branch(one: Spot, other: Spot) -> bool:

@@ -191,7 +191,6 @@ class Page:
         for part in self._parts:
             part.start()
         self._publish()
-        add_hotkeys(self, lambda: self._history.present)
         while not self._stopping.is_set():
             items = ["redraw"] if self.hands.owed else []
             with contextlib.suppress(queue.Empty):
@@ -400,6 +399,10 @@ class Page:
         self._kind = review.design.mechanism
         self._built.clear()
         self.gui.reset()
+        self.scene.clear()
+        self._dark = None
+        self._theme(review)
+        add_hotkeys(self, lambda: self._history.present)
         self.gui.main_panel.dock_right()
         self.gui.main_panel.set_width(PANEL_WIDTH)
         self.gui.set_panel_label("Bohemia")

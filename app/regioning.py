@@ -80,7 +80,7 @@ class Regioning:
 
     def take(self, item: object) -> bool:
         match item:
-            case Done(_, Laid() as laid):
+            case Done(_, Laid() as laid) if self._wish and laid.wish.design == self._wish.design:
                 first = self._laid is None
                 self._laid, self._trouble, self._late = laid, "", True
                 if first:

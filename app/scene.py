@@ -50,6 +50,22 @@ class Scene:
     _solid_on: dict[str, tuple[object, ...]] = field(default_factory=dict)
     handle: viser.TransformControlsHandle | None = None
 
+    def clear(self) -> None:
+        """Take everything off the scene, as another mechanism's things come."""
+        self.server.scene.reset()
+        for known in (
+            self._nodes,
+            self._shape,
+            self._solids,
+            self._coats,
+            self._painted,
+            self._edges,
+            self._slots,
+            self._lines,
+            self._solid_on,
+        ):
+            known.clear()
+
     def prepare(self, specs: Iterable[SolidSpec], size: float, axes: Sequence[Coordinate]) -> None:
         """The things that do not depend on the pose: light, solids' nodes, the drag handle."""
         scene = self.server.scene
@@ -65,16 +81,6 @@ class Scene:
         scene.add_light_directional(
             "/lights/sun", intensity=2.2, cast_shadow=False, position=(0.5, -0.8, 1.0)
         )
-        for node in self._solids.values():
-            self._forget(node.name)
-            node.remove()
-        for coat in (coat for coats in self._coats.values() for coat in coats):
-            self._forget(coat.name)
-        self._solids.clear()
-        self._coats.clear()
-        self._painted.clear()
-        self._edges.clear()
-        self._solid_on.clear()
         for spec in sorted(specs, key=_draw_order):
             color = palette.solid_color(spec)
             self._solids[spec.key] = self._mesh(f"/solids/{spec.key}", color)

@@ -180,7 +180,8 @@ def new_review(design: Design) -> Review:
     """A review of ``design`` at its home posture."""
     home = mechanism(design.mechanism).home(design)
     review = Review(design, home.pose, home.mode)
-    known = {spec.key for spec in review.mechanism.solids(design)}
+    # A solid in another space than the machine's is shown when it is asked for.
+    known = {spec.key for spec in review.mechanism.solids(design) if not spec.of_present_mode}
     return replace(
         review,
         solids=tuple(s for s in review.solids if s.key in known),

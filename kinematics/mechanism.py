@@ -309,6 +309,7 @@ class Mechanism(Protocol):
     def profile(
         self, design: Any, pose: Sequence[float], ratios: Sequence[float] = ()
     ) -> Profile: ...
+    def profile_place(self, design: Any, pose: Sequence[float]) -> float: ...
     def micr(self, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike) -> MicrTable: ...
     def counterparts(self, design: Any) -> tuple[Design, ...]: ...
 
@@ -545,6 +546,10 @@ class Bare:
 
     def profile(self, design: Any, pose: Sequence[float], ratios: Sequence[float] = ()) -> Profile:
         """Such circles about the level platform against the altitude, if `has_profile`."""
+        raise InputError("this mechanism has no profile of circles over the altitude")
+
+    def profile_place(self, design: Any, pose: Sequence[float]) -> float:
+        """Where on the axis of its profile the machine stands."""
         raise InputError("this mechanism has no profile of circles over the altitude")
 
     def micr(self, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike) -> MicrTable:

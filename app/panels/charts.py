@@ -169,8 +169,9 @@ class ProfileFolder:
         if not profiles:
             return
         compared = self._sheet.view.review.control.compare
-        if (profiles, compared) != self._plotted:
-            self._plotted = profiles, compared
+        drawn = tuple(p.curves for _, p in profiles), compared
+        if drawn != self._plotted:
+            self._plotted = drawn
             shown = profiles if compared else profiles[:1]
             named = [(short_title(mechanism(d.mechanism)), p) for d, p in shown]
             self._plot.draw(loci.profile_figure(named))

@@ -268,6 +268,9 @@ class Tripod(Bare):
     ) -> Profile:
         return profile.profile(design, float(pose[0]), ratios)
 
+    def profile_place(self, design: TripodDesign, pose: Sequence[float]) -> float:
+        return abs(float(pose[0])) / design.base_radius
+
     def micr(self, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike) -> MicrTable:
         return inscribed.table(self.kind, base, platform, altitude)
 
