@@ -182,7 +182,7 @@ class Volume(Frozen):
         value: mm³.
         error: mm³, an estimate from above of |value − true volume|.
         centroid: (3,) mm in the base frame; NaN of an empty workspace.
-        pieces: the volumes of the connected pieces, mm³, largest first.
+        pieces: the volumes of the connected pieces, mm³, largest first; none if not asked for.
         at: (N,) where sections were taken, increasing, mm.
         area: (N,) their areas, mm².
         events: (P,) where the structure of the section changes, increasing, mm; those that have no

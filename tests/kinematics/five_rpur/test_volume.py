@@ -445,3 +445,15 @@ def test_bad_input_is_told_in_a_sentence(arguments, named):
     with pytest.raises(InputError, match=named) as told:
         volume(preset("rpur-table1"), **{"phi": 0.0, "theta": 0.0, **arguments})
     assert "\n" not in str(told.value)
+
+
+def test_a_volume_without_its_structure_is_the_same_volume() -> None:
+    design = load_design("rpur-table1")
+    whole = volume(design, 0.1, -0.2, relative=1e-4)
+    alone = volume(design, 0.1, -0.2, relative=1e-4, structure=False)
+    assert (alone.value, alone.error) == (whole.value, whole.error)
+    assert (alone.centroid == whole.centroid).all()
+    assert whole.pieces
+    assert len(whole.events)
+    assert alone.pieces == ()
+    assert not len(alone.events)
