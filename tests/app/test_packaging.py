@@ -81,10 +81,14 @@ def test_the_readmes_python_works() -> None:
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    shape, modes, posture, solutions, first, exact, chart, volume = done.stdout.splitlines()
+    shape, modes, posture, *rooms, remedy, solutions, first, exact, chart, volume = (
+        done.stdout.splitlines()
+    )
     assert shape == "(2, 32, 5)"
     assert re.fullmatch(r"\[ *\d+ +\d+\]", modes)
     assert posture == "True []"
+    assert [room.partition(" mm ")[0] for room in rooms] == ["47.5", "66.3", "66.3"]
+    assert re.search(r"away.* of limb \d from [\d.]+ to [\d.]+ mm", remedy)
     assert solutions == "66 real of 1560, complete: True"
     assert re.fullmatch(r"\[.*\] [+-]{5} [\d.]+", first)
     sums = re.fullmatch(r"(\d+) mm³ ± (\d+); \d+ loops, [\d.]+ mm²", exact)
