@@ -68,6 +68,10 @@ class Scene:
         for node in self._solids.values():
             self._forget(node.name)
             node.remove()
+        # Names and bodies of another mechanism; what this one has too is shown again.
+        for name, thing in self._nodes.items():
+            self._set(name, thing, visible=False)
+        self._forget("/handle")  # it is made anew
         for coat in (coat for coats in self._coats.values() for coat in coats):
             self._forget(coat.name)
         self._solids.clear()
