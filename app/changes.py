@@ -12,6 +12,7 @@ from app.state import (
     Atlas,
     Chart,
     Control,
+    Flat,
     ModeChoice,
     Review,
     Shown,
@@ -25,7 +26,7 @@ from app.state import (
     within_reach,
 )
 from kinematics.errors import InputError
-from kinematics.mechanism import Design, Mechanism, SurfaceKind
+from kinematics.mechanism import Coordinate, Design, Mechanism, SurfaceKind
 
 # --- ``gesture`` joins the steps of one drag for undo
 
@@ -262,12 +263,14 @@ def change(review: Review, what: Change) -> tuple[Review, str]:
     """
     match what:
         case Move(index, value):
-            coordinate = review.mechanism.pose_coordinates(review.design)[index]
+            coordinate = _nth(review.mechanism.pose_coordinates(review.design), index)
             value, note = within(coordinate, value)
             pose = (*review.pose[:index], value, *review.pose[index + 1 :])
             return replace(review, pose=_completed(review, pose, index)), note
         case Place(pose):
             coordinates = review.mechanism.pose_coordinates(review.design)
+            if len(pose) != len(coordinates):
+                raise InputError(f"a pose of this mechanism has {len(coordinates)} numbers")
             taken = [within(c, v) for c, v in zip(coordinates, pose, strict=True)]
             notes = " ".join(note for _, note in taken if note)
             pose = _completed(review, tuple(value for value, _ in taken))
@@ -278,7 +281,8 @@ def change(review: Review, what: Change) -> tuple[Review, str]:
             return _flip(review, mode), ""
         case Visit(pose, mode):
             # Not kept within the sliders' range: a solution next to it would be none.
-            if mode not in review.mechanism.modes or not all(map(math.isfinite, pose)):
+            known = mode in review.mechanism.modes and len(pose) == len(review.pose)
+            if not known or not all(map(math.isfinite, pose)):
                 raise InputError("that is not a solution of this mechanism")
             return replace(review, pose=tuple(pose), mode=mode), ""
         case GoHome():
@@ -296,6 +300,8 @@ def change(review: Review, what: Change) -> tuple[Review, str]:
             solids = tuple(Shown(s.key, opacity) if s.key in keys else s for s in review.solids)
             return replace(review, solids=solids), ""
         case ChooseModes(modes):
+            if isinstance(modes, tuple) and not set(modes) <= set(review.mechanism.modes):
+                raise InputError(f"these are no {review.mechanism.mode_noun}s of this mechanism")
             return replace(review, modes=modes), ""
         case ChooseSurface(surface):
             return replace(review, surface=surface), ""
@@ -323,6 +329,13 @@ def change(review: Review, what: Change) -> tuple[Review, str]:
             return saved, ""
 
 
+def _nth(coordinates: tuple[Coordinate, ...], index: int) -> Coordinate:
+    """The coordinate that a slider moves; another design may have come in between."""
+    if not 0 <= index < len(coordinates):
+        raise InputError(f"this mechanism has {len(coordinates)} such coordinates only")
+    return coordinates[index]
+
+
 def _completed(
     review: Review, pose: tuple[float, ...], moved: int | None = None
 ) -> tuple[float, ...]:
@@ -344,14 +357,15 @@ def _flip(review: Review, mode: str) -> Review:
 
 
 def _drive(review: Review, index: int, value: float) -> tuple[Review, str]:
-    coordinate = review.mechanism.joint_coordinates(review.design)[index]
+    coordinate = _nth(review.mechanism.joint_coordinates(review.design), index)
     value, note = within(coordinate, value)
     posture = review.posture
     if not posture.closes:
-        open_limb = next(r.limb for r in posture.reasons if r.bound == "link")
+        limbs = [r.limb for r in posture.reasons if r.bound == "link"]
+        what = f"limb {limbs[0]} cannot close here" if limbs else "it cannot close here"
         raise InputError(
-            f"the actuators cannot move a machine that is not assembled: limb {open_limb} cannot "
-            f"close here; bring the platform back within its reach first"
+            f"the actuators cannot move a machine that is not assembled: {what}; bring the "
+            f"platform back within its reach first"
         )
     joints = list(posture.joints)
     joints[index] = value
@@ -379,7 +393,8 @@ def _use_design(review: Review, design: Design) -> Review:
         chart=_chart_for(fresh, review.chart),
         surface=review.surface,
         control=_control_for(fresh, review.control),
-        flat=replace(fresh.flat, on=review.flat.on, locus=review.flat.locus),
+        flat=_flat_for(fresh, review.flat),
+        gives_way=_way_for(fresh, review.gives_way),
     )
 
 
@@ -398,10 +413,27 @@ def _chart_for(review: Review, chart: Chart) -> Chart:
 
 
 def _control_for(review: Review, control: Control) -> Control:
+    """Without the measure, the chart or the rates that the other mechanism has not."""
+    for name, nothing in (("shade", ""), ("chart", ""), ("rates", ()), ("accelerations", ())):
+        try:
+            checked_control(replace(Control(), **{name: getattr(control, name)}), review)
+        except InputError:
+            control = replace(control, **{name: nothing})  # type: ignore[arg-type]
+    return control
+
+
+def _flat_for(review: Review, flat: Flat) -> Flat:
     try:
-        return checked_control(control, review)
-    except InputError:  # a measure or a chart that the other mechanism has not
-        return replace(control, shade="", chart="", rates=(), accelerations=())
+        return checked_flat(flat, review)
+    except InputError:
+        return replace(flat, key=review.flat.key)
+
+
+def _way_for(review: Review, key: str) -> str:
+    try:
+        return checked_way(key, review)
+    except InputError:
+        return ""
 
 
 def _edit(
@@ -412,7 +444,11 @@ def _edit(
         design = review.mechanism.with_field(design, path, value)
     coordinates = review.mechanism.pose_coordinates(design)
     pose = tuple(within(c, v)[0] for c, v in zip(coordinates, review.pose, strict=True))
-    return replace(review, design=design, pose=pose), ""
+    edited = replace(review, design=design, pose=pose)
+    try:
+        return replace(edited, pose=_completed(edited, pose)), ""
+    except InputError:  # what the new numbers ask of the pose nothing can give; that is told there
+        return edited, ""
 
 
 _OPACITY = {"workspace": 0.35, "aspects": 0.5}  # a limb's parts are fainter

@@ -71,6 +71,35 @@ class Here:
     circles: tuple[OrientationCircle, ...]
     motion: Motion | None
 
+    @property
+    def force_units(self) -> tuple[str, ...]:
+        """The units of `statics`, one for each: N, or N·mm of couples and of rotary actuators."""
+        if self.wrenches is None:
+            return ()
+        joints = self.place.kind.joint_coordinates(self.place.design)
+        turns = [
+            joints[n].unit == "rad" if name.kind == "actuation" else not np.any(row[:3])
+            for n, (name, row) in enumerate(
+                zip(self.wrenches.names, self.wrenches.rows, strict=True)
+            )
+        ]
+        return tuple("N·mm" if turn else "N" for turn in turns)
+
+    @property
+    def exerted(self) -> Array:
+        """(R,) by how much of each row of `wrenches` the limbs hold the load; NaN if they do not.
+
+        That is what acts on the platform; an actuator of which the line is not the limb's own feels
+        another force (`statics`).
+        """
+        if self.wrenches is None or self.statics is None:
+            return np.empty(0)
+        rows = np.asarray(self.wrenches.rows)
+        if not (np.isfinite(rows).all() and np.isfinite(self.statics.forces).all()):
+            return np.full(len(rows), np.nan)
+        found: Array = np.linalg.lstsq(rows.T, -np.array(self.place.load), rcond=None)[0]
+        return found
+
     def nearest(self, *kinds: str) -> Clearance | None:
         """The nearest of what is of one of these kinds."""
         return next((c for c in self.clearances if c.kind in kinds), None)

@@ -71,6 +71,7 @@ class Controlling:
         self._curves: tuple[object, LocusCurves] | None = None
         self._profiles: tuple[object, tuple[tuple[Design, Profile], ...]] | None = None
         self._beside: tuple[Here | None, LocusCurves | None] = (None, None)
+        self._beside_of: tuple[object, ...] = ()
         self._asked: Job | None = None  # for a ball
         self._ball: Sphere | None = None
         self._ball_of: object = None
@@ -177,8 +178,9 @@ class Controlling:
                 self._curves, self._late = (key, curves), True
             case Done(Job(("beside", _)), Here() as here):
                 self._beside, self._late = (here, self._beside[1]), True
-            case Done(Job(("curves beside", *_)), LocusCurves() as curves):
+            case Done(Job(("curves beside", *key)), LocusCurves() as curves):
                 self._beside, self._late = (self._beside[0], curves), True
+                self._beside_of = tuple(key)
             case Done(Job(("profiles", *_) as key), tuple(profiles)):
                 self._profiles, self._late = (key, profiles), True
             case Done(Job(("field", *_) as key), np.ndarray() as values):
@@ -350,13 +352,24 @@ class Controlling:
             self._current() is None,
             curves,
             profiles,
-            *(self._beside if review.control.compare else (None, None)),
+            *self._known_beside(review),
             self._ball,
             self._asked is not None,
             self._log,
             self._painter.scale(review),
             self._trouble,
         )
+
+    def _known_beside(self, review: Review) -> tuple[Here | None, LocusCurves | None]:
+        """What is known of the counterpart, and its curves; nothing of another one's."""
+        other, (here, curves) = counterpart(review), self._beside
+        if other is None:
+            return None, None
+        if here is not None and not _same_branch(here.place, other):
+            here = None
+        if not review.control.chart or self._beside_of != _chart_key(review):
+            curves = None
+        return here, curves
 
     def coats(self, view: View, wish: SolidWish, built: Built) -> tuple[Coat, ...]:
         """How a solid is painted."""

@@ -77,23 +77,23 @@ class Loads:
         self._show_rates(view, here)
 
     def _show_forces(self, here: Here | None, size: float) -> None:
-        """Each limb's push or pull as an arrow at its end: towards the platform, or away."""
+        """What each limb exerts on the platform as an arrow at its end, named by its actuator."""
         arrows: list[tuple[Array, Array, str, str]] = []
         if here is not None and here.wrenches is not None and here.statics is not None:
-            system, forces = here.wrenches, np.asarray(here.statics.forces)
-            largest = float(np.nanmax(np.abs(forces[: len(system.names)]), initial=0.0))
-            for name, row, point, value in zip(
-                system.names, system.rows, system.point, forces.tolist(), strict=True
-            ):
-                length = float(np.linalg.norm(row[:3]))
-                if not (length > 0.0 and np.isfinite(value) and largest > 0.0):
+            system, values = here.wrenches, np.asarray(here.statics.forces)
+            forces = here.exerted[:, None] * np.asarray(system.rows)[:, :3]
+            lengths = np.linalg.norm(forces, axis=1)
+            largest = float(np.nanmax(lengths, initial=0.0))
+            for n, (name, unit) in enumerate(zip(system.names, here.force_units, strict=True)):
+                if not (np.isfinite(lengths[n]) and lengths[n] > 1e-9 * largest):
                     continue
-                along = row[:3] / length * np.sign(value)
-                reach = 0.45 * size * abs(value) / largest
+                tip = system.point[n] + 0.45 * size * forces[n] / largest
                 color = palette.limb_color(name.limb) if name.limb else palette.INK
-                what = "" if name.kind != "actuation" else " push" if value >= 0 else " pull"
-                text = f"{abs(value):.3g} N{what}"
-                arrows.append((point, point + reach * along, color, text))
+                what = ""
+                if name.kind == "actuation" and unit == "N":
+                    what = " push" if values[n] >= 0 else " pull"
+                text = f"{abs(values[n]):.3g} {unit}{what}"
+                arrows.append((system.point[n], tip, color, text))
         self._arrow_set(self._forces, self._force_labels, arrows)
 
     def _show_load(self, view: View) -> None:

@@ -94,7 +94,8 @@ def from_text(text: str, *, origin: str) -> Review:
         modes = tuple(modes)
     chosen = modes if isinstance(modes, tuple) else ()
     if mode not in kind.modes or any(m not in kind.modes for m in chosen):
-        raise InputError(f"{origin}: a working mode is one sign a limb, as {kind.modes[0]!r}")
+        noun = kind.mode_noun or "working mode"
+        raise InputError(f"{origin}: a {noun} is one of {', '.join(map(repr, kind.modes))}")
     if not isinstance(modes, tuple) and modes not in ("all", "current"):
         raise InputError(f"{origin}: workspace_modes is 'all', 'current' or a list of modes")
     known = {spec.key for spec in kind.solids(design)}

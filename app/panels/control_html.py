@@ -12,7 +12,6 @@ from app.compute import short_title
 from app.controller import Here
 from app.panels.desk import Controlled, Logged, Sheet, box, chip, esc, red, tone, volume_text
 from app.worker import Built
-from kinematics.motion import Statics
 from kinematics.singularities import AT, Clearance, Measure, Remedy, Singularity
 
 ASPECTS = "aspects"
@@ -119,24 +118,26 @@ def ways_html(remedy: Remedy) -> str:
     return box(f"Or change the design, the pose as it is:<table>{rows}</table>")
 
 
-def forces_html(statics: Statics | None) -> str:
-    if statics is None:
+def forces_html(here: Here | None) -> str:
+    if here is None or here.statics is None:
         return ""
+    statics, units = here.statics, here.force_units
     values = np.asarray(statics.forces)
     if not np.isfinite(values).all():
         return red("No finite forces hold this load here.")
-    largest = max(float(np.abs(values).max()), 1e-12)
     rows = []
-    for name, value in zip(statics.names, values.tolist(), strict=True):
+    for name, value, unit in zip(statics.names, values.tolist(), units, strict=True):
+        # Bars of forces and of moments beside them are not to one scale.
+        largest = max(abs(v) for v, u in zip(values.tolist(), units, strict=True) if u == unit)
         color = palette.limb_color(name.limb) if name.limb else palette.STEEL
-        half = 50.0 * abs(value) / largest
+        half = 50.0 * abs(value) / max(largest, 1e-12)
         left = 50.0 if value >= 0 else 50.0 - half
-        unit = "N" if name.kind == "actuation" else ""
+        shown = f"{value:.4g}".replace("-", "−")
         rows.append(
             f"<tr><td>{chip(color)}{esc(name.symbol)}</td>"
             f'<td style="text-align:right;padding:0 .6em;white-space:nowrap;'
-            f'font-variant-numeric:tabular-nums">{value:.4g}'.replace("-", "−")
-            + f' {unit}</td><td style="width:45%"><div style="position:relative;height:.55em;'
+            f'font-variant-numeric:tabular-nums">{shown} {unit}</td>'
+            f'<td style="width:45%"><div style="position:relative;height:.55em;'
             'background:rgba(128,138,150,.18);border-radius:3px">'
             f'<div style="position:absolute;left:{left:.1f}%;width:{half:.1f}%;top:0;bottom:0;'
             f'background:{color}"></div><div style="position:absolute;left:50%;top:-2px;'
@@ -144,8 +145,11 @@ def forces_html(statics: Statics | None) -> str:
         )
     return box(
         f'<table style="width:100%;border-spacing:0 2px">{"".join(rows)}</table>'
-        '<span style="opacity:.75">positive: the limb pushes the platform</span>'
+        f'<span style="opacity:.75">positive: {_POSITIVE[units[0]]}</span>'
     )
+
+
+_POSITIVE = {"N": "the limb pushes the platform", "N·mm": "the actuator turns its joint forwards"}
 
 
 def pieces_html(sheet: Sheet) -> str:

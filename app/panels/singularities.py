@@ -125,7 +125,7 @@ class SingularitiesPanel(Panel):
         swings = here is not None and any(s.motion is not None for s in here.singular)
         put_prop(self._swing, "visible", swings)
         put_prop(self._clearances, "content", clearances_html(here))
-        put_prop(self._forces, "content", forces_html(None if here is None else here.statics))
+        put_prop(self._forces, "content", forces_html(here))
         self._motion.draw_control(controlled)
         self._draw_remedy(None if here is None else here.remedy)
         for folder in (self._aspects, self._chart, self._profile):

@@ -20,11 +20,13 @@ def review() -> Review:
 
 @pytest.mark.parametrize("name", [p.name for p in presets()])
 def test_every_preset_has_a_view_with_a_reachable_home(name: str) -> None:
-    view = compute.view(new_review(load_design(name)))
+    review = new_review(load_design(name))
+    view = compute.view(review)
     assert view.posture.reachable
     assert view.inside
-    assert view.status.text.startswith("Reachable · mode ")
-    assert len(view.joints) == 5
+    mode = compute.mode_text(review.mechanism, review.mode)
+    assert view.status.text.startswith(f"Reachable · {mode}")
+    assert len(view.joints) == len(review.mechanism.joint_coordinates(review.design))
 
 
 def test_the_status_names_the_nearest_limit(review: Review) -> None:

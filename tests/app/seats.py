@@ -1,0 +1,225 @@
+"""A page with a person before it, without browser and processes.
+
+The page, its panels and its scene are the true ones, on a true server that nobody connects to.
+What lanes would compute in their processes is computed at once, where a test asks for the lane.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import queue
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+import viser
+
+from app.changes import Change
+from app.exporting import ExportedFile
+from app.lane import Done, Job, Lane, Lost
+from app.page import Page
+from app.panels.desk import safely
+from app.requests import Request
+from app.server import make_server
+from app.slicing import Slicing
+from app.state import Review, new_review
+from app.worker import Worker
+from kinematics.designs import load_design
+from kinematics.errors import BohemiaError
+
+INLINE = ("control", "loci", "regions")  # lanes; others do nothing
+ROUNDS = 50  # of the loop; only a change that goes round in circles is caught by it
+
+
+class Seat:
+    """Somebody who uses the page, and what they were told."""
+
+    def __init__(self, server: viser.ViserServer, review: Review) -> None:
+        self.told: list[str] = []
+        self.files: list[ExportedFile] = []
+        self.server = server
+        self.page = Page(server, review, "http://127.0.0.1:1", None)
+        page: Any = self.page
+        page.complain = self._complained
+        page.download = lambda file, client: self.files.append(file)
+        page.apart = lambda client, act: safely(page, client, act, "The file could not be made")
+        self.page._publish()
+        self.settle()
+
+    def _complained(self, text: str, client: object = None) -> None:
+        self.told.append(text)
+        self.page.put("redraw")
+
+    # --- doing
+
+    def settle(self) -> None:
+        """Let the loop go on until nothing is left to do."""
+        for _ in range(ROUNDS):
+            items = []
+            while True:
+                try:
+                    items.append(self.page._inbox.get_nowait())
+                except queue.Empty:
+                    break
+            self.page.hands.look()
+            self.page._take(items)
+            if not items:
+                return
+        raise AssertionError("the page never comes to rest")
+
+    def do(self, *changes: Change) -> Review:
+        """Send changes; the review then."""
+        for change in changes:
+            self.page.send(change)
+            self.settle()
+        return self.review
+
+    def ask(self, request: Request) -> None:
+        self.page.ask(request)
+        self.settle()
+
+    def open(self, name: str) -> Review:
+        """Choose a preset, as in the Design tab."""
+        self.put("Design", name)
+        assert self.review.design.name == name
+        return self.review
+
+    def put(self, label: str, value: Any) -> None:
+        """Give a widget another value, as a browser would."""
+        handle = self.widget(label)
+        assert type(value) is type(handle.value), (label, handle.value)
+        handle._impl.value = value
+        self._tell(handle)
+
+    def press(self, label: str, option: str | None = None) -> None:
+        """Press a button, or one of a group."""
+        handle = self.widget(label, option)
+        assert handle.visible, label
+        if option is not None:
+            handle._impl.value = option
+        self._tell(handle)
+
+    def point(self, title: str, x: float, y: float) -> None:
+        """Point at a place of the plot with this name, of several the first."""
+        handles = self._handles()
+        plot = next(n for n, h in enumerate(handles) if f'aria-label="{title}' in _html(h))
+        box = next(h for h in handles[plot:] if getattr(h, "label", "") == "Pointed at")
+        box._impl.value = f"{x!r} {y!r} {len(self.told)}"
+        self._tell(box)
+
+    def drag(self, node: str, position: Sequence[float], phase: str = "update") -> None:
+        """Take hold of a handle in the scene."""
+        handle: Any = self.node(node)
+        handle._impl.position = tuple(position)
+        handle._impl.wxyz = tuple(float(v) for v in handle.wxyz)
+        for callback in handle._impl_aux.update_cb:
+            asyncio.run(callback(SimpleNamespace(target=handle, client_id=1, phase=phase)))
+        self.settle()
+
+    def _tell(self, handle: Any) -> None:
+        event = SimpleNamespace(client=SimpleNamespace(), client_id=1, target=handle)
+        for callback in list(handle._impl.update_cb):
+            asyncio.run(callback(event))
+        self.settle()
+
+    # --- seeing
+
+    @property
+    def review(self) -> Review:
+        return self.page._history.present
+
+    @property
+    def tabs(self) -> list[str]:
+        """The titles of the tabs."""
+        groups = [h for h in self._handles() if isinstance(h, viser.GuiTabGroupHandle)]
+        return [str(label) for label in groups[0]._tab_labels]
+
+    def text(self) -> str:
+        """All the visible HTML of the panels, without its tags."""
+        pieces = [_html(h) for h in self._handles() if getattr(h, "visible", False)]
+        return re.sub(r"\s+", " ", re.sub(r"<style>.*?</style>|<[^>]*>", " ", " ".join(pieces)))
+
+    def html(self) -> list[str]:
+        """The HTML of the panels, piece by piece."""
+        return [_html(h) for h in self._handles() if _html(h)]
+
+    def widget(self, label: str, option: str | None = None) -> Any:
+        """The input with this label, of several the first that is visible."""
+        found = [
+            h
+            for h in self._handles()
+            if getattr(h, "label", None) == label
+            and not hasattr(h, "_children")
+            and (option is None or option in getattr(h, "options", ()))
+        ]
+        assert found, (label, sorted({str(getattr(h, "label", "")) for h in self._handles()}))
+        return next((h for h in found if h.visible), found[0])
+
+    def labels(self) -> set[str]:
+        """The labels of all inputs."""
+        return {str(getattr(h, "label", "")) for h in self._handles()}
+
+    def node(self, name: str) -> Any:
+        """The scene node of this name."""
+        return self.server.scene._handle_from_node_name[name]
+
+    def seen(self, prefix: str) -> list[str]:
+        """The nodes whose names begin so and that are to be seen: they and all above them."""
+        nodes = self.server.scene._handle_from_node_name
+        hidden = tuple(f"{name}/" for name, node in nodes.items() if not node.visible)
+        return sorted(
+            name
+            for name, node in nodes.items()
+            if name.startswith(prefix) and node.visible and not name.startswith(hidden)
+        )
+
+    def _handles(self) -> list[Any]:
+        """All widgets, folders and tab groups, in the order in which they were made."""
+        return list(_below(self.server.gui._container_handle_from_uuid["root"]))
+
+
+def _below(container: Any) -> Iterator[Any]:
+    for child in list(container._children.values()):
+        yield child
+        if isinstance(child, viser.GuiTabGroupHandle):
+            for tab in child._tab_handles:
+                yield from _below(tab)
+        elif hasattr(child, "_children"):
+            yield from _below(child)
+
+
+def _html(handle: Any) -> str:
+    return handle.content if isinstance(handle, viser.GuiHtmlHandle) else ""
+
+
+@contextmanager
+def seat(name: str = "rpur-table1") -> Iterator[Seat]:
+    """A page on this design for as long as this lasts."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Lane, "want", _want)
+        patch.setattr(Worker, "want", lambda self, wishes: None)
+        patch.setattr(Slicing, "_make_ready", lambda self, *_: None)
+        server = make_server("127.0.0.1", 0)
+        try:
+            yield Seat(server, new_review(load_design(name)))
+        finally:
+            server.stop()
+
+
+def _want(lane: Lane, jobs: Sequence[Job]) -> None:
+    """Do these at once, each once while it is wanted."""
+    known: dict[Any, Any] = lane.__dict__.setdefault("known", {})
+    wanted = {job.key for job in jobs}
+    for key in [key for key in known if key not in wanted]:
+        del known[key]
+    for job in jobs if lane.name in INLINE else ():
+        if job.key in known:
+            continue
+        known[job.key] = True
+        try:
+            lane._report(Done(job, job.function(*job.arguments)))
+        except BohemiaError as error:
+            lane._report(Lost(job, str(error)))
