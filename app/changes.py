@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
+from app.plan import checked_plan, plan_for
 from app.state import (
     Atlas,
     Chart,
@@ -215,6 +217,14 @@ class SetFlat:
 
 
 @dataclass(frozen=True, slots=True)
+class SetPlan:
+    """Set some things of the trajectory, by name; values are of the kinds that `Plan` has."""
+
+    values: tuple[tuple[str, Any], ...]
+    gesture: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class GiveWay:
     """Which pose coordinate follows from the others; "" leaves that to the mechanism."""
 
@@ -251,6 +261,7 @@ Change = (
     | SetControl
     | GiveWay
     | SetFlat
+    | SetPlan
     | Restore
 )
 
@@ -323,6 +334,9 @@ def change(review: Review, what: Change) -> tuple[Review, str]:
         case SetFlat(name, value):
             flat = replace(review.flat, **{name: value})  # type: ignore[arg-type]
             return replace(review, flat=checked_flat(flat, review)), ""
+        case SetPlan(values):
+            plan = replace(review.plan, **dict(values))
+            return replace(review, plan=checked_plan(plan, review)), ""
         case GiveWay(key):
             return replace(review, gives_way=checked_way(key, review)), ""
         case Restore(saved):
@@ -395,6 +409,7 @@ def _use_design(review: Review, design: Design) -> Review:
         control=_control_for(fresh, review.control),
         flat=_flat_for(fresh, review.flat),
         gives_way=_way_for(fresh, review.gives_way),
+        plan=plan_for(fresh, review.plan),
     )
 
 

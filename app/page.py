@@ -27,6 +27,7 @@ from app.exporting import ExportedFile, build_file, solid_name
 from app.history import History
 from app.mapping import Mapping
 from app.morph import Morph
+from app.moving import Moving
 from app.panels.design import DesignPanel
 from app.panels.desk import Hands, Panel, Save, Sheet, safely
 from app.panels.header import Header
@@ -37,6 +38,7 @@ from app.panels.review import ReviewPanel
 from app.panels.section import SectionPanel
 from app.panels.singularities import SingularitiesPanel
 from app.panels.solutions import SolutionsPanel
+from app.panels.trajectory import TrajectoryPanel
 from app.panels.workspace import WorkspacePanel
 from app.parts import Part
 from app.regioning import Regioning
@@ -63,6 +65,7 @@ TABS: tuple[tuple[str, type[Panel]], ...] = (
     ("Section", SectionPanel),
     ("Singularities", SingularitiesPanel),
     ("Map", MapPanel),
+    ("Trajectory", TrajectoryPanel),
     ("Design", DesignPanel),
     ("Review", ReviewPanel),
 )
@@ -92,12 +95,14 @@ class Page:
         self.scene = Scene(server)
         self._control = Controlling(self)
         self._regions = Regioning(self)
+        self._moving = Moving(self)
         self._parts: tuple[Part, ...] = (
             Solving(self),
             Slicing(self),
             Mapping(self),
             self._regions,
             self._control,
+            self._moving,
         )
         self._morph: Morph | None = None
         self._view: compute.View | None = None
@@ -338,7 +343,9 @@ class Page:
     def _shown(self) -> compute.View:
         """The view that the scene has, or is to have now: on the way to a solution, or there."""
         assert self._view is not None
-        return self._view if self._morph is None else self._morph.at(time.monotonic())
+        if self._morph is None:
+            return self._moving.shown(self._view)
+        return self._morph.at(time.monotonic())
 
     def _glide(self) -> None:
         """One more picture of the machine on its way to a solution."""
@@ -464,7 +471,7 @@ class Page:
     def _longest_work(self) -> Busy | None:
         """What a person waits for; the coarse lane is too quick to be worth a bar."""
         lanes = (busy for lane, busy in self._busy.items() if lane != "coarse")
-        at_work = [busy for busy in lanes if busy.title is not None]
+        at_work = [busy for busy in lanes if busy.title]  # "" has a bar of its own
         return min(at_work, key=lambda busy: busy.since, default=None)
 
     def _fit(self) -> None:
@@ -477,9 +484,9 @@ class Page:
                 placed = built.solid.mesh.vertices @ built.wish.placement[:3, :3].T
                 placed = placed + built.wish.placement[:3, 3]
                 low, high = np.minimum(low, placed.min(0)), np.maximum(high, placed.max(0))
-        flat = self._regions.bounds
-        if flat is not None:
-            low, high = np.minimum(low, flat[0]), np.maximum(high, flat[1])
+        for more in (self._regions.bounds, self._moving.bounds):
+            if more is not None:
+                low, high = np.minimum(low, more[0]), np.maximum(high, more[1])
         axes = review.mechanism.pose_coordinates(review.design)
         planar = all(c.key in ("x", "y") for c in axes)
         position, target = self.scene.frame((low, high), from_above=planar)
@@ -491,7 +498,9 @@ class Page:
             with client.atomic():
                 client.camera.near, client.camera.far = first.near, first.far
                 client.camera.fov = first.fov
-                client.camera.position, client.camera.look_at = position, target
+                aspect = client.camera.aspect
+                seen = self.scene.frame((low, high), from_above=planar, aspect=aspect)
+                client.camera.position, client.camera.look_at = seen
 
     # --- files
 

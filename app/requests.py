@@ -147,6 +147,62 @@ class ClearLog:
     """Forget what happened on the way."""
 
 
+@dataclass(frozen=True, slots=True)
+class Play:
+    """Play the trajectory, or pause; None for the other of the two."""
+
+    on: bool | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Scrub:
+    """Show the machine at this time of the trajectory, s, and put it there when the hand rests."""
+
+    at: float
+    client: viser.ClientHandle | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class StopHere:
+    """Put the machine where the trajectory shows it."""
+
+    client: viser.ClientHandle | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class LeaveWay:
+    """Show the machine where the review has it, and not on its trajectory any more."""
+
+
+@dataclass(frozen=True, slots=True)
+class NextWarning:
+    """Show the machine at the next place of the trajectory where something is wrong."""
+
+    client: viser.ClientHandle | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Distances:
+    """Find the trajectory's distances to singularities, or give that up."""
+
+    on: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Shortest:
+    """Choose the shortest duration that keeps the limits of rates and accelerations."""
+
+    client: viser.ClientHandle | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class SaveTrajectory:
+    """Save the trajectory as CSV, or its plots as SVG."""
+
+    kind: str
+    client: viser.ClientHandle | None = None
+
+
 Request = (
     VisitSolution
     | FindAgain
@@ -167,4 +223,12 @@ Request = (
     | SaveLoci
     | SaveRegions
     | ClearLog
+    | Play
+    | Scrub
+    | StopHere
+    | LeaveWay
+    | NextWarning
+    | Distances
+    | Shortest
+    | SaveTrajectory
 )

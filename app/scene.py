@@ -400,17 +400,19 @@ class Scene:
         self._forget("/handle")
 
     def frame(
-        self, bounds: tuple[Array, Array], *, from_above: bool = False
+        self, bounds: tuple[Array, Array], *, from_above: bool = False, aspect: float = 1.0
     ) -> tuple[Array, Array]:
         """Camera position and target that show a box whole, from the front right above.
 
-        A machine in the x-y plane is seen nearly ``from_above``.
+        A machine in the x-y plane is seen nearly ``from_above``. ``aspect``: width by height of
+        what it is seen in; a high one needs more distance.
         """
         low, high = bounds
         centre = 0.5 * (low + high)
         radius = 0.5 * float(np.linalg.norm(high - low))
         toward = np.array([0.12, -0.45, 1.0] if from_above else [0.62, -0.95, 0.42])
-        distance = 1.02 * radius / math.sin(0.5 * FIELD_OF_VIEW)
+        half = math.atan(math.tan(0.5 * FIELD_OF_VIEW) * min(max(aspect, 0.2), 1.0))
+        distance = 1.02 * radius / math.sin(half)
         return centre + distance * toward / np.linalg.norm(toward), centre
 
 

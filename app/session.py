@@ -9,6 +9,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+from app.plan_files import plan_from_table, plan_table
 from app.state import (
     Atlas,
     Chart,
@@ -54,6 +55,7 @@ def to_text(review: Review) -> str:
         "gives_way": review.gives_way,
         "regions": {f.name: getattr(review.flat, f.name) for f in fields(Flat)},
         "control": {f.name: getattr(review.control, f.name) for f in fields(Control)},
+        "trajectory": plan_table(review),
     }
     axes = _map_axes(review)
     if axes:
@@ -120,6 +122,7 @@ def from_text(text: str, *, origin: str) -> Review:
         _control(content, review, origin),
         _way(content, review, origin),
         _flat(content, review, origin),
+        plan_from_table(content.get("trajectory", {}), review, origin),
     )
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from app.modes import matching
+from app.plan import NO_PLAN, Plan, fresh_plan
 from kinematics.errors import InputError
 from kinematics.mechanism import Coordinate, Design, Mechanism, SurfaceKind, mechanism
 from kinematics.solutions import Posture
@@ -150,6 +151,7 @@ class Review:
     control: Control = Control()
     gives_way: str = ""
     flat: Flat = Flat()
+    plan: Plan = NO_PLAN
 
     @property
     def mechanism(self) -> Mechanism:
@@ -186,6 +188,7 @@ def new_review(design: Design) -> Review:
         review,
         solids=tuple(s for s in review.solids if s.key in known),
         cut=Cut(at=point_in_section(review)[0]),
+        plan=fresh_plan(review),
     )
 
 

@@ -34,7 +34,15 @@ CACHE = 48  # solids kept, over all resolutions
 T = TypeVar("T")
 
 LaneName = Literal[
-    "coarse", "fine", "solutions", "sections", "measures", "control", "loci", "regions"
+    "coarse",
+    "fine",
+    "solutions",
+    "sections",
+    "measures",
+    "control",
+    "loci",
+    "regions",
+    "trajectory",
 ]
 
 

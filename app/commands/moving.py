@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from app import tables
 from app.commands import common
 from app.commands.controlling import load_numbers
+from app.trajectory_text import polynomial
 from kinematics.errors import InputError
 
 if TYPE_CHECKING:
@@ -358,9 +359,7 @@ def _fit_lines(fits: Fits, axes: Sequence[Coordinate], joints: Sequence[Coordina
     lines = ["", f"polynomials of degree {fits.degree}, t in s"]
     for joint, row in zip(joints, fits.coefficients.tolist(), strict=True):
         unit = "rad" if joint.unit == "rad" else "mm"
-        terms = [_term(value, power) for power, value in reversed(list(enumerate(row)))]
-        text = " ".join(terms).removeprefix("+ ")
-        lines.append(f"{joint.symbol}(t) = {text} {unit}")
+        lines.append(f"{joint.symbol}(t) = {polynomial(row)} {unit}")
     rows = []
     for axis, *errors in zip(axes, *fits.deviation, strict=True):
         mark = "°" if axis.unit == "rad" else "mm"
@@ -372,9 +371,3 @@ def _fit_lines(fits: Fits, axes: Sequence[Coordinate], joints: Sequence[Coordina
 
 def _digits(value: float) -> str:
     return f"{value:.4g}" if isfinite(value) else "-"
-
-
-def _term(value: float, power: int) -> str:
-    sign = "-" if value < 0 else "+"
-    factor = {0: "", 1: "t"}.get(power, f"t^{power}")
-    return f"{sign} {abs(value):.4g}{factor}"

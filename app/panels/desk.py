@@ -23,12 +23,14 @@ from app.painting import Scale
 from app.regions import Laid
 from app.requests import Request
 from app.slicer import Drawn, Region
+from app.trajectory import Computed, Reach
 from app.worker import Built
 from kinematics.errors import BohemiaError
 from kinematics.mechanism import Design, Mechanism
 from kinematics.sections import Box, Sphere, Volume
 from kinematics.singularities import LocusCurves, Profile
 from kinematics.sweeps import Map
+from kinematics.trajectories import Fits
 
 log = logging.getLogger(__name__)
 
@@ -216,6 +218,45 @@ class Laying:
     trouble: str
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class Moved:
+    """The trajectory as panels draw it.
+
+    Attributes:
+        computed: the newest; ``stale`` while another one is wanted.
+        missing: what a person has to do until there is a path.
+        share: of the distances to singularities that are known; ``measuring`` the others.
+        fits: polynomials of the wanted degree; None while there are none.
+        fit_trouble: why there are none.
+        reach: where a stroke can run; None while it is not known.
+        trouble: what could not be computed.
+    """
+
+    computed: Computed | None
+    stale: bool
+    missing: str
+    share: float
+    measuring: bool
+    fits: Fits | None
+    fit_trouble: str
+    reach: Reach | None
+    trouble: str
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """Where on its trajectory the machine is shown.
+
+    ``away``: that is not where the review has it. ``distance`` to a singularity, mm, NaN if it is
+    not known.
+    """
+
+    at: float
+    playing: bool
+    away: bool
+    distance: float
+
+
 class Panel:
     """One tab: made once for a mechanism, then redrawn. What a tab shows nothing of it ignores."""
 
@@ -247,6 +288,12 @@ class Panel:
 
     def draw_control(self, sheet: Sheet, controlled: Controlled) -> None:
         """More is known of control."""
+
+    def draw_trajectory(self, sheet: Sheet, moved: Moved) -> None:
+        """More is known of the trajectory."""
+
+    def draw_moment(self, sheet: Sheet, moment: Moment) -> None:
+        """The machine moves along its trajectory; the sheet's view shows it there."""
 
 
 def answer(desk: Desk, handle: Any, act: Callable[[Any, viser.ClientHandle | None], None]) -> None:

@@ -2,13 +2,26 @@
 
 from __future__ import annotations
 
+import math
 import time
 
 from app import palette
 from app.compute import View
 from app.controller import Here
 from app.panels.boxes import NUMBERS_GO_BACK
-from app.panels.desk import Controlled, Desk, Panel, Sheet, box, chip, clicked, esc, put_prop, tone
+from app.panels.desk import (
+    Controlled,
+    Desk,
+    Moment,
+    Panel,
+    Sheet,
+    box,
+    chip,
+    clicked,
+    esc,
+    put_prop,
+    tone,
+)
 from app.worker import Busy
 from kinematics.singularities import AT
 
@@ -36,6 +49,13 @@ class Header(Panel):
     def draw_control(self, sheet: Sheet, controlled: Controlled) -> None:
         self._held = held_text(controlled.here)
         put_prop(self._status, "content", _status(sheet, self._held))
+
+    def draw_moment(self, sheet: Sheet, moment: Moment) -> None:
+        held = self._held
+        if moment.away:  # of where the machine is shown
+            near = moment.distance
+            held = f"{near:.1f} mm to a singularity" if math.isfinite(near) else ""
+        put_prop(self._status, "content", _status(sheet, held))
 
     def draw_work(self, work: Busy | None) -> None:
         """Show what takes longer than a moment, with a way to stop it."""

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from app.changes import GoHome, SetAtlas, SetOption, Show, ShowCut
+from app.changes import GoHome, SetAtlas, SetOption, SetPlan, Show, ShowCut
 from app.panels.desk import Desk, safely
+from app.requests import Play
 from app.state import Review
 
 
@@ -42,6 +43,13 @@ def add_hotkeys(desk: Desk, present: Callable[[], Review]) -> None:
             "X",
             lambda: desk.send(ShowCut(not present().cut.on)),
         ),
+        (
+            "Trajectory",
+            "Show or hide the trajectory and its plots",
+            "T",
+            lambda: desk.send(SetPlan((("on", not present().plan.on),))),
+        ),
+        ("Play", "Play the trajectory, or pause", "P", lambda: desk.ask(Play())),
         (
             "Ghosts",
             "Show or hide the platform in all other solutions",

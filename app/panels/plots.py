@@ -21,9 +21,9 @@ Range = tuple[float, float]
 STEPS = (1.0, 2.0, 5.0)  # round numbers, times powers of ten
 TURN = (1.5, 3.0, 4.5, 9.0)  # round degrees, times powers of ten
 
-# Runs in the browser for every pointer event on a plot; `s` is the drawing, `e` the event.
-_SCRIPT = """
-(function(s,e){
+# Runs in the browser for every pointer event on a plot; `s` is the drawing, `e` the event. First
+# where the pointer is in the box, u and v from 0 to 1, and what the drawing tells of it.
+WHERE = """
 const d=s.dataset,b=d.box.split(' ').map(Number),
 p=new DOMPoint(e.clientX,e.clientY).matrixTransform(s.getScreenCTM().inverse()),
 u=(p.x-b[0])/b[2],v=1-(p.y-b[1])/b[3],inside=u>=0&&u<=1&&v>=0&&v<=1,
@@ -32,17 +32,21 @@ if(t){const n=d.grid.split(' ').map(Number),a=s.tips||(s.tips=d.tips.split('|'))
 x=Math.min(Math.floor(u*n[0]),n[0]-1),y=Math.min(Math.floor(v*n[1]),n[1]-1);
 t.textContent=inside&&e.type!=='pointerleave'?d.columns.split('|')[x]+d.rows.split('|')[y]
 +a[x*n[1]+y]:d.idle;}
+const c=(w)=>Math.min(Math.max(w,0),1),
+at=(u,v)=>(b[4]+c(u)*(b[5]-b[4]))+' '+(b[6]+c(v)*(b[7]-b[6])),
+send=(text)=>{const i=s.closest('.plot').parentElement.nextElementSibling.nextElementSibling
+.querySelector('input');
+Object.getOwnPropertyDescriptor(HTMLInputElement.prototype,'value').set.call(i,text);
+i.dispatchEvent(new Event('input',{bubbles:true}));};
+"""
+# Then what a plot does with it: every place is reported, while the button is held.
+_POINT = """
 if(e.type==='pointerdown'){if(!inside||e.button)return;s.held=1;s.setPointerCapture(e.pointerId);}
 if(!s.held)return;
 if(e.type==='pointermove'&&e.timeStamp-s.sent<60)return;
 s.sent=e.timeStamp;
-const c=(w)=>Math.min(Math.max(w,0),1),
-i=s.closest('.plot').parentElement.nextElementSibling.nextElementSibling.querySelector('input');
-Object.getOwnPropertyDescriptor(HTMLInputElement.prototype,'value').set.call(i,
-(b[4]+c(u)*(b[5]-b[4]))+' '+(b[6]+c(v)*(b[7]-b[6]))+' '+e.timeStamp);
-i.dispatchEvent(new Event('input',{bubbles:true}));
+send(at(u,v)+' '+e.timeStamp);
 if(e.type!=='pointerdown'&&e.type!=='pointermove')s.held=0;
-})(this,event)
 """
 _EVENTS = ("pointerdown", "pointermove", "pointerup", "pointercancel", "pointerleave")
 _STYLE = (
@@ -104,12 +108,14 @@ class Figure:
 class Plot:
     """A place for a figure in a panel, and what it does when a person points at it."""
 
+    script = _POINT
+
     def __init__(
         self, desk: Desk, act: Callable[[float, float, viser.ClientHandle | None], None]
     ) -> None:
         gui = desk.gui
         self._act = act
-        self._base = gui.add_html(_base(None))
+        self._base = gui.add_html(_base(None, self.script))
         self._over = gui.add_html("")
         # Neighbours in the page: the style hides this box, and the script finds it there.
         answer(desk, gui.add_text("Pointed at", ""), self._pointed)
@@ -120,7 +126,7 @@ class Plot:
         """Show a figure, None for nothing."""
         if figure != self.figure:
             self.figure = figure
-            put_prop(self._base, "content", _base(figure))
+            put_prop(self._base, "content", _base(figure, self.script))
             self._cover()
 
     def mark(self, content: str) -> None:
@@ -150,12 +156,12 @@ class Plot:
             self._act(x, y, client)
 
 
-def _base(figure: Figure | None) -> str:
+def _base(figure: Figure | None, act: str = _POINT) -> str:
     if figure is None:
         return f'{_STYLE}<div class="plot"></div>'
     a = figure.axes
     box = " ".join(f"{v:.12g}" for v in (a.left, a.top, *a.inner, *a.x, *a.y))
-    script = esc(_SCRIPT.replace("\n", " ").strip())
+    script = esc(f"(function(s,e){{{WHERE}{act}}})(this,event)".replace("\n", " "))
     handlers = " ".join(f'on{event}="{script}"' for event in _EVENTS)
     return (
         f'{_STYLE}<div class="plot"><svg viewBox="0 0 {a.width:g} {a.height:g}" role="img" '

@@ -1,5 +1,6 @@
 """Trajectories of any mechanism: a path in pose space, a time law, and what they ask for."""
 
+from kinematics.trajectories.constrained import Constrained, constrained, giving_way
 from kinematics.trajectories.fits import Fits, fit
 from kinematics.trajectories.laws import LAWS, Law, law, trapezoidal
 from kinematics.trajectories.paths import (
@@ -19,6 +20,7 @@ from kinematics.trajectories.sampling import duration_within, trajectory
 
 __all__ = [
     "LAWS",
+    "Constrained",
     "Drawn",
     "Event",
     "Fits",
@@ -30,9 +32,11 @@ __all__ = [
     "Polyline",
     "Spline",
     "Trajectory",
+    "constrained",
     "drawn",
     "duration_within",
     "fit",
+    "giving_way",
     "law",
     "line",
     "polyline",

@@ -6,13 +6,19 @@ solved for. Its rate and acceleration are left open, NaN, for the mechanism to f
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kinematics.errors import InputError
 from kinematics.mechanism import Design, Mechanism
+from kinematics.spatial import Array
 from kinematics.trajectories.paths import Derivatives, Path
+
+LOOKS = 33  # points of a path at which a coordinate is tried
+_STILL = 1e-9  # mm or rad by which a coordinate that stays may vary
 
 
 @dataclass(frozen=True)
@@ -61,3 +67,47 @@ def constrained(
         change = np.abs(np.subtract(mechanism.complete_pose(design, moved, mode), moved))
         dependent = max(known, key=lambda k: float(change[k]))
     return Constrained(path, mechanism, design, mode, dependent)
+
+
+def giving_way(
+    path: Path, mechanism: Mechanism, design: Design, mode: str, wanted: int | None = None
+) -> int | None:
+    """The coordinate that can give way all along a path; None where there are no dependent ones.
+
+    Args:
+        wanted: this one if it can. Else one that stays the same along the path rather than one that
+            the path moves, and of those the one that has to give way least.
+
+    Raises:
+        InputError: none of them can.
+    """
+    known = mechanism.dependent_coordinates(design)
+    if not known:
+        return None
+    shares = np.linspace(0.0, 1.0, LOOKS)
+    given = path.at(shares)[0]
+    length = mechanism.characteristic_length(design)
+    axes = mechanism.pose_coordinates(design)
+    trouble = ""
+    for group in _groups(known, given, wanted):
+        found: list[tuple[float, int]] = []
+        for k in group:
+            try:
+                points = Constrained(path, mechanism, design, mode, k).at(shares)[0]
+            except InputError as error:
+                trouble = trouble or str(error)
+                continue
+            scale = length if axes[k].unit == "rad" else 1.0
+            away: Array = np.abs(points[:, k] - given[:, k]) * scale
+            found.append((round(float(away.max()), 9), k))
+        if found:
+            return min(found)[1]
+    raise InputError(f"the path cannot be kept to the mechanism's constraint: {trouble}")
+
+
+def _groups(known: tuple[int, ...], points: Array, wanted: int | None) -> Iterator[tuple[int, ...]]:
+    if wanted is not None and wanted in known:
+        yield (wanted,)
+    still = np.ptp(points, axis=0) <= _STILL
+    yield tuple(k for k in known if still[k])
+    yield tuple(k for k in known if not still[k])

@@ -1,0 +1,70 @@
+"""Playing a trajectory: which time of it is shown when. Pure values; times in s."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from kinematics.trajectories.results import Playback
+
+
+@dataclass(frozen=True, slots=True)
+class Player:
+    """A playback.
+
+    Attributes:
+        duration: of the trajectory.
+        playback: "once" stays at the end, "loop" begins again, "swing" runs to and fro.
+        pace: how much faster than in truth.
+        phase: what had been played of it, turns before this one included, at ``since``.
+        since: when it was set going; None while it stands still.
+    """
+
+    duration: float
+    playback: Playback = "loop"
+    pace: float = 1.0
+    phase: float = 0.0
+    since: float | None = None
+
+    @property
+    def playing(self) -> bool:
+        """Whether time goes on."""
+        return self.since is not None
+
+    def _played(self, now: float) -> float:
+        return self.phase if self.since is None else self.phase + (now - self.since) * self.pace
+
+    def at(self, now: float) -> float:
+        """The time on the trajectory that is to be shown, 0 to its duration."""
+        played = self._played(now)
+        if self.since is None or self.playback == "once":
+            folded = played
+        elif self.playback == "loop":
+            folded = played % self.duration
+        else:
+            folded = self.duration - abs(self.duration - played % (2.0 * self.duration))
+        return min(max(folded, 0.0), self.duration)
+
+    def over(self, now: float) -> bool:
+        """It has run to its end, and stays there."""
+        return self.playing and self.playback == "once" and self._played(now) >= self.duration
+
+    def play(self, now: float) -> Player:
+        """Set going from where it stands, from the start if that is the end."""
+        at = self.at(now)
+        again = at >= self.duration * (1.0 - 1e-9) and self.playback != "swing"
+        return replace(self, phase=0.0 if again else at, since=now)
+
+    def pause(self, now: float) -> Player:
+        """Stand still where it is."""
+        return replace(self, phase=self.at(now), since=None)
+
+    def to(self, time: float) -> Player:
+        """Stand still at a time."""
+        return replace(self, phase=min(max(time, 0.0), self.duration), since=None)
+
+    def paced(self, playback: Playback, pace: float, now: float) -> Player:
+        """The same place, played otherwise from now on."""
+        if (playback, pace) == (self.playback, self.pace):
+            return self
+        since = None if self.since is None else now
+        return replace(self, playback=playback, pace=pace, phase=self.at(now), since=since)
