@@ -31,7 +31,7 @@ _STARTS = 6  # from which the best anywhere is sought, of each sign
 _FINALISTS = 3  # of these, when they have grown a little
 _NODES = 40  # along each axis of a grid, were it a cube
 _CHECKS = 4  # of a ball that has grown; each may find a zero that the samples missed
-_LOOKS = 12  # sampled points from which zeros are sought
+_LOOKS = 8  # sampled points from which zeros are sought
 
 
 def singularity_free_ball(

@@ -31,8 +31,9 @@ _NODES = 25  # along each axis of a box; of the last, finer one:
 _FINE = 57
 _STARTS = 48  # cells from which zeros are sought, and how often again
 _ROUNDS = 4
-_PATIENCE = 8  # steps after which starts are given up that lead far away
-_STEPS = 40  # of Newton's method
+_PATIENCE = 4  # steps after which starts are given up that lead far away
+_STEPS = 40  # along the zeros
+_CORRECTIONS = 7  # back onto them
 _EDGE = 1e-7  # rad from the ends of β, where slopes by y' are infinite
 
 
@@ -90,19 +91,19 @@ def nearest_singularity(design: FiveRPURDesign, pose: Sequence[float], mode: str
 
 
 def zeros_near(
-    determinant: Determinant, center: Array, most: float | None = None, factor: float = 1.0
+    determinant: Determinant, center: Array, most: float | None = None
 ) -> tuple[Array, Array, Array] | None:
-    """Zeros of the determinant at which the distance from a centre is least among neighbours.
+    """Zeros of the determinant, the nearest to a centre first.
 
     Args:
         determinant: F.
         center: (3,) in x'y'z', where every limb closes.
         most: how far to look, mm; None: `_LAST` of the machine's size.
-        factor: also those up to so many times as far as the nearest.
 
     Returns:
-        Points (N, 3) in x'y'z', nearest first, their distances (N,) and residuals (N,)
-        |F| / |∇F|, mm; None where there is none.
+        Points (N, 3) in x'y'z', their distances (N,) and residuals (N,) |F| / |∇F|, mm: the
+        nearest zero, and others at which the distance is least among neighbours. None where
+        there is none.
     """
     if not determinant.closes:
         return None
@@ -119,16 +120,7 @@ def zeros_near(
             return None
         reach = min(2.0 * reach, limit)
     nearest = float(found[1][0])
-    again = chart.search(min(factor * nearest, limit), _FINE)
-    points, distance, residual = _merged(found, again)
-    order = np.arange(len(points))
-    order = order[distance[order] <= factor * distance[0] * (1.0 + 1e-12)]
-    kept: list[int] = []
-    for k in order:  # each zero is found from several cells
-        apart = np.linalg.norm(points[kept] - points[k], axis=1) if kept else np.array([np.inf])
-        if apart.min() > 1e-6 * determinant.size:
-            kept.append(int(k))
-    return points[kept], distance[kept], residual[kept]
+    return _merged(found, chart.search(nearest, _FINE, nearest))
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,8 +159,13 @@ class Chart:
 
     # --- cells that may hold zeros
 
-    def search(self, reach: float, nodes: int) -> tuple[Array, Array, Array] | None:
-        """Zeros in the box of half side ``reach`` about the centre, see `zeros_near`."""
+    def search(
+        self, reach: float, nodes: int, within: float = np.inf
+    ) -> tuple[Array, Array, Array] | None:
+        """Zeros in the box of half side ``reach`` about the centre, see `zeros_near`.
+
+        Only cells that hold points at less than ``within`` count.
+        """
         cx, cy, cz = self.center
         low, high = self._beta(np.array([cy - reach, cy + reach]))
         low, high = max(low, _EDGE), min(high, np.pi - _EDGE)
@@ -187,12 +184,16 @@ class Chart:
         )
         apart = np.linalg.norm(self.place(starts) - self.center, axis=1)
         sides = np.stack([a[cells[:, k] + 1] - a[cells[:, k]] for k, a in enumerate((x, y, z))])
-        farthest = apart + 0.5 * np.linalg.norm(sides, axis=0)
+        half = 0.5 * np.linalg.norm(sides, axis=0)
+        inside = apart - half < within
+        if not inside.any():
+            return None
+        starts, apart, farthest = starts[inside], apart[inside], (apart + half)[inside]
+        changed = changes[tuple(cells[inside].T)]
         found = self.polished(starts[spread(starts, apart, 0.3 * reach)], 0.5 * reach)
         # A cell in which the sign changes is proof of a zero: if it is nearer, look again there.
-        changed = changes[tuple(cells.T)]
         for _ in range(_ROUNDS):
-            best = np.inf if found is None else float(found[1][0])
+            best = within if found is None else min(within, float(found[1][0]))
             nearer = np.flatnonzero(changed & (farthest < best))
             if not len(nearer):
                 break
@@ -203,48 +204,94 @@ class Chart:
             found = more if found is None else _merged(found, more)
         return found
 
-    # --- Newton's method on Lagrange's equations
+    # --- along F = 0 towards the centre
 
     def polished(self, u: Array, longest: float) -> tuple[Array, Array, Array] | None:
-        """Zeros nearest to the centre, each from a start (N, 3); no step is longer than so much."""
-        u, size = u.copy(), self.determinant.size
+        """Zeros nearest to the centre, each from a start (N, 3); no step is longer than so much.
+
+        Newton's steps on Lagrange's equations, each followed by the way back onto F = 0, and
+        shortened until the centre is nearer: what is found is never farther than where it began.
+        """
+        size = self.determinant.size
+        u, there = self._onto(u, longest)
+        u = u[there]
+        distance = self._apart(u)
+        scale = np.ones(len(u))
         active = np.arange(len(u))
         for count in range(_STEPS):
-            step = self._step(u[active])
-            length = np.linalg.norm(step, axis=1)
-            step *= np.minimum(1.0, longest / np.maximum(length, 1e-300))[:, None]
-            u[active] += step
-            u[:, 1] = np.clip(u[:, 1], *self._ends)
-            moving = length > 1e-12 * size
-            if count >= _PATIENCE:  # the others' turn comes, if there, from another start
-                apart = np.linalg.norm(self.place(u) - self.center, axis=1)
-                settled = np.ones(len(u), dtype=bool)
-                settled[active[length > 1e-3 * size]] = False
-                moving &= apart[active] < 1.5 * apart[settled].min(initial=np.inf)
-            active = active[moving]
             if not len(active):
                 break
-        value, g = self.value_and_gradient(u)
-        steep = np.maximum(np.linalg.norm(g, axis=1), 1e-300)
-        residual = np.abs(value) / steep
-        points = self.place(u)
-        noise = self.determinant.roundoff(points) / steep
-        zero = residual <= np.maximum(1e-10 * size, 4.0 * noise)
-        zero &= (steep > 1e-300) & np.isfinite(residual)
-        if not zero.any():
+            step = self._step(u[active])
+            length = np.linalg.norm(step, axis=1)
+            step *= np.minimum(scale[active], longest / np.maximum(length, 1e-300))[:, None]
+            tried, there = self._onto(self._held(u[active] + step), longest)
+            apart = self._apart(tried)
+            nearer = there & (apart < distance[active])
+            way = np.linalg.norm(tried - u[active], axis=1)
+            moving = (way > 1e-9 * size) & ~(nearer & (apart > distance[active] - 1e-14 * size))
+            u[active[nearer]], distance[active[nearer]] = tried[nearer], apart[nearer]
+            scale[active] = np.where(nearer, np.minimum(1.0, 4.0 * scale[active]), 0.0)
+            scale[active[~nearer]] = (
+                0.2 * np.linalg.norm(step[~nearer], axis=1) / np.maximum(length[~nearer], 1e-300)
+            )
+            if count >= _PATIENCE:  # the others' turn comes, if there, from another start
+                moving &= distance[active] < 1.3 * distance.min()
+            active = active[moving]
+        if not len(u):
             return None
-        points, residual = points[zero], residual[zero]
-        distance = np.linalg.norm(points - self.center, axis=1)
+        value, g = self.value_and_gradient(u)
+        residual = np.abs(value) / np.maximum(np.linalg.norm(g, axis=1), 1e-300)
         order = np.argsort(distance, kind="stable")
-        return points[order], distance[order], residual[order]
+        return self.place(u[order]), distance[order], residual[order]
 
     @property
     def _ends(self) -> tuple[float, float]:
         return self.half * _EDGE, self.half * (np.pi - _EDGE)
 
+    def _held(self, u: Array) -> Array:
+        """Points with β within its ends."""
+        held = u.copy()
+        held[:, 1] = np.clip(u[:, 1], *self._ends)
+        return held
+
+    def _apart(self, u: Array) -> Array:
+        return np.asarray(np.linalg.norm(self.place(u) - self.center, axis=1))
+
+    def _onto(self, u: Array, longest: float) -> tuple[Array, NDArray[np.bool_]]:
+        """Points (N, 3) moved onto F = 0 along its gradient, and which of them got there."""
+        u, start = u.copy(), u
+        there = np.zeros(len(u), dtype=bool)
+        active = np.arange(len(u))
+        for _ in range(_CORRECTIONS):
+            if not len(active):
+                break
+            value, g = self.value_and_gradient(u[active])
+            self._keep_off_ends(u[active], -value[:, None] * g, g)
+            steep = np.maximum((g * g).sum(axis=1), 1e-300)
+            u[active] = self._held(u[active] - (value / steep)[:, None] * g)
+            residual = np.abs(value) / np.sqrt(steep)
+            done = residual <= 1e-12 * self.determinant.size
+            there[active[done]] = True
+            near = np.linalg.norm(u[active] - start[active], axis=1) <= 2.0 * longest
+            active = active[~done & near]
+        if len(active):  # as near as rounding lets them
+            value, g = self.value_and_gradient(u[active])
+            noise = self.determinant.roundoff(self.place(u[active]))
+            steep = np.linalg.norm(g, axis=1)
+            there[active] = np.abs(value) <= 4.0 * noise + 1e-11 * self.determinant.size * steep
+        return u, there
+
+    def _keep_off_ends(self, u: Array, way: Array, *vectors: Array) -> NDArray[np.bool_]:
+        """Where a way would lead beyond an end of β: there β stays, in ``vectors`` as well."""
+        low, high = self._ends
+        out = (u[:, 1] <= low) & (way[:, 1] < 0.0) | (u[:, 1] >= high) & (way[:, 1] > 0.0)
+        for vector in vectors:
+            vector[out, 1] = 0.0
+        return out
+
     def _step(self, u: Array) -> Array:
-        """One step from points (N, 3): onto F = 0, and along it towards the centre."""
-        value, g, hessian = self._second(u)
+        """Newton's step from points (N, 3) on F = 0, in its tangent plane, towards the centre."""
+        _, g, hessian = self._second(u)
         angle = u[:, 1] / self.half
         away = self.place(u) - self.center
         # The gradient and the Hessian of half the squared distance.
@@ -255,18 +302,10 @@ class Chart:
         square = np.maximum((g * g).sum(axis=1), 1e-300)
         weight = -(slope * g).sum(axis=1) / square
         whole = bend + weight[:, None, None] * hessian
-        # At an end of β that the way to the centre would leave, β stays.
-        force = slope + weight[:, None] * g
-        held = (u[:, 1] <= self._ends[0]) & (force[:, 1] > 0.0)
-        held |= (u[:, 1] >= self._ends[1]) & (force[:, 1] < 0.0)
-        if held.any():
-            g[held, 1] = slope[held, 1] = 0.0
-            whole[held, 1, :] = whole[held, :, 1] = 0.0
-            whole[held, 1, 1] = 1.0
-            square = np.maximum((g * g).sum(axis=1), 1e-300)
-        normal = -(value / square)[:, None] * g
-        along = _along(g, slope + np.einsum("nij,nj->ni", whole, normal), whole)
-        return np.asarray(normal + along)
+        out = self._keep_off_ends(u, -(slope + weight[:, None] * g), g, slope)
+        whole[out, 1, :] = whole[out, :, 1] = 0.0
+        whole[out, 1, 1] = 1.0
+        return _along(g, slope, whole)
 
     def _second(self, u: Array) -> tuple[Array, Array, Array]:
         """F, its gradient and (by central differences of that) its Hessian."""
@@ -289,7 +328,7 @@ def _along(normal: Array, slope: Array, whole: Array) -> Array:
     reduced = np.einsum("nia,nij,njb->nab", basis, whole, basis)
     right = np.einsum("nia,ni->na", basis, slope)
     size, turn = np.linalg.eigh(reduced)
-    size = np.maximum(np.abs(size), 1e-3)
+    size = np.maximum(np.abs(size), 1e-5)
     move = np.einsum("nab,nb->na", turn, np.einsum("nab,na->nb", turn, right) / size)
     return -np.asarray(np.einsum("nia,na->ni", basis, move))
 
