@@ -48,8 +48,17 @@ def chart_axes(spec: LocusSpec, curves: LocusCurves) -> Axes:
     return Axes(WIDTH, HEIGHT, 46, 22, 12, 38, (x0, x1), (y0, y1))
 
 
-def figure(spec: LocusSpec, curves: LocusCurves, circle: OrientationCircle | None = None) -> Figure:
-    """The curves on their axes, of a polar chart with the largest circle about its centre."""
+def figure(
+    spec: LocusSpec,
+    curves: LocusCurves,
+    circle: OrientationCircle | None = None,
+    *,
+    leads: bool = True,
+) -> Figure:
+    """The curves on their axes, of a polar chart with the largest circle about its centre.
+
+    ``leads``: the machine goes to where a person points.
+    """
     axes = chart_axes(spec, curves)
     content = [_rings(spec, axes)] if spec.polar else []
     if spec.polar and circle is not None:
@@ -74,7 +83,7 @@ def figure(spec: LocusSpec, curves: LocusCurves, circle: OrientationCircle | Non
         columns,
         rows,
         [""] * (len(columns) * len(rows)),
-        f"{spec.title}: point to go there",
+        f"{spec.title}{': point to go there' if leads else ''}",
         spec.title,
     )
 
