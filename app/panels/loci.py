@@ -43,7 +43,8 @@ def chart_axes(spec: LocusSpec, curves: LocusCurves) -> Axes:
     if spec.polar:
         reach = float(in_units(spec, np.array([[curves.bounds[0, 1], 0.0]]))[0, 0])
         span = (-1.04 * reach, 1.04 * reach)
-        return Axes(WIDTH, WIDTH, 46, 22, 12, 38, span, span)
+        square = WIDTH - (46 + 12) + (22 + 38)  # high, so that circles are round
+        return Axes(WIDTH, square, 46, 22, 12, 38, span, span)
     (x0, y0), (x1, y1) = in_units(spec, curves.bounds.T).tolist()
     return Axes(WIDTH, HEIGHT, 46, 22, 12, 38, (x0, x1), (y0, y1))
 
