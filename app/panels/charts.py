@@ -70,7 +70,8 @@ class ChartFolder:
         circle = _singular_circle(controlled.here)
         if (curves, circle) != self._plotted:
             self._plotted = curves, circle
-            self._plot.draw(loci.figure(spec, curves, circle))
+            leads = _chart_place(self._sheet, spec) is not None
+            self._plot.draw(loci.figure(spec, curves, circle, leads=leads))
             put_prop(self._curves, "content", box(_exactness(spec, curves)))
         self._draw_beside(spec, controlled)
         self._draw_cross()

@@ -43,13 +43,23 @@ def chart_axes(spec: LocusSpec, curves: LocusCurves) -> Axes:
     if spec.polar:
         reach = float(in_units(spec, np.array([[curves.bounds[0, 1], 0.0]]))[0, 0])
         span = (-1.04 * reach, 1.04 * reach)
-        return Axes(WIDTH, WIDTH, 46, 22, 12, 38, span, span)
+        square = WIDTH - (46 + 12) + (22 + 38)  # high, so that circles are round
+        return Axes(WIDTH, square, 46, 22, 12, 38, span, span)
     (x0, y0), (x1, y1) = in_units(spec, curves.bounds.T).tolist()
     return Axes(WIDTH, HEIGHT, 46, 22, 12, 38, (x0, x1), (y0, y1))
 
 
-def figure(spec: LocusSpec, curves: LocusCurves, circle: OrientationCircle | None = None) -> Figure:
-    """The curves on their axes, of a polar chart with the largest circle about its centre."""
+def figure(
+    spec: LocusSpec,
+    curves: LocusCurves,
+    circle: OrientationCircle | None = None,
+    *,
+    leads: bool = True,
+) -> Figure:
+    """The curves on their axes, of a polar chart with the largest circle about its centre.
+
+    ``leads``: the machine goes to where a person points.
+    """
     axes = chart_axes(spec, curves)
     content = [_rings(spec, axes)] if spec.polar else []
     if spec.polar and circle is not None:
@@ -74,7 +84,7 @@ def figure(spec: LocusSpec, curves: LocusCurves, circle: OrientationCircle | Non
         columns,
         rows,
         [""] * (len(columns) * len(rows)),
-        f"{spec.title}: point to go there",
+        f"{spec.title}{': point to go there' if leads else ''}",
         spec.title,
     )
 

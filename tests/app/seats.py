@@ -7,13 +7,17 @@ What lanes would compute in their processes is computed at once, where a test as
 from __future__ import annotations
 
 import asyncio
+import html
 import queue
 import re
-from collections.abc import Iterator, Sequence
+import time
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import lru_cache
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 import viser
 
@@ -58,7 +62,10 @@ class Seat:
     def settle(self) -> None:
         """Let the loop go on until nothing is left to do."""
         for _ in range(ROUNDS):
-            items = []
+            items: list[Any] = []
+            if self.page.hands.owed:  # a widget that was touched a moment ago
+                time.sleep(0.006)
+                items.append("redraw")
             while True:
                 try:
                     items.append(self.page._inbox.get_nowait())
@@ -113,8 +120,7 @@ class Seat:
     def drag(self, node: str, position: Sequence[float], phase: str = "update") -> None:
         """Take hold of a handle in the scene."""
         handle: Any = self.node(node)
-        handle._impl.position = tuple(position)
-        handle._impl.wxyz = tuple(float(v) for v in handle.wxyz)
+        handle._impl.position = np.array(position, dtype=float)
         for callback in handle._impl_aux.update_cb:
             asyncio.run(callback(SimpleNamespace(target=handle, client_id=1, phase=phase)))
         self.settle()
@@ -140,7 +146,8 @@ class Seat:
     def text(self) -> str:
         """All the visible HTML of the panels, without its tags."""
         pieces = [_html(h) for h in self._handles() if getattr(h, "visible", False)]
-        return re.sub(r"\s+", " ", re.sub(r"<style>.*?</style>|<[^>]*>", " ", " ".join(pieces)))
+        bare = re.sub(r"<style>.*?</style>|<[^>]*>", " ", " ".join(pieces), flags=re.DOTALL)
+        return re.sub(r"\s+", " ", html.unescape(bare))
 
     def html(self) -> list[str]:
         """The HTML of the panels, piece by piece."""
@@ -191,6 +198,18 @@ def _below(container: Any) -> Iterator[Any]:
             yield from _below(child)
 
 
+@lru_cache(maxsize=256)  # tests begin at the same places again and again
+def _called(function: Callable[..., Any], *arguments: Any) -> Any:
+    return function(*arguments)
+
+
+def _computed(job: Job) -> Any:
+    try:
+        return _called(job.function, *job.arguments)
+    except TypeError:  # arrays
+        return job.function(*job.arguments)
+
+
 def _html(handle: Any) -> str:
     return handle.content if isinstance(handle, viser.GuiHtmlHandle) else ""
 
@@ -220,6 +239,6 @@ def _want(lane: Lane, jobs: Sequence[Job]) -> None:
             continue
         known[job.key] = True
         try:
-            lane._report(Done(job, job.function(*job.arguments)))
+            lane._report(Done(job, _computed(job)))
         except BohemiaError as error:
             lane._report(Lost(job, str(error)))
