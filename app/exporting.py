@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from app.tables import LOCUS
 from kinematics.errors import ComputationError, InputError
 from kinematics.mechanism import Coordinate, Design, SolidRequest, mechanism
 
@@ -115,14 +116,26 @@ def solid_file(built: BuiltSolid, placement: ArrayLike, kind: str, *, name: str)
     return ExportedFile(f"{name}{unit}.{kind}", data, MEDIA_TYPES[kind])
 
 
-def build_file(request: SolidRequest, placement: ArrayLike, kind: str, name: str) -> ExportedFile:
+def build_file(
+    request: SolidRequest, placement: ArrayLike, kind: str, name: str, part: str = ""
+) -> ExportedFile:
     """Build a solid and make a file of it, in whatever process this is called.
+
+    Args:
+        part: "" for the whole; of a solid that was parted `LOCUS`, where it was, or the number of
+            a piece, from 1.
 
     Raises:
         InputError, ComputationError: as `solid_bytes`.
     """
     built = mechanism(request.mechanism).build_solid(request)
-    return solid_file(built, placement, kind, name=name)
+    if not part:
+        return solid_file(built, placement, kind, name=name)
+    mesh = built.locus_mesh() if part == LOCUS else built.piece_mesh(int(part) - 1)
+    data = mesh_bytes(mesh, placement, kind, is_open=part == LOCUS)
+    unit = "" if kind in WITH_UNIT else "_mm"
+    named = part if part == LOCUS else f"piece{part}"
+    return ExportedFile(f"{name}_{named}{unit}.{kind}", data, MEDIA_TYPES[kind])
 
 
 def solid_name(

@@ -522,7 +522,9 @@ class Page:
         request = next(r for res, r in wish.requests.items() if res == save.resolution)
 
         def save_it() -> None:
-            file = self.worker.apart(build_file, request, wish.placement, save.kind, name)
+            file = self.worker.apart(
+                build_file, request, wish.placement, save.kind, name, save.part
+            )
             self.download(file, save.client)
 
         self.apart(save.client, save_it)

@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     from kinematics.solids import BuiltSolid
     from kinematics.solutions import ForwardSolutions, Posture, Reason
 
+LOCUS = "locus"
+"""What the part of a solid is called where control is lost, in commands and in file names."""
 NEAR_DOUBLE = 1.0  # mm between two solutions: a small error of a length may make them one
 
 

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from kinematics.solids import BuiltSolid
 
 KEY = "aspects"
+LOCUS = tables.LOCUS
 """Of a mechanism's solids: the one that this command builds."""
-LOCUS = "locus"
 CLOUD = "csv"
 """What the locus may be written as beside the formats of solids: its points."""
 
@@ -67,7 +67,9 @@ def run(arguments: argparse.Namespace) -> None:
     path: Path | None = arguments.output
     kind = None if path is None else _kind(path, what)
     typed = {name: getattr(arguments, name) or 0.0 for name in ("phi", "theta")}
-    pose = [radians(typed.get(axis.key, 0.0)) for axis in mechanism.pose_coordinates(design)]
+    axes = mechanism.pose_coordinates(design)
+    pose = [radians(typed.get(axis.key, 0.0)) for axis in axes]
+    turned_by = [axis for axis in axes if axis.key in typed]
     request = mechanism.solid_request(design, KEY, pose, (mode,), resolution)
     with common.progress(f"{spec.title}, {resolution}"):
         built = mechanism.build_solid(request)
@@ -90,8 +92,12 @@ def run(arguments: argparse.Namespace) -> None:
     area = _area(built)
     file = None if path is None else str(path)
     if not arguments.json:
-        where = f"φ = {typed['phi']:g}°, θ = {typed['theta']:g}°"
-        common.print_head(design, f"At {where}{common.mode_text(mechanism, mode)}, {resolution}")
+        where = ", ".join(f"{c.symbol} = {typed[c.key]:g}°" for c in turned_by)
+        common.print_head(
+            design,
+            f"{f'At {where}' if where else 'All orientations'}"
+            f"{common.mode_text(mechanism, mode)}, {resolution}",
+        )
         print(_text(built, area, file))
         return
     turned = placement[:3, :3], placement[:3, 3]
@@ -99,8 +105,7 @@ def run(arguments: argparse.Namespace) -> None:
         {
             "design": design.name,
             "mechanism": design.mechanism,
-            "phi_deg": typed["phi"],
-            "theta_deg": typed["theta"],
+            **{tables.key(axis): typed[axis.key] for axis in turned_by},
             "mode": mode,
             **common.mode_entry(mechanism, mode),
             "resolution": resolution,

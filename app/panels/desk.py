@@ -46,6 +46,7 @@ class Save:
     kind: str
     resolution: str
     client: viser.ClientHandle | None
+    part: str = ""
 
 
 class Hands:

@@ -10,6 +10,7 @@ import viser
 
 from app import session
 from app.changes import Restore, SetOption
+from app.compute import SolidWish
 from app.exporting import FORMATS, ExportedFile, sanitized
 from app.panels.desk import (
     QUIET,
@@ -27,9 +28,12 @@ from app.panels.desk import (
     safely,
 )
 from app.state import Options
+from app.tables import LOCUS
+from app.worker import Built
 from kinematics.errors import InputError
 from kinematics.mechanism import RESOLUTIONS
 
+PIECES = 12  # of one solid that can be saved alone
 OPTIONS = {
     "machine": "Machine",
     "handle": "Drag handle",
@@ -87,14 +91,16 @@ class ReviewPanel(Panel):
             button(desk, "Fit the view", lambda _: desk.fit_view(), icon=viser.Icon.MAXIMIZE)
         gui.add_html(box(f"This page: <b>{esc(desk.address)}</b>"))
         explain(gui, HELP)
-        self._keys: dict[str, str] = {}
+        self._keys: dict[str, tuple[str, str]] = {}  # the solid's, and which part of it
         self._review = sheet.view.review
 
     def draw(self, sheet: Sheet) -> None:
         self._review = sheet.view.review
         put_prop(self._undo, "disabled", not sheet.can_undo)
         put_prop(self._redo, "disabled", not sheet.can_redo)
-        titles = {wish.spec.title: wish.spec.key for wish in sheet.view.wishes}
+        titles = {wish.spec.title: (wish.spec.key, "") for wish in sheet.view.wishes}
+        for wish in sheet.view.wishes:
+            titles |= _parts(wish, sheet.built.get(wish.spec.key))
         if titles != self._keys or self._solid.options == ("none is shown",):
             self._keys = titles
             options = tuple(titles) or ("none is shown",)
@@ -105,10 +111,12 @@ class ReviewPanel(Panel):
             put(self._desk, self._options[option.name], getattr(self._review.options, option.name))
 
     def _export(self, client: viser.ClientHandle | None) -> None:
-        key = self._keys.get(self._solid.value)
-        if key is None:
+        chosen = self._keys.get(self._solid.value)
+        if chosen is None:
             raise InputError("no solid is shown; switch one on in the Workspace tab first")
-        self._desk.export(Save(key, self._format.value.lower(), self._resolution.value, client))
+        key, part = chosen
+        kind, resolution = self._format.value.lower(), self._resolution.value
+        self._desk.export(Save(key, kind, resolution, client, part))
 
     def _session(self, client: viser.ClientHandle | None) -> None:
         text = session.to_text(self._review)
@@ -130,3 +138,14 @@ class ReviewPanel(Panel):
 
     def _option(self, name: str, on: bool, client: viser.ClientHandle | None) -> None:
         self._desk.send(SetOption(name, on), client)
+
+
+def _parts(wish: SolidWish, built: Built | None) -> dict[str, tuple[str, str]]:
+    """Each piece of a solid that singularities part, and where they do."""
+    if built is None or built.wish.what != wish.what or built.solid.piece_of is None:
+        return {}
+    key = wish.spec.key
+    parts = {"Singular surface": (key, LOCUS)} if built.solid.on_locus is not None else {}
+    return parts | {
+        f"Aspect {n + 1}": (key, str(n + 1)) for n in range(min(len(built.solid.pieces), PIECES))
+    }
