@@ -9,8 +9,9 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from app.palette import limb_color
-from app.section_plot import section_svg
+from app.painting import scale
+from app.palette import BEYOND, limb_color
+from app.section_plot import PAPER, Bounds, Shade, section_svg
 from kinematics.sections import Section
 from tests.app.made_sections import (
     EMPTY,
@@ -156,3 +157,80 @@ def test_an_arc_runs_through_its_middle() -> None:
     scale = (u1[1] - u0[1]) / (u1[0] - u0[0])
     (region,) = paths(picture, "region")
     assert path_area(region.get("d", ""), scale) == pytest.approx(area, rel=3e-3)
+
+
+# --- where control is lost, and a measure by colour ---------------------------------------
+
+
+CURVES = [np.array([[-300.0, -300.0], [0.0, 0.0], [300.0, 250.0]]), np.array([[0, 0], [50, 10]])]
+
+
+def _shade(values: np.ndarray, bounds: Bounds = ((-100.0, 100.0), (-80.0, 80.0))) -> Shade:
+    steps = scale(values, high=True, limits=(None, None))
+    assert steps is not None
+    return Shade(values, bounds, steps)
+
+
+def _clip(picture: ElementTree.Element) -> ElementTree.Element:
+    """The nested picture: what it holds ends at its box."""
+    (inner,) = picture.findall(f"{SVG}svg")
+    assert inner.get("viewBox") == " ".join(inner.get(n, "") for n in ("x", "y", "width", "height"))
+    assert inner.get("overflow") in (None, "hidden")
+    return inner
+
+
+@pytest.mark.parametrize("section", SECTIONS.values(), ids=SECTIONS)
+@pytest.mark.parametrize("dark", [False, True])
+def test_lost_control_and_shade_are_drawn_and_clipped(section: Section, dark: bool) -> None:
+    values = np.add.outer(np.linspace(0, 1, 8), np.linspace(0, 1, 10))
+    values[2, 3] = np.nan
+    picture = drawn(section, curves=CURVES, shade=_shade(values), dark=dark)
+    inner = _clip(picture)
+    lost = paths(picture, "lost")
+    assert len(lost) == 2
+    assert {p.get("stroke") for p in lost} == {BEYOND}
+    assert set(lost) <= set(inner)
+    shaded = paths(picture, "shade")
+    assert set(shaded) <= set(inner)
+    assert bool(shaded) == bool(section.loops)
+    cells = sum(p.get("d", "").count("M") for p in shaded)
+    assert cells == (79 if section.loops else 0)
+    assert "nan" not in ElementTree.tostring(picture, encoding="unicode")
+
+
+def test_curves_go_through_their_points() -> None:
+    picture = drawn(RING, curves=CURVES)
+    _, lost = paths(picture, "lost")
+    places = [
+        tuple(map(float, p)) for p in re.findall(rf"({NUMBER}) ({NUMBER})", lost.get("d", ""))
+    ]
+    across, up = (dict(axis) for axis in ticks(picture))
+    assert places[0] == pytest.approx((across[0.0], up[0.0]), abs=0.02)
+    assert places[1][0] == pytest.approx(across[50.0], abs=0.02)
+
+
+def test_a_shade_covers_the_section_and_paper_all_the_rest() -> None:
+    values = np.tile(np.linspace(0.0, 1.0, 10), (4, 1))
+    picture = drawn(RING, shade=_shade(values, ((-100.0, 100.0), (-100.0, 100.0))))
+    (u0, *_, u1), _ = ticks(picture)
+    scale_ = (u1[1] - u0[1]) / (u1[0] - u0[0])
+    (paper,) = paths(picture, "region")
+    assert paper.get("fill") == PAPER
+    assert paper.get("fill-rule") == "evenodd"
+    outer, *loops = re.findall(r"M[^M]*", paper.get("d", ""))
+    assert outer.endswith("z")
+    assert path_area("".join(loops), scale_) == pytest.approx(RING.area, rel=3e-3)
+    # Columns of equal value have one colour each, from little to much.
+    shaded = paths(picture, "shade")
+    colors = [p.get("fill") for p in shaded]
+    assert len(set(colors)) == len(colors)
+    firsts = [float(re.findall(rf"M({NUMBER})", p.get("d", ""))[0]) for p in shaded]
+    assert firsts == sorted(firsts)
+    # The picture is upright: the first row of values is the lowest.
+    upright = np.zeros((6, 2))
+    upright[0] = 1.0
+    top = paths(drawn(RING, shade=_shade(upright)), "shade")[-1]
+    heights = [float(y) for y in re.findall(rf"M{NUMBER} ({NUMBER})", top.get("d", ""))]
+    rest = paths(drawn(RING, shade=_shade(upright)), "shade")[0]
+    others = [float(y) for y in re.findall(rf"M{NUMBER} ({NUMBER})", rest.get("d", ""))]
+    assert min(heights) > max(others)
