@@ -25,6 +25,7 @@ from kinematics.spatial import Array
 Point = tuple[float, float, float]
 LIMBS = 5
 SUBSCRIPTS = "₁₂₃₄₅"
+JOINT_SYMBOLS = tuple(f"ρ{index}" for index in SUBSCRIPTS)
 SHORTEST_LINK = 1e-3
 """mm; below a micrometre a link is a slip of the pen."""
 

@@ -26,6 +26,7 @@ LIMBS = 5
 SPR = 4
 """The SPR limb, counted from 0."""
 SUBSCRIPTS = "₁₂₃₄₅"
+JOINT_SYMBOLS = tuple(f"l{index}" for index in SUBSCRIPTS)
 SHORTEST_AXIS = 1e-9
 """A direction with numbers smaller than this is none."""
 

@@ -66,8 +66,6 @@ from kinematics.spatial import Array
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
     from kinematics.solids import BuiltSolid
 
-SYMBOLS = tuple(f"l{index}" for index in designs.SUBSCRIPTS)
-
 
 class FourSPSSPR(Bare):
     """Wang et al. (2017): x, y, z, α, β, γ under one constraint, moved by five legs l₁ … l₅."""
@@ -113,7 +111,7 @@ class FourSPSSPR(Bare):
 
     def joint_coordinates(self, design: FourSPSSPRDesign) -> tuple[Coordinate, ...]:
         return tuple(
-            Coordinate(f"l{i + 1}", SYMBOLS[i], "mm", *limb.stroke, limb=i + 1)
+            Coordinate(f"l{i + 1}", designs.JOINT_SYMBOLS[i], "mm", *limb.stroke, limb=i + 1)
             for i, limb in enumerate(design.limbs)
         )
 
@@ -152,7 +150,7 @@ class FourSPSSPR(Bare):
             moving.state_of(posture.pose),
             joints,
             strokes=design.stroke,
-            symbols=SYMBOLS,
+            symbols=designs.JOINT_SYMBOLS,
             posture=moving.posture_maker(design, posture.pose),
         )
 

@@ -31,6 +31,7 @@ Kind = Literal["three_rps", "three_spr"]
 KINDS: tuple[Kind, Kind] = ("three_rps", "three_spr")
 LIMBS = 3
 SUBSCRIPTS = "₁₂₃"
+JOINT_SYMBOLS = tuple(f"ρ{index}" for index in SUBSCRIPTS)
 AZIMUTHS = (0.0, -2.0 * np.pi / 3.0, 2.0 * np.pi / 3.0)
 """Of u_1, u_2, u_3, rad."""
 MODES = ("1", "2")

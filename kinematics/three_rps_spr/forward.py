@@ -13,12 +13,12 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinematics.errors import InputError
+from kinematics.solution_sets import positive_lengths
 from kinematics.solutions import ForwardSolutions, SelfMotion
-from kinematics.spatial import Array, finite
+from kinematics.spatial import Array
 from kinematics.three_rps_spr import conics, posing
 from kinematics.three_rps_spr.conics import Complex
-from kinematics.three_rps_spr.design import LIMBS, MODES, SUBSCRIPTS, TripodDesign, mode_sign
+from kinematics.three_rps_spr.design import JOINT_SYMBOLS, MODES, TripodDesign, mode_sign
 from kinematics.three_rps_spr.inverse import STROKE_SLACK
 from kinematics.three_rps_spr.posing import Reduced
 from kinematics.three_rps_spr.wrenches import characteristic_length, condition, wrench_system
@@ -46,12 +46,7 @@ def forward(design: TripodDesign, joints: ArrayLike) -> tuple[ForwardSolutions, 
     Raises:
         InputError: not three finite positive lengths each.
     """
-    rho = finite(joints, name="the joints", last=LIMBS).reshape(-1, LIMBS)
-    if (rho <= 0.0).any():
-        row, limb = (int(n) for n in np.argwhere(rho <= 0.0)[0])
-        raise InputError(
-            f"actuator lengths must be positive (mm), got ρ{SUBSCRIPTS[limb]} = {rho[row, limb]:g}"
-        )
+    rho = positive_lengths(joints, JOINT_SYMBOLS)
     answers: list[ForwardSolutions] = []
     for part in (rho[n : n + _CHUNK] for n in range(0, len(rho), _CHUNK)):
         began = perf_counter()

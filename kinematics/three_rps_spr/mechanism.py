@@ -131,7 +131,7 @@ class Tripod(Bare):
 
     def joint_coordinates(self, design: TripodDesign) -> tuple[Coordinate, ...]:
         return tuple(
-            Coordinate(f"rho{i + 1}", moving.SYMBOLS[i], "mm", *design.stroke, limb=i + 1)
+            Coordinate(f"rho{i + 1}", designs.JOINT_SYMBOLS[i], "mm", *design.stroke, limb=i + 1)
             for i in range(designs.LIMBS)
         )
 

@@ -20,11 +20,10 @@ from kinematics.solutions import Fold, Followed, Posture
 from kinematics.spatial import Array, finite
 from kinematics.three_rps_spr import posing
 from kinematics.three_rps_spr.conics import lengths_and_slopes
-from kinematics.three_rps_spr.design import LIMBS, SUBSCRIPTS, TripodDesign, mode_sign
+from kinematics.three_rps_spr.design import JOINT_SYMBOLS, LIMBS, TripodDesign, mode_sign
 from kinematics.three_rps_spr.inverse import posture
 from kinematics.three_rps_spr.posing import Reduced
 
-SYMBOLS = tuple(f"ρ{index}" for index in SUBSCRIPTS)
 MEETING = 1e-9
 """|x0| below which a pose belongs to both operation modes."""
 _ROUNDS = 12
@@ -110,7 +109,7 @@ def follow(design: TripodDesign, start: Posture, joints: Sequence[float]) -> Fol
         state_of(design, start.pose, start.mode),
         joints,
         strokes=np.array([design.stroke] * LIMBS),
-        symbols=SYMBOLS,
+        symbols=JOINT_SYMBOLS,
         posture=posture_maker(design, start.mode),
         events=remember,
     )

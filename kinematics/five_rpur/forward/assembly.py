@@ -16,11 +16,10 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinematics.errors import InputError
 from kinematics.five_rpur.arrangements import arrangements
-from kinematics.five_rpur.design import LIMBS, SUBSCRIPTS, FiveRPURDesign
+from kinematics.five_rpur.design import JOINT_SYMBOLS, LIMBS, FiveRPURDesign
 from kinematics.five_rpur.forward import general, simplified
-from kinematics.five_rpur.forward.coincidence import REAL, describe, nearly_real, self_motions
+from kinematics.five_rpur.forward.coincidence import REAL, nearly_real, self_motions
 from kinematics.five_rpur.forward.equations import (
     Complex,
     Frame,
@@ -39,6 +38,14 @@ from kinematics.five_rpur.forward.equations import (
 from kinematics.five_rpur.forward.families import membership
 from kinematics.five_rpur.inverse import MODES, STROKE_SLACK
 from kinematics.five_rpur.velocity import characteristic_length
+from kinematics.homotopy import Roots
+from kinematics.solution_sets import (
+    NONE_FOUND,
+    NONE_REAL,
+    described,
+    grouped,
+    positive_lengths,
+)
 from kinematics.solutions import ForwardSolutions
 from kinematics.spatial import Array, finite
 from kinematics.tracking import relative_size
@@ -86,12 +93,7 @@ def forward(
     Raises:
         InputError: not five finite positive lengths each.
     """
-    rho = finite(joints, name="the joints", last=LIMBS).reshape(-1, LIMBS)
-    if (rho <= 0.0).any():
-        row, limb = (int(n) for n in np.argwhere(rho <= 0.0)[0])
-        raise InputError(
-            f"actuator lengths must be positive (mm), got ρ{SUBSCRIPTS[limb]} = {rho[row, limb]:g}"
-        )
+    rho = positive_lengths(joints, JOINT_SYMBOLS)
     quick = forward_is_quick(design, mixed_modes=mixed_modes)
     size = _CHUNK if quick else 1
     answers: list[ForwardSolutions] = []
@@ -190,7 +192,7 @@ def _same_mode_part(
     )
 
 
-def _by_homotopy(design: FiveRPURDesign, rho: Array, roots: general.Roots | None = None) -> _Found:
+def _by_homotopy(design: FiveRPURDesign, rho: Array, roots: Roots | None = None) -> _Found:
     kept = general.has_own_start_set(design)
     family = membership(design).family
     found = general.roots_at(design, rho) if roots is None else roots
@@ -218,19 +220,11 @@ def _by_homotopy(design: FiveRPURDesign, rho: Array, roots: general.Roots | None
     )
 
 
-def _completeness(found: general.Roots, family: int) -> tuple[str, ...]:
+def _completeness(found: Roots, family: int) -> tuple[str, ...]:
     notes = []
     if found.complete and found.count < family:
         notes.append(f"{family - found.count} of {family} solutions are at infinity.")
-    if found.lost:
-        notes.append(f"{found.lost} paths could not be followed: solutions may be missing.")
-    elif not found.whole:
-        notes.append("The start set of this design has gaps: solutions may be missing.")
-    elif not found.closed:
-        notes.append("A solution lacks its complex conjugate: solutions may be missing.")
-    elif not found.complete:
-        notes.append(f"{found.expected} paths led to {found.count} solutions: some may be missing.")
-    return tuple(notes)
+    return (*notes, *found.doubts)
 
 
 # --- from roots to answers -------------------------------------------------------------------
@@ -279,7 +273,7 @@ def _answers(
         modes = tuple(MODES[n] for n in part.mode)
         curved = roots[:, singular & (numbers == k)]
         free = self_motions(design, rho[k], frame, curved, length)
-        notes = (*one.notes, *describe(part.weight, gap, int(pairs[k])), *(m.text for m in free))
+        notes = (*one.notes, *described(part.weight, gap, int(pairs[k])), *(m.text for m in free))
         answers.append(
             ForwardSolutions(
                 joints=tuple(rho[k].tolist()),
@@ -310,13 +304,13 @@ def _none_text(design: FiveRPURDesign, complete: bool, mixed_modes: bool) -> str
     if arrangements(design).reasons:
         return "No isolated solution is real."
     if not complete:
-        return "No real solution was found."
+        return NONE_FOUND
     if forward_is_quick(design, mixed_modes=mixed_modes):
         return (
             "No solution with each arrangement in one working mode is real; there may be some in "
             "mixed modes."
         )
-    return "No solution is real: the machine cannot be assembled with these lengths."
+    return NONE_REAL
 
 
 class _Table(NamedTuple):
@@ -414,11 +408,8 @@ def _merged(part: _Table, length: float) -> tuple[_Table, Array]:
     close = np.flatnonzero(gap <= _DOUBLE * length)
     if not close.size:
         return part, gap
-    labels = np.arange(count)
-    for i in close:
-        one, two = labels[i], labels[nearest[i]]
-        labels[labels == max(one, two)] = min(one, two)
-    firsts, groups = np.unique(labels, return_inverse=True)
+    groups = grouped(count, np.column_stack([close, nearest[close]]))
+    firsts = np.unique(groups, return_index=True)[1]
     part = part.take(firsts)._replace(weight=np.bincount(groups, part.weight).astype(np.intp))
     return part, _neighbours(part.poses, length)[1]
 

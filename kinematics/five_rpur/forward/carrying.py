@@ -1,10 +1,6 @@
-"""The assembly modes of a 5-RPUR while its actuators move: who stayed, who merged, who appeared.
+"""The assembly modes of a 5-RPUR while its actuators move, see `kinematics.identities`.
 
-Every real solution is followed along the straight line in joint space from the lengths before to
-those now. Where it arrives it is the same assembly mode, and keeps its identity; where it ends at
-a fold, it has merged with another. Arriving is not taken on trust: the end has to be one of the
-full set, two may not arrive together, and the determinant may not have changed its sign.
-
+Solutions are followed along the straight line in joint space from the lengths before to those now.
 Where only the solutions are known in which each arrangement stands in one working mode, its limbs
 are followed as one: they pass v ∥ e1 together, where they could part if they were not.
 """
@@ -12,8 +8,6 @@ are followed as one: they pass v ∥ e1 together, where they could part if they 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
-from itertools import count
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,14 +38,14 @@ from kinematics.five_rpur.forward.equations import (
 )
 from kinematics.five_rpur.inverse import joint_points
 from kinematics.five_rpur.velocity import characteristic_length
-from kinematics.solutions import ForwardSolutions, Merged, Refreshed
+from kinematics.identities import CAREFULLY, arrivals, became, told_apart
+from kinematics.solutions import ForwardSolutions, Refreshed
 from kinematics.spatial import Array
-from kinematics.tracking import Control, Ending, Tracked, track
+from kinematics.tracking import Control, Ending, Index, Tracked, track
 
 Ties = tuple[tuple[int, ...], ...]
 
 _AT_ONCE = Control(first=1.0, error=2e-2, shortest=1e-4, most=200)
-_CAREFULLY = Control(first=0.02, error=1e-3, contraction=0.02, shortest=1e-6, most=2000)
 _THERE = 1e-6  # of the machine's size: an end and the solution that it is
 _TOGETHER = 0.2  # of the machine's size: solutions left at the same fold
 
@@ -69,15 +63,24 @@ def refresh(design: FiveRPURDesign, before: ForwardSolutions, joints: Sequence[f
     tied = () if before.mixed_modes else _ties(design)
     way = _Following(Deformation(g0, g0._replace(rho2=g1.rho2)), tied)
     sides = _sides(g0, starts, tied), _sides(g1, _configurations(design, frame, now), tied)
-    ends = _followed(way, starts, _AT_ONCE)
-    became = _arrivals(frame, length, sides, now, ends)
-    doubtful = np.flatnonzero((became < 0) & (ends.endings == Ending.REGULAR))
-    if doubtful.size:
-        again = _followed(way.take(doubtful), starts[:, doubtful], _CAREFULLY)
-        ends.endings[doubtful], ends.reached[doubtful] = again.endings, again.reached
-        ends.values[:, doubtful] = again.values
-        became = _arrivals(frame, length, sides, now, ends)
-    return _told_apart(frame, length, before, now, ends, became, sides[0])
+
+    def distances(one: Array, other: Array) -> Array:
+        d = pose_points(one, length)[:, None, :] - pose_points(other, length)[None, :, :]
+        return np.asarray(np.sqrt((d * d).sum(axis=-1)))
+
+    def follow(columns: Index | None) -> Tracked:
+        if columns is None:
+            return _followed(way, starts, _AT_ONCE)
+        return _followed(way.take(columns), starts[:, columns], CAREFULLY)
+
+    def at_ends(ends: Tracked) -> Index:
+        arrived = ends.ended(Ending.REGULAR)
+        poses = to_poses(frame, real_part(ends.values[:, arrived])[0])
+        return arrivals(distances(poses, now.poses), arrived, sides, _THERE * frame.unit)
+
+    ends, which = became(follow, at_ends)
+    last, near = to_poses(frame, real_part(ends.values)[0]), _TOGETHER * frame.unit
+    return told_apart(before, now, which, last, sides[0], distances, near)
 
 
 def _followed(way: _Following, starts: Complex, control: Control) -> Tracked:
@@ -177,75 +180,3 @@ def _configurations(design: FiveRPURDesign, frame: Frame, known: ForwardSolution
     elbows = np.where(np.isfinite(elbows), elbows, tips)  # rounding, with the link along e1
     u = from_poses(design, frame, known.poses, elbows)
     return polish(parameters(design, known.joints, frame), u, rounds=2)[0]
-
-
-def _arrivals(
-    frame: Frame,
-    length: float,
-    sides: tuple[Array, Array],
-    now: ForwardSolutions,
-    ends: Tracked,
-) -> NDArray[np.intp]:
-    """Which solution of ``now`` each of ``before`` has become; −1 for none, or for doubt."""
-    answer = np.full(len(sides[0]), -1, dtype=np.intp)
-    arrived = np.flatnonzero(ends.endings == Ending.REGULAR)
-    if not arrived.size or not len(now):
-        return answer
-    poses = to_poses(frame, real_part(ends.values[:, arrived])[0])
-    apart = _distances(poses, now.poses, length)
-    nearest = apart.argmin(axis=1)
-    good = apart[np.arange(len(arrived)), nearest] <= _THERE * frame.unit
-    good &= sides[0][arrived] == sides[1][nearest]
-    good &= np.bincount(nearest[good], minlength=len(now))[nearest] <= 1
-    answer[arrived[good]] = nearest[good]
-    return answer
-
-
-def _told_apart(
-    frame: Frame,
-    length: float,
-    before: ForwardSolutions,
-    now: ForwardSolutions,
-    ends: Tracked,
-    became: NDArray[np.intp],
-    side: Array,
-) -> Refreshed:
-    stayed = became >= 0
-    names = dict(zip(became[stayed].tolist(), np.flatnonzero(stayed), strict=True))
-    fresh = count(max(before.identities, default=0) + 1)
-    identities = tuple(
-        before.identities[names[n]] if n in names else next(fresh) for n in range(len(now))
-    )
-    appeared = tuple(name for n, name in enumerate(identities) if n not in names)
-    gone = np.flatnonzero(~stayed)
-    last = to_poses(frame, real_part(ends.values[:, gone])[0])
-    met = _meetings(last, side[gone], length, _TOGETHER * frame.unit)
-    merged = tuple(
-        Merged(
-            before.identities[n],
-            before.identities[gone[met[k]]] if k in met else None,
-            tuple(last[k].tolist()),
-            before.modes[n],
-        )
-        for k, n in enumerate(gone)
-    )
-    return Refreshed(replace(now, identities=identities), appeared, merged)
-
-
-def _meetings(poses: Array, side: Array, length: float, near: float) -> dict[int, int]:
-    """Who met whom at a fold, nearest first: only solutions from different sides do."""
-    apart = _distances(poses, poses, length)
-    met: dict[int, int] = {}
-    for n in np.argsort(apart, axis=None):
-        i, j = divmod(int(n), len(poses))
-        if apart[i, j] > near:
-            break
-        if i != j and i not in met and j not in met and side[i] != side[j]:
-            met[i], met[j] = j, i
-    return met
-
-
-def _distances(one: Array, other: Array, length: float) -> Array:
-    d = pose_points(one, length)[:, None, :] - pose_points(other, length)[None, :, :]
-    distances: Array = np.sqrt((d * d).sum(axis=-1))
-    return distances

@@ -23,11 +23,9 @@ from kinematics.five_rpur.forward.equations import (
     terms,
     to_poses,
 )
+from kinematics.solution_sets import NEAR
 from kinematics.solutions import SelfMotion
 from kinematics.spatial import Array
-
-NEAR = 1.0
-"""mm, angles times the characteristic length: closer solutions are near a fold."""
 
 REAL = 1e-7
 """Relative distance of a solution from its conjugate below which it is real."""
@@ -38,27 +36,6 @@ _SINGULAR = 1e-4  # smallest singular value of the equations, relative to the la
 _TRIES = (2e-2, 1e-1)  # how far along a free direction solutions must exist, in units
 _NEXT = (5e-3, 2e-2)  # the same next to a posture that is known exactly
 _CLOSES = 1e-12  # of the equations, relative
-
-
-def describe(multiplicity: NDArray[np.intp], gap: Array, pairs: int) -> tuple[str, ...]:
-    """A sentence each for doubles, for near-doubles and for pairs that are nearly real."""
-    notes = []
-    doubles = np.flatnonzero(multiplicity > 1)
-    for times in np.unique(multiplicity[doubles]):
-        count = int(np.count_nonzero(multiplicity == times))
-        what = "solution counts" if count == 1 else "solutions count"
-        notes.append(f"{count} {what} {times}-fold: assembly modes merge there.")
-    near = gap[gap < NEAR]
-    if near.size:
-        notes.append(
-            f"{near.size} solutions have another one within {near.max():.2g} mm, as next to a fold."
-        )
-    if pairs:
-        notes.append(
-            f"{pairs} complex pair{'s are' if pairs > 1 else ' is'} within {NEAR:g} mm of being "
-            "real: assembly modes are about to appear."
-        )
-    return tuple(notes)
 
 
 def nearly_real(frame: Frame, roots: Complex, length: float) -> NDArray[np.intp]:

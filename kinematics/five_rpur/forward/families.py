@@ -19,12 +19,13 @@ from typing import Literal
 
 import numpy as np
 
+from kinematics import homotopy
 from kinematics.assets import asset_folder
 from kinematics.designs import load_design
 from kinematics.errors import ComputationError
 from kinematics.five_rpur.arrangements import TOLERANCE, size
 from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
-from kinematics.five_rpur.forward.equations import Complex, Parameters
+from kinematics.five_rpur.forward.equations import Parameters
 from kinematics.spatial import Array
 
 Kind = Literal["S", "R", "A1", "A2", "A3"]
@@ -68,16 +69,7 @@ MACHINES = ("rpur-table1", "rpur-table1-icee", "rpur-table2")
 """Presets whose own start sets are stored: the papers' machines."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class StartSet:
-    """All ``roots`` (10, M) of one machine with complex ``parameters``.
-
-    ``complete`` is false where paths to it were lost, so that some may be missing.
-    """
-
-    parameters: Parameters
-    roots: Complex
-    complete: bool = True
+StartSet = homotopy.StartSet[Parameters]
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,18 +2,13 @@
 
 A design's own start set is all solutions for its geometry and complex actuator lengths. It is
 made once, by following the start set of the design's family (`forward.families`).
-From there only the lengths have to move, which takes a few steps a path.
-
-That nothing is missing is seen from the count, every path accounted for, and from the set being
-closed under complex conjugation, as that of a real machine must be. Paths that are lost, or that
-end at one solution together, are followed again with care; then all take another way, and the
-union is taken.
+From there only the lengths have to move, which takes a few steps a path. How paths are settled
+and counted is `kinematics.homotopy`.
 """
 
 from __future__ import annotations
 
 from collections import OrderedDict
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -30,57 +25,13 @@ from kinematics.five_rpur.forward.equations import (
     signature,
 )
 from kinematics.five_rpur.forward.families import StartSet, kept_set, membership, start_set
-from kinematics.tracking import CAREFUL, Control, Ending, relative_size, track
+from kinematics.homotopy import AROUND, SAME, Roots, solve
+from kinematics.solution_sets import grouped
+from kinematics.spatial import Array
+from kinematics.tracking import Control, Index, relative_size
 
-SAME = 1e-7
-"""Relative distance below which two complex solutions are one."""
-_REGULAR = 1e-10  # largest last correction of a regular solution, relative
-_SINGULAR = 1e-12  # regularity of a solution on a curve of them, but for rounding
-_DOUBTFUL = 1e-3  # regularity at the end of a path above which that is no singular solution
-_NEAR = 1e-4  # relative distance of paths that end at one singular solution
-_STAYS = 1e-2  # largest way from a path's end to the solution it is taken for, relative
 _KEPT = 16  # own start sets in memory
-_WAYS = 4
 _QUICK = Control(first=0.2)  # from a start set with the same geometry
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Roots:
-    """All complex solutions at one vector of lengths.
-
-    Attributes:
-        values: (10, M) distinct ones, regular first.
-        multiplicity: (M,) how many paths end there.
-        infinite: paths that run off to infinity.
-        lost: paths that could not be followed to their end.
-        expected: how many paths there were.
-        closed: the conjugate of every regular solution is one.
-        whole: nothing is missing in the set that the paths began from.
-        regular: how many of the values are regular.
-        ways: along how many ways the paths were followed.
-    """
-
-    values: Complex
-    multiplicity: NDArray[np.intp]
-    infinite: int
-    lost: int
-    expected: int
-    closed: bool
-    whole: bool
-    regular: int
-    ways: int
-
-    @property
-    def count(self) -> int:
-        """Finite solutions with their multiplicity."""
-        return int(self.multiplicity.sum())
-
-    @property
-    def complete(self) -> bool:
-        """Every path is accounted for, and the set is closed under conjugation."""
-        accounted = self.lost == 0 and self.count + self.infinite == self.expected
-        return accounted and self.closed and self.whole
-
 
 # --- a design's own start set ---------------------------------------------------------------
 
@@ -162,34 +113,50 @@ def _solve(
     bend: Complex | None = None,
     control: Control | None = None,
 ) -> Roots:
-    """All solutions of the target, along as many ways as it takes to find them.
-
-    Paths that are doubtful at the end of a way are followed again with care. Where that does not
-    help, all paths take another way, which leads every one of them elsewhere, and what is new
-    joins what was found before.
-    """
-    found: Roots | None = None
-    for n in range(_WAYS):
-        around = _only_lengths(bend) if n == 0 else _around(start.parameters, target, n)
-        way = Deformation(start.parameters, target, around)
-        ends = track(way, start.roots, control)
-        values, endings = ends.values.copy(), ends.endings.copy()
-        _settle(target, values, endings)
-        again = _doubtful(values, endings)
-        if again.size:
-            ends = track(way.take(again), start.roots[:, again], CAREFUL)
-            values[:, again], endings[again] = ends.values, ends.endings
-            _settle(target, values, endings, again)
-        found = _gathered(target, values, endings, known=found, whole=start.complete, real=real)
-        if found.lost == 0:
-            break
-    assert found is not None
+    equations = _Equations(start.parameters, target, bend)
+    (found,) = solve(equations, start.roots, whole=start.complete, real=real, control=control)
     return found
+
+
+class _Equations:
+    """One target, see `kinematics.homotopy.Equations`; ``bend``: how the first way leads around."""
+
+    singular = 1e-12
+    near = 1e-4
+
+    def __init__(self, start: Parameters, target: Parameters, bend: Complex | None) -> None:
+        self._start, self._target, self._bend = start, target, bend
+
+    def way(self, targets: Index, attempt: int) -> Deformation:
+        start, target = self._start, self._target
+        first = attempt == 0
+        around = _only_lengths(self._bend) if first else _around(start, target, attempt)
+        return Deformation(start, target, around)
+
+    def polish(self, values: Complex, of: Index, rounds: int = 3) -> tuple[Complex, Array]:
+        return polish(self._target, values, rounds=rounds)
+
+    def regularity(self, values: Complex, of: Index) -> Array:
+        return regularity(self._target, values)
+
+    def conjugate(self, values: Complex) -> Complex:
+        return conjugate(values)
+
+    def infinite(self, values: Complex) -> NDArray[np.bool_]:
+        return np.zeros(values.shape[1], dtype=bool)
+
+    def cluster(self, values: Complex, distance: float) -> Index:
+        return cluster(values, distance)
+
+    def among(self, values: Complex, known: Complex) -> NDArray[np.bool_]:
+        labels = cluster(np.concatenate([known, values], axis=1))
+        count = known.shape[1]
+        return np.isin(labels[count:], labels[:count])
 
 
 def _around(start: Parameters, target: Parameters, n: int) -> Parameters:
     """A way around through complex t, which stays within the family."""
-    turn = 1j * (0.35, -0.45, 0.8)[n - 1]
+    turn = 1j * AROUND[n - 1]
     return Parameters(
         *(
             np.zeros((1, 1)) if a is b else np.asarray(turn * (b - a), dtype=complex)
@@ -205,137 +172,22 @@ def _only_lengths(bend: Complex | None) -> Parameters | None:
     return Parameters(*(nothing,) * 7, rho2=bend)
 
 
-def _settle(
-    target: Parameters,
-    values: Complex,
-    endings: NDArray[np.int8],
-    columns: NDArray[np.intp] | None = None,
-) -> None:
-    """Bring the ends down to rounding: what settles at once is a regular solution, else not."""
-    chosen = endings != Ending.LOST
-    if columns is not None:
-        some = np.zeros_like(chosen)
-        some[columns] = True
-        chosen &= some
-    who = np.flatnonzero(chosen)
-    if not who.size:
-        return
-    ends, error = polish(target, values[:, who])
-    enough = _rounding(values[:, who])
-    slow = np.flatnonzero(~(error <= enough))  # near another solution it takes more rounds
-    if slow.size:
-        ends[:, slow], error[slow] = polish(target, ends[:, slow], rounds=8)
-    settled = (error <= enough) & (regularity(target, ends) > _SINGULAR)
-    settled &= relative_size(ends - values[:, who], ends) < _STAYS
-    values[:, who[settled]] = ends[:, settled]
-    arrived = endings[who] == Ending.REGULAR
-    endings[who[settled]] = Ending.REGULAR
-    endings[who[arrived & ~settled]] = Ending.SINGULAR
-    # A path that ends at a singular solution comes where the equations are nearly singular.
-    left = who[~settled & (endings[who] == Ending.SINGULAR)]
-    endings[left[regularity(target.take(left), values[:, left]) > _DOUBTFUL]] = Ending.LOST
-
-
-def _rounding(values: Complex) -> NDArray[np.float64]:
-    """The largest last correction of a regular solution, (n,): larger far out."""
-    allowed: NDArray[np.float64] = _REGULAR * np.maximum(np.abs(values).max(axis=0), 1.0)
-    return allowed
-
-
-def _doubtful(values: Complex, endings: NDArray[np.int8]) -> NDArray[np.intp]:
-    """Paths that were lost, and those that claim the same regular solution."""
-    regular = np.flatnonzero(endings == Ending.REGULAR)
-    groups = cluster(values[:, regular])
-    crowded = regular[np.bincount(groups)[groups] > 1] if regular.size else regular
-    return np.sort(np.concatenate([np.flatnonzero(endings == Ending.LOST), crowded]))
-
-
 def cluster(values: Complex, distance: float = SAME) -> NDArray[np.intp]:
     """Labels 0 … m − 1 of solutions (10, n): the same for those within a relative distance."""
     count = values.shape[1]
-    labels = np.arange(count)
     if count < 2:
-        return labels
+        return np.arange(count)
     marks = signature(values)
     order = np.argsort(marks.real)
     sorted_marks, ordered = marks[order], values[:, order]
     scale = distance * (1.0 + np.abs(sorted_marks))
+    pairs = [np.zeros((0, 2), dtype=np.intp)]
     for k in range(1, count):  # ends at once unless many share a real part
         near = sorted_marks[k:].real - sorted_marks[:-k].real <= 16.0 * scale[k:]
         if not near.any():
             break
         left = np.flatnonzero(near)
         away = relative_size(ordered[:, left] - ordered[:, left + k], ordered[:, left])
-        for i in left[away <= distance]:
-            one, two = labels[order[i]], labels[order[i + k]]
-            if one != two:
-                labels[labels == max(one, two)] = min(one, two)
-    return np.unique(labels, return_inverse=True)[1].astype(np.intp)
-
-
-def _gathered(
-    target: Parameters,
-    values: Complex,
-    endings: NDArray[np.int8],
-    *,
-    known: Roots | None,
-    whole: bool,
-    real: bool,
-) -> Roots:
-    paths = values.shape[1]
-    regular = values[:, endings == Ending.REGULAR]
-    if known is not None:
-        regular = np.concatenate([known.values[:, : known.regular], regular], axis=1)
-    groups = cluster(regular)
-    regular = regular[:, np.unique(groups, return_index=True)[1]] if groups.size else regular
-    closed = True
-    if real:
-        regular, closed = _with_conjugates(target, regular)
-    singular = _singular_ends(target, values[:, endings == Ending.SINGULAR])
-    # What a conjugate brought in already is not there twice.
-    marks = cluster(np.concatenate([regular, singular], axis=1))
-    singular = singular[:, ~np.isin(marks[regular.shape[1] :], marks[: regular.shape[1]])]
-    groups = cluster(singular, _NEAR)
-    firsts = np.unique(groups, return_index=True)[1] if groups.size else groups
-    found = np.concatenate([regular, singular[:, firsts]], axis=1)
-    weights = np.bincount(groups) if groups.size else np.zeros(0, dtype=np.intp)
-    infinite = int(np.count_nonzero(endings == Ending.INFINITE))
-    return Roots(
-        values=found,
-        multiplicity=np.concatenate([np.ones(regular.shape[1], dtype=np.intp), weights]),
-        infinite=infinite,
-        # Below zero where a path ended beside its solution and a conjugate brought that in.
-        lost=max(paths - infinite - regular.shape[1] - singular.shape[1], 0),
-        expected=paths,
-        closed=closed,
-        whole=whole,
-        regular=regular.shape[1],
-        ways=1 if known is None else known.ways + 1,
-    )
-
-
-def _singular_ends(target: Parameters, values: Complex) -> Complex:
-    """Newton's method halves the way to a double solution at every step; some steps are enough."""
-    if not values.size:
-        return values
-    ends, _ = polish(target, values, rounds=24)
-    strayed = ~(relative_size(ends - values, values) < _STAYS)
-    ends[:, strayed] = values[:, strayed]
-    return ends
-
-
-def _with_conjugates(target: Parameters, regular: Complex) -> tuple[Complex, bool]:
-    """The solutions and their conjugates, which a real machine has too, and whether all closed.
-
-    A path that was lost is made good by the one to the conjugate solution.
-    """
-    mirrored = conjugate(regular)
-    groups = cluster(np.concatenate([regular, mirrored], axis=1))
-    count = regular.shape[1]
-    known = np.zeros(int(groups.max(initial=-1)) + 1, dtype=bool)
-    known[groups[:count]] = True
-    fresh = np.flatnonzero(~known[groups[count:]])
-    if not fresh.size:
-        return regular, True
-    missing, error = polish(target, mirrored[:, fresh])
-    return np.concatenate([regular, missing], axis=1), bool((error <= _rounding(missing)).all())
+        one = left[away <= distance]
+        pairs.append(np.stack([order[one], order[one + k]], axis=1))
+    return grouped(count, np.concatenate(pairs))

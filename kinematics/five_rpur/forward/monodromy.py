@@ -1,10 +1,8 @@
 """Makes the start sets of the 5-RPUR from nothing, and writes them into a folder.
 
-One machine is built around one random configuration, so that it has that solution. Following it
-to other random machines and back permutes the solutions; new ones are kept until none come any
-more (monodromy: Duff, Hill, Jensen, Lee, Leykin & Sommars, IMA J. Numer. Anal. 39 (2019) 1421).
-The families' sets are followed from the general one, whose surplus runs off to infinity, and
-their own loops add what was lost on the way.
+The general set comes from a single solution (`kinematics.monodromy`). The families' sets are
+followed from it, its surplus running off to infinity, and their own loops add what was lost on
+the way.
 
     python -m kinematics.five_rpur.forward.monodromy FOLDER
 """
@@ -12,8 +10,8 @@ their own loops add what was lost on the way.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
-from itertools import pairwise
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -33,19 +31,17 @@ from kinematics.five_rpur.forward.equations import (
 )
 from kinematics.five_rpur.forward.families import FAMILIES, MACHINES, Family, StartSet
 from kinematics.five_rpur.forward.general import cluster, make_own
-from kinematics.tracking import Control, Ending, track
+from kinematics.monodromy import Report, completed, print_line, random_complex, run
+from kinematics.tracking import Ending, track
 
 _PATIENCE = 4  # loops without anything new, after which a set is taken to be whole
-_MOST_LOOPS = 80
 _SPREAD = 0.7  # of the base and platform points of random machines, in links
-
-Report = Callable[[str], None]
 
 
 def general_set(rng: np.random.Generator, report: Report) -> StartSet:
     """All solutions of a random complex machine, from a single one."""
     g = _random_machine(rng, FAMILIES[0])
-    u = _random(rng, UNKNOWNS, 1)
+    u = random_complex(rng, UNKNOWNS, 1)
     u[PHI : THETA + 1] /= np.abs(u[PHI : THETA + 1]) ** 0.5
     f1, f2 = residuals(g._replace(link2=np.zeros((LIMBS, 1)), rho2=np.zeros((LIMBS, 1))), u)
     return _completed(
@@ -67,27 +63,22 @@ def _completed(
     known: StartSet, family: Family, rng: np.random.Generator, report: Report
 ) -> StartSet:
     """Loops through random machines of the family until they bring nothing new."""
-    machine, roots = known.parameters, known.roots
-    idle = 0
-    for n in range(_MOST_LOOPS):
-        before = roots.shape[1]
-        stops = [machine, _random_machine(rng, family), _random_machine(rng, family), machine]
-        moved = roots
-        for here, there in pairwise(stops):
-            ends = track(Deformation(here, there), moved, Control())
-            moved = ends.values[:, ends.endings == Ending.REGULAR]
-        roots = _distinct(machine, np.concatenate([roots, moved], axis=1))
-        report(f"{family.name}: loop {n + 1}, {roots.shape[1]} solutions")
-        idle = idle + 1 if roots.shape[1] == before else 0
+    found = completed(
+        known,
+        lambda: _random_machine(rng, family),
+        Deformation,
+        _distinct,
         # From one solution, loops bring nothing new by chance.
-        if idle >= _PATIENCE and (roots.shape[1] >= family.count or idle >= 3 * _PATIENCE):
-            break
-    if roots.shape[1] != family.count:
+        lambda count, idle: idle >= _PATIENCE * (1 if count >= family.count else 3),
+        lambda line: report(f"{family.name}: {line}"),
+    )
+    count = found.roots.shape[1]
+    if count != family.count:
         raise ComputationError(
-            f"{family.title} came out with {roots.shape[1]} solutions, not {family.count}; "
+            f"{family.title} came out with {count} solutions, not {family.count}; "
             "try again with another seed"
         )
-    return StartSet(machine, roots)
+    return found
 
 
 def _distinct(machine: Parameters, roots: Complex) -> Complex:
@@ -96,15 +87,10 @@ def _distinct(machine: Parameters, roots: Complex) -> Complex:
     return values[:, np.unique(cluster(values), return_index=True)[1]]
 
 
-def _random(rng: np.random.Generator, *shape: int) -> Complex:
-    values: Complex = (rng.normal(size=shape) + 1j * rng.normal(size=shape)) / np.sqrt(2.0)
-    return values
-
-
 def _random_machine(rng: np.random.Generator, family: Family) -> Parameters:
     """A random complex machine of a family."""
-    rx, ry, rz, sx, sy, sz = (_SPREAD * _random(rng, LIMBS, 1) for _ in range(6))
-    link2, rho2 = _random(rng, LIMBS, 1), _random(rng, LIMBS, 1)
+    rx, ry, rz, sx, sy, sz = (_SPREAD * random_complex(rng, LIMBS, 1) for _ in range(6))
+    link2, rho2 = random_complex(rng, LIMBS, 1), random_complex(rng, LIMBS, 1)
     for kind, i, j in family.relations:
         if kind != "R":
             sy[j], sz[j] = sy[i], sz[i]
@@ -148,21 +134,7 @@ def make(folder: Path, *, seed: int = 2011, report: Report = lambda _: None) -> 
 
 def main(arguments: Sequence[str]) -> int:
     """``python -m kinematics.five_rpur.forward.monodromy FOLDER``."""
-    if len(arguments) != 1:
-        sys.stderr.write("one folder is needed, as assets/start_solutions\n")
-        return 2
-    try:
-        make(Path(arguments[0]), report=print_line)
-    except ComputationError as error:
-        sys.stderr.write(f"{error}\n")
-        return 1
-    return 0
-
-
-def print_line(line: str) -> None:
-    """Progress, on the terminal at once."""
-    sys.stdout.write(line + "\n")
-    sys.stdout.flush()
+    return run(partial(make, report=print_line), arguments)
 
 
 if __name__ == "__main__":

@@ -8,11 +8,10 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinematics.errors import InputError
 from kinematics.four_sps_spr import moving
-from kinematics.four_sps_spr.design import LIMBS, SUBSCRIPTS, FourSPSSPRDesign
+from kinematics.four_sps_spr.design import JOINT_SYMBOLS, FourSPSSPRDesign
 from kinematics.four_sps_spr.forward.equations import Frame, normal_form, to_transforms
-from kinematics.four_sps_spr.forward.roots import Roots, own_start_set, roots_at
+from kinematics.four_sps_spr.forward.roots import own_start_set, roots_at
 from kinematics.four_sps_spr.forward.self_motion import self_motions
 from kinematics.four_sps_spr.forward.start_set import GENERAL_COUNT
 from kinematics.four_sps_spr.inverse import (
@@ -22,16 +21,23 @@ from kinematics.four_sps_spr.inverse import (
     violation,
 )
 from kinematics.four_sps_spr.wrenches import condition, wrench_system
+from kinematics.homotopy import Roots
+from kinematics.solution_sets import (
+    NEAR,
+    NONE_FOUND,
+    NONE_REAL,
+    described,
+    grouped,
+    positive_lengths,
+)
 from kinematics.solutions import ForwardSolutions
-from kinematics.spatial import Array, finite
+from kinematics.spatial import Array
 from kinematics.tracking import Complex
 
 _T = TypeVar("_T", bound=np.generic)
 
 REAL = 1e-7
 """Largest imaginary part of a real solution, relative to its size; of a double one its root."""
-NEAR = 1.0
-"""mm, angles times the characteristic length: closer solutions are near a fold."""
 _DOUBLE_REAL = 1e-4  # as REAL, of solutions where several coincide
 _DOUBLE = 1e-5  # of the characteristic length: closer ones are one, seen twice
 _CHUNK = 16  # length vectors at a time
@@ -51,12 +57,7 @@ def forward(design: FourSPSSPRDesign, joints: ArrayLike) -> tuple[ForwardSolutio
     Raises:
         InputError: not five finite positive lengths each.
     """
-    lengths = finite(joints, name="the joints", last=LIMBS).reshape(-1, LIMBS)
-    if (lengths <= 0.0).any():
-        row, limb = (int(n) for n in np.argwhere(lengths <= 0.0)[0])
-        raise InputError(
-            f"leg lengths must be positive (mm), got l{SUBSCRIPTS[limb]} = {lengths[row, limb]:g}"
-        )
+    lengths = positive_lengths(joints, JOINT_SYMBOLS, "leg lengths")
     answers: list[ForwardSolutions] = []
     for k in range(0, len(lengths), _CHUNK):
         part = lengths[k : k + _CHUNK]
@@ -126,12 +127,12 @@ def _answer(
     reach = bool(((joints >= low) & (joints <= high)).all())
     free = self_motions(design, joints, Frame.of(design), roots.values[:, roots.regular :])
     far = bool(joints.max() > _FAR * Frame.of(design).unit)
-    notes = (*_completeness(roots, generic), *_described(weights, gap, real.pairs))
+    notes = (*_completeness(roots, generic), *described(weights, gap, real.pairs))
     if far:
         notes = (*notes, "The legs are so much longer than the machine that digits are lost.")
     notes = (*notes, *(motion.text for motion in free))
     if not count:
-        notes = (*notes, _none_text(roots.complete and not far))
+        notes = (*notes, NONE_REAL if roots.complete and not far else NONE_FOUND)
     residual = np.zeros(count)
     if count:
         error = np.abs(leg_lengths(design, poses) - joints).max(axis=-1)
@@ -165,11 +166,8 @@ def _merged(design: FourSPSSPRDesign, real: _Real) -> tuple[Array, NDArray[np.in
     np.fill_diagonal(apart, np.inf)
     close = np.argwhere(np.triu(apart <= _DOUBLE * design.length, 1))
     if close.size:
-        labels = np.arange(len(poses))
-        for i, j in close.tolist():
-            one, two = labels[i], labels[j]
-            labels[labels == max(one, two)] = min(one, two)
-        firsts, groups = np.unique(labels, return_inverse=True)
+        groups = grouped(len(poses), close)
+        firsts = np.unique(groups, return_index=True)[1]
         poses, weights = poses[firsts], np.bincount(groups, weights).astype(np.intp)
         apart = pose_distances(design, poses, poses)
         np.fill_diagonal(apart, np.inf)
@@ -199,41 +197,7 @@ def _completeness(found: Roots, generic: int) -> tuple[str, ...]:
         )
     if found.complete and found.infinite:
         notes.append(f"{found.infinite} of {generic} solutions are at infinity.")
-    if found.lost:
-        notes.append(f"{found.lost} paths could not be followed: solutions may be missing.")
-    elif not found.whole:
-        notes.append("The start set of this design has gaps: solutions may be missing.")
-    elif not found.closed:
-        notes.append("A solution lacks its complex conjugate: solutions may be missing.")
-    elif not found.complete:
-        notes.append(f"{found.expected} paths led to {found.count} solutions: some may be missing.")
-    return tuple(notes)
-
-
-def _described(weights: NDArray[np.intp], gap: Array, pairs: int) -> tuple[str, ...]:
-    """A sentence each for doubles, for near-doubles and for pairs that are nearly real."""
-    notes = []
-    for times in np.unique(weights[weights > 1]):
-        count = int(np.count_nonzero(weights == times))
-        what = "solution counts" if count == 1 else "solutions count"
-        notes.append(f"{count} {what} {times}-fold: assembly modes merge there.")
-    near = gap[gap < NEAR]
-    if near.size:
-        notes.append(
-            f"{near.size} solutions have another one within {near.max():.2g} mm, as next to a fold."
-        )
-    if pairs:
-        notes.append(
-            f"{pairs} complex pair{'s are' if pairs > 1 else ' is'} within {NEAR:g} mm of being "
-            "real: assembly modes are about to appear."
-        )
-    return tuple(notes)
-
-
-def _none_text(complete: bool) -> str:
-    if not complete:
-        return "No real solution was found."
-    return "No solution is real: the machine cannot be assembled with these lengths."
+    return (*notes, *found.doubts)
 
 
 def _frozen(values: NDArray[_T]) -> NDArray[_T]:

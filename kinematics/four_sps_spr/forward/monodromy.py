@@ -1,8 +1,6 @@
 """Makes the start set of the 4-SPS + 1-SPR from nothing, and writes it into a folder.
 
-One machine is built around one random configuration, so that it has that solution. Following it
-to other random machines and back permutes the solutions; new ones are kept until none come any
-more (monodromy: Duff, Hill, Jensen, Lee, Leykin & Sommars, IMA J. Numer. Anal. 39 (2019) 1421).
+It comes from a single solution of one random machine, see `kinematics.monodromy`.
 
     python -m kinematics.four_sps_spr.forward.monodromy FOLDER
 """
@@ -10,8 +8,8 @@ more (monodromy: Duff, Hill, Jensen, Lee, Leykin & Sommars, IMA J. Numer. Anal. 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
-from itertools import pairwise
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -27,12 +25,10 @@ from kinematics.four_sps_spr.forward.equations import (
 )
 from kinematics.four_sps_spr.forward.roots import cluster
 from kinematics.four_sps_spr.forward.start_set import FILE, GENERAL_COUNT, StartSet
-from kinematics.tracking import Complex, Ending, track
+from kinematics.monodromy import Report, completed, print_line, random_complex, run
+from kinematics.tracking import Complex
 
 _PATIENCE = 10  # loops without anything new, after which the set is taken to be whole
-_MOST_LOOPS = 80
-
-Report = Callable[[str], None]
 
 
 def completed_set(
@@ -43,27 +39,20 @@ def completed_set(
     Args:
         planar: base and platform points in planes, the axis in that of the platform.
     """
-    machine, roots = _seed(rng, planar)
-    idle = 0
-    for n in range(_MOST_LOOPS):
-        before = roots.shape[1]
-        stops = [machine, _random_machine(rng, planar), _random_machine(rng, planar), machine]
-        moved = roots
-        for here, there in pairwise(stops):
-            ends = track(Deformation(here, there), moved)
-            moved = ends.values[:, ends.endings == Ending.REGULAR]
-        roots = _distinct(machine, np.concatenate([roots, moved], axis=1))
-        report(f"loop {n + 1}, {roots.shape[1]} solutions")
-        idle = idle + 1 if roots.shape[1] == before else 0
-        if idle >= _PATIENCE:
-            break
-    return StartSet(machine, roots)
+    return completed(
+        _seed(rng, planar),
+        lambda: _random_machine(rng, planar),
+        Deformation,
+        _distinct,
+        lambda _, idle: idle >= _PATIENCE,
+        report,
+    )
 
 
-def _seed(rng: np.random.Generator, planar: bool) -> tuple[Parameters, Complex]:
+def _seed(rng: np.random.Generator, planar: bool) -> StartSet:
     """A random machine that has one random configuration."""
     g = _random_machine(rng, planar)
-    x, y = _random(rng, 4, 1), _random(rng, 4, 1)
+    x, y = random_complex(rng, 4, 1), random_complex(rng, 4, 1)
     y = y - x * (x * y).sum() / (x * x).sum()
     u = on_patch(np.concatenate([x, y]))
     pose = marks(u)[:, 0]
@@ -73,7 +62,7 @@ def _seed(rng: np.random.Generator, planar: bool) -> tuple[Parameters, Complex]:
     apart = platform[SPR] @ axis - (base[SPR] - p) @ normal
     base[SPR, 0] += apart / normal[0]
     vectors = p + platform @ r.T - base
-    return g._replace(base=base, squares=(vectors * vectors).sum(axis=1)), u
+    return StartSet(g._replace(base=base, squares=(vectors * vectors).sum(axis=1)), u)
 
 
 def _distinct(machine: Parameters, roots: Complex) -> Complex:
@@ -82,17 +71,13 @@ def _distinct(machine: Parameters, roots: Complex) -> Complex:
     return values[:, np.unique(cluster(values), return_index=True)[1]]
 
 
-def _random(rng: np.random.Generator, *shape: int) -> Complex:
-    values: Complex = (rng.normal(size=shape) + 1j * rng.normal(size=shape)) / np.sqrt(2.0)
-    return values
-
-
 def _random_machine(rng: np.random.Generator, planar: bool) -> Parameters:
-    base, platform, axis = _random(rng, LIMBS, 3), 0.7 * _random(rng, LIMBS, 3), _random(rng, 3)
+    base, platform = random_complex(rng, LIMBS, 3), 0.7 * random_complex(rng, LIMBS, 3)
+    axis = random_complex(rng, 3)
     if planar:
         base[:, 2] = platform[:, 2] = 0.0
         axis[2] = 0.0
-    return Parameters(base, platform, axis, _random(rng, LIMBS))
+    return Parameters(base, platform, axis, random_complex(rng, LIMBS))
 
 
 def make(folder: Path, *, seed: int = 2017, report: Report = lambda _: None) -> None:
@@ -114,21 +99,11 @@ def make(folder: Path, *, seed: int = 2017, report: Report = lambda _: None) -> 
 
 def main(arguments: Sequence[str]) -> int:
     """``python -m kinematics.four_sps_spr.forward.monodromy FOLDER``."""
-    if len(arguments) != 1:
-        sys.stderr.write("one folder is needed, as assets/start_solutions\n")
-        return 2
-    try:
-        make(Path(arguments[0]), report=print_line)
-    except ComputationError as error:
-        sys.stderr.write(f"{error}\n")
-        return 1
-    return 0
+    return run(partial(make, report=_print), arguments)
 
 
-def print_line(line: str) -> None:
-    """Progress, on the terminal at once."""
-    sys.stdout.write(f"4-SPS + 1-SPR: {line}\n")
-    sys.stdout.flush()
+def _print(line: str) -> None:
+    print_line(f"4-SPS + 1-SPR: {line}")
 
 
 if __name__ == "__main__":

@@ -7,30 +7,20 @@ pentagons; paths to them run off when the design's own set is made (`roots.own_s
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
+from kinematics import homotopy
 from kinematics.assets import asset_folder
 from kinematics.errors import ComputationError
 from kinematics.four_sps_spr.forward.equations import Parameters
-from kinematics.tracking import Complex
 
 GENERAL_COUNT = 40
 FILE = "four_sps_spr-general.npz"
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class StartSet:
-    """All ``roots`` (8, M) of one machine with complex ``parameters``.
-
-    ``complete`` is false where paths to it were lost, so that some may be missing.
-    """
-
-    parameters: Parameters
-    roots: Complex
-    complete: bool = True
+StartSet = homotopy.StartSet[Parameters]
 
 
 @cache

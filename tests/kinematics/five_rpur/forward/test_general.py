@@ -13,6 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from kinematics import homotopy as homotopies
+from kinematics import monodromy as loops
 from kinematics.designs import load_design
 from kinematics.errors import ComputationError
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
@@ -139,7 +141,7 @@ def test_the_surplus_of_the_general_set_runs_off_to_infinity():
 
 def test_a_set_that_does_not_come_out_whole_is_refused(monkeypatch):
     stored = start_set(families.Membership(FAMILIES[-1], (0, 1, 2, 3, 4)))
-    monkeypatch.setattr(monodromy, "_MOST_LOOPS", 1)
+    monkeypatch.setattr(loops, "MOST_LOOPS", 1)
     few = families.StartSet(stored.parameters, stored.roots[:, :1])
     with pytest.raises(ComputationError, match="not 1072"):
         monodromy._completed(few, FAMILIES[-1], np.random.default_rng(2), lambda _: None)
@@ -226,7 +228,7 @@ def test_lost_paths_are_reported_and_then_found(monkeypatch):
         calls.append(starts.shape[1])
         return ends
 
-    monkeypatch.setattr(general, "track", forgetful)
+    monkeypatch.setattr(homotopies, "track", forgetful)
     found = roots_at(design, joints)
     assert calls == [1560, 30]
     assert found.complete
@@ -240,7 +242,7 @@ def test_lost_paths_are_reported_and_then_found(monkeypatch):
         calls.append(starts.shape[1])
         return ends
 
-    monkeypatch.setattr(general, "track", hopeless)
+    monkeypatch.setattr(homotopies, "track", hopeless)
     found = general._solve(start_set(membership(design)), parameters(design, joints), real=False)
     assert calls[:3] == [1560, 8, 1560]  # then all take another way, and the union is taken
     assert found.ways == 2
@@ -260,7 +262,7 @@ def test_jumped_paths_are_seen_and_followed_again(monkeypatch):
         calls.append(starts.shape[1])
         return ends
 
-    monkeypatch.setattr(general, "track", jumping)
+    monkeypatch.setattr(homotopies, "track", jumping)
     found = roots_at(design, [301.0, 312.0, 347.0, 289.0, 333.0])
     assert calls == [1560, 2]
     assert found.complete
