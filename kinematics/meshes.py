@@ -75,12 +75,14 @@ class Piece:
         centroid: of the volume, mm.
         bounds: the lowest and the highest corner, mm.
         sign: of the function whose zeros part a solid into such pieces, +1 or −1; 0 of others.
+        volume_error: an estimate from above of |volume − true volume|, mm³; None where unknown.
     """
 
     volume: float
     centroid: tuple[float, float, float]
     bounds: Bounds
     sign: int = 0
+    volume_error: float | None = None
 
 
 # --- surfaces ----------------------------------------------------------------------------------

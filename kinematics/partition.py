@@ -83,6 +83,9 @@ def partition(
     f = whole.mesh.faces
     whole = TracedMesh(SolidMesh(v, f), whole.patches, whole.patch_of)
     pieces, piece_of, watertight = _pieces(v, f, parts, shells, [own for _, own in sides])
+    if len({piece.sign for piece in pieces}) < 2:  # what is left of merged scraps
+        on_locus, residual, unplaced = np.zeros(len(f), dtype=bool), 0.0, 0
+    pieces = _with_errors(pieces, piece_of, whole, on_locus, field, error)
     six, twice, _ = meshes.face_parts(v, f)
     volume = float(six.sum()) / 6.0
     return BuiltSolid(
@@ -226,6 +229,19 @@ def _normals(v: Array, f: Ints) -> Array:
     return np.cross(b - a, c - a)
 
 
+def _sags(mesh: SolidMesh, on_locus: Mask, field: Field) -> Array:
+    """(F,) the volume between each face on the locus and the locus, mm³, with a sign."""
+    swept = np.zeros(len(mesh.faces))
+    a, b, c = (mesh.vertices[mesh.faces[on_locus, n]] for n in range(3))
+    value, gradient = field((a + b + c) / 3.0)
+    twice = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        away = value / np.linalg.norm(gradient, axis=1)
+    # Between a chord and a parabola, three quarters of the sag in the middle are the mean.
+    swept[on_locus] = 0.375 * twice * np.where(np.isfinite(away), away, 0.0)
+    return swept
+
+
 # --- pieces --------------------------------------------------------------------------------------
 
 
@@ -269,3 +285,25 @@ def _pieces(
     place = np.full(len(found) + 1, -1, dtype=np.intp)
     place[order] = np.arange(len(found))
     return tuple(found[n] for n in order), place[np.concatenate(owners)], watertight
+
+
+def _with_errors(
+    pieces: tuple[Piece, ...],
+    piece_of: Ints,
+    whole: TracedMesh,
+    on_locus: Mask,
+    field: Field,
+    error: Callable[[TracedMesh, float], float],
+) -> tuple[Piece, ...]:
+    """The pieces with the errors of their volumes: of the solid's faces, and of the zeros'."""
+    swept = _sags(whole.mesh, on_locus, field) if on_locus.any() else np.zeros(len(piece_of))
+    found = []
+    for n, piece in enumerate(pieces):
+        own = piece_of == n
+        mesh = SolidMesh(whole.mesh.vertices, whole.mesh.faces[own])
+        at_faces = error(TracedMesh(mesh, whole.patches, whole.patch_of[own]), piece.volume)
+        absolute = float(np.abs(swept[own]).sum())
+        share = min(1.0, (absolute / piece.volume) ** 0.5)
+        at_zeros = 1.25 * abs(float(swept[own].sum())) + 3.0 * absolute * share
+        found.append(replace(piece, volume_error=at_faces + at_zeros))
+    return tuple(found)

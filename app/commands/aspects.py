@@ -112,6 +112,7 @@ def run(arguments: argparse.Namespace) -> None:
             "pieces": [
                 {
                     "volume_mm3": piece.volume,
+                    "volume_error_mm3": piece.volume_error,
                     "sign": piece.sign,
                     "centroid_mm": (turned[0] @ piece.centroid + turned[1]).tolist(),
                 }
@@ -152,11 +153,11 @@ def _text(built: BuiltSolid, area: float, file: str | None) -> str:
     else:
         signs = {1: "det > 0", -1: "det < 0", 0: ""}
         rows = [
-            (str(n + 1), f"{piece.volume:,.0f}", signs[piece.sign])
+            (str(n + 1), f"{piece.volume:,.0f}", f"{piece.volume_error:,.0f}", signs[piece.sign])
             for n, piece in enumerate(built.pieces)
         ]
         lines += [
-            tables.table(("piece", "volume (mm³)", ""), rows),
+            tables.table(("piece", "volume (mm³)", "±", ""), rows),
             "",
             f"together {built.volume:,.0f} ± {built.volume_error:,.0f} mm³",
         ]

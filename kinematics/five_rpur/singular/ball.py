@@ -27,8 +27,8 @@ from kinematics.five_rpur.singular.nearest import Chart, spread, zeros_near
 from kinematics.sections import Sphere
 from kinematics.spatial import Array
 
-_STARTS = 6  # from which the best anywhere is sought, of each sign
-_FINALISTS = 3  # of these, when they have grown a little
+_STARTS = 4  # from which the best anywhere is sought, of each sign
+_FINALISTS = 2  # of these, when they have grown a little
 _NODES = 40  # along each axis of a grid, were it a cube
 _CHECKS = 4  # of a ball that has grown; each may find a zero that the samples missed
 _LOOKS = 8  # sampled points from which zeros are sought

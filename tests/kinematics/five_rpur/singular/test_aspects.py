@@ -80,8 +80,15 @@ def test_the_parts_of_table_1_are_found_again_by_inverse_kinematics(
     for sign, there in ((1, positive), (-1, ~positive)):
         share = (inside & there).mean()
         error = 4.0 * np.sqrt(share * (1.0 - share) / len(points)) * box
-        volume = sum(p.volume for p in built.pieces if p.sign == sign)
-        assert volume == pytest.approx(share * box, abs=error + 0.003 * volume)
+        own = [p for p in built.pieces if p.sign == sign]
+        error += sum(p.volume_error for p in own)
+        assert sum(p.volume for p in own) == pytest.approx(share * box, abs=error)
+    fine = aspects(design, phi, theta, mode, "fine")
+    for piece, finer in zip(built.pieces, fine.pieces, strict=True):
+        assert piece.sign == finer.sign
+        error = piece.volume_error + finer.volume_error
+        assert piece.volume == pytest.approx(finer.volume, abs=error)
+        assert error < 0.02 * piece.volume
 
 
 def test_vertices_of_the_locus_are_zeros() -> None:
