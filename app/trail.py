@@ -13,7 +13,7 @@ from kinematics.trajectories import Trajectory
 
 _NO_LINE = np.zeros((1, 2, 3), dtype=np.float32)
 _NO_POINT = np.zeros((1, 3), dtype=np.float32)
-QUIET = "#6B7683"  # nothing is wrong there
+QUIET = "#4A5460"  # nothing is wrong there
 
 
 class Trail:
@@ -21,21 +21,24 @@ class Trail:
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
-        self._line: Any = None
+        self._lines: list[Any] = []  # where nothing is wrong, and where something is
         self._marks: Any = None
         self._shown: Computed | None = None
 
     def prepare(self, size: float) -> None:
         """Make the nodes, with nothing to see."""
         scene = self._scene.server.scene
-        self._line = scene.add_line_segments(
-            "/trajectory/line",
-            _NO_LINE,
-            palette.rgb(QUIET),
-            thickness=3.0,
-            thickness_units="screen",
-            visible=False,
-        )
+        self._lines = [
+            scene.add_line_segments(
+                f"/trajectory/{name}",
+                _NO_LINE,
+                palette.rgb(color),
+                thickness=3.5,
+                thickness_units="screen",
+                visible=False,
+            )
+            for name, color in (("line", QUIET), ("beyond", palette.BEYOND))
+        ]
         self._marks = scene.add_point_cloud(
             "/trajectory/marks",
             _NO_POINT,
@@ -52,19 +55,23 @@ class Trail:
         if computed is self._shown:
             return
         self._shown = computed
-        seen = computed is not None
+        seen = [False, False]
         if computed is not None:
             spots = computed.spots
-            self._line.points = np.stack([spots[:-1], spots[1:]], axis=1).astype(np.float32)
-            colors = np.array([palette.rgb(QUIET), palette.rgb(palette.BEYOND)], np.uint8)
-            self._line.colors = np.repeat(colors[wrong(computed.found)][:, None], 2, axis=1)
+            pairs = np.stack([spots[:-1], spots[1:]], axis=1).astype(np.float32)
+            flags = wrong(computed.found)
+            for n, node in enumerate(self._lines):
+                own = pairs[flags == n]
+                seen[n] = bool(len(own))
+                if len(own):
+                    node.points = own
             events = computed.found.events
             if len(events):
                 self._marks.points = computed.marks.astype(np.float32)
-                near = np.array([event.kind != "near" for event in events], dtype=int)
-                self._marks.colors = colors[near]
+                colors = [QUIET if event.kind == "near" else palette.BEYOND for event in events]
+                self._marks.colors = np.array([palette.rgb(c) for c in colors], np.uint8)
         marked = computed is not None and bool(computed.found.events)
-        for node, visible in ((self._line, seen), (self._marks, marked)):
+        for node, visible in zip((*self._lines, self._marks), (*seen, marked), strict=True):
             if node.visible != visible:
                 node.visible = visible
 

@@ -31,7 +31,7 @@ from kinematics.trajectories.events import Along, events_of
 from kinematics.trajectories.sampling import NEAR
 
 PART = 6  # distances that are found in one go
-CELLS = 44  # of the reach in the plane of a stroke, along each side
+CELLS = 64  # of the reach in the plane of a stroke, along each side
 ROOM = 0.05  # of the reach's size, left free around it
 
 

@@ -82,7 +82,7 @@ def sketch_figure(axes: Sequence[Coordinate], reach: Reach) -> Figure:
         edges = np.flatnonzero(np.diff(np.concatenate([[0], column.astype(int), [0]])))
         for start, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
             x, y = box.left + n * wide, box.top + (rows - end) * high
-            cells.append(f"M{x:.1f} {y:.1f}h{wide:.1f}v{(end - start) * high:.1f}h{-wide:.1f}z")
+            cells.append(f"M{x:.2f} {y:.2f}h{wide:.2f}v{(end - start) * high:.2f}h{-wide:.2f}z")
     first, second = axes
     middles = (np.arange(CELLS) + 0.5) / CELLS
     xs, ys = (low + middles * (high - low) for low, high in (box.x, box.y))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import viser
@@ -97,7 +98,9 @@ class TrajectoryPanel(Panel):
         answer(desk, self._on, lambda on, client: self._do(client, on=on))
         self._summary = gui.add_html("")
         self._progress = gui.add_progress_bar(0.0, visible=False)
-        self._give_up = button(desk, "Without the rest", lambda _: desk.ask(Distances(on=False)))
+        self._give_up = button(
+            desk, "Cancel the distances", lambda _: desk.ask(Distances(on=False))
+        )
         self._go_on = button(
             desk, "Find distances to singularities", lambda _: desk.ask(Distances(on=True))
         )
@@ -178,7 +181,7 @@ class TrajectoryPanel(Panel):
         self._window = gui.add_panel(visible=plan.on)
         self._window.dock_left()
         self._window.set_width(WIDTH)
-        with self._window.add_tab("Trajectory"):
+        with self._window.add_tab("Along the trajectory"):
             self._plot = Plot(desk, self._pointed)
             self._scrub = gui.add_slider("t (s)", 0.0, 1.0, 0.001, 0.0)
             put_prop(self._scrub, "precision", 3)
@@ -286,7 +289,7 @@ class TrajectoryPanel(Panel):
         self._plot.draw(None if computed is None else figure(computed, plan.plot))
         if computed is not None:
             duration = computed.law.duration
-            put_prop(self._scrub, "max", duration)
+            put_prop(self._scrub, "max", math.ceil(duration * 1e3) / 1e3)
             put_prop(self._scrub, "step", duration / STEPS)
         put_prop(self._play, "disabled", not there)
         self._draw_cursor()

@@ -14,7 +14,7 @@ from app.trajectory_text import polynomial
 from kinematics.mechanism import Coordinate
 from kinematics.trajectories import Event, Fits
 
-MOST = 12  # warnings that are listed
+MOST = 40  # warnings that are listed
 LAWS = {
     "linear": "constant velocity",
     "cubic": "cubic",
@@ -44,7 +44,7 @@ def summary_html(moved: Moved) -> str:
 def _nearest(computed: Computed) -> str:
     distance = computed.found.distance
     known = np.isfinite(distance)
-    if not known.any():
+    if not known.any() or any(e.kind == "singularity" for e in computed.found.events):
         return ""
     n = int(np.argmin(np.where(known, distance, np.inf)))
     at = computed.found.times[n]
@@ -66,7 +66,7 @@ def _events(moved: Moved, events: Sequence[Event]) -> str:
         rows.append(f'<div style="margin-top:.3em">{chip(color)}{esc(text)}.</div>')
     if len(events) > MOST:
         rows.append(f"<div>… and {len(events) - MOST} more</div>")
-    return "".join(rows)
+    return f'<div style="max-height:11em;overflow-y:auto">{"".join(rows)}</div>'
 
 
 def fits_html(

@@ -61,7 +61,7 @@ def strips(computed: Computed, plot: str) -> tuple[Strip, ...]:
         found.forces[:, actuators],
         plan.forces,
     )
-    near = np.where(np.isfinite(found.distance), found.distance, np.nan)
+    near = _distance(found)
     unknown = "" if np.isfinite(near).any() else "not known yet"
     known = {
         "joints": Strip(f"joints ({unit})", _joint_curves(joints, found.joints, ()), both=False),
@@ -82,6 +82,16 @@ def strips(computed: Computed, plot: str) -> tuple[Strip, ...]:
         ),
     }
     return tuple(known[key] for key in (ORDER if plot == "all" else (plot,)))
+
+
+def _distance(found: Trajectory) -> Array:
+    """To singularities; between known samples a straight line until those are known, too."""
+    known = np.isfinite(found.distance)
+    values = np.where(known, found.distance, np.nan)
+    open_ = np.isnan(found.distance) & found.reachable
+    if known.any() and open_.any():
+        values[open_] = np.interp(found.times[open_], found.times[known], found.distance[known])
+    return values
 
 
 def _joint_curves(
@@ -223,10 +233,10 @@ def _symbols(strip: Strip, axes: Axes, values: Sequence[float] | None) -> str:
     for n, curve in enumerate(strip.curves):
         shown = "" if values is None else _value(values[n])
         if text := " ".join(filter(None, (curve.symbol, shown))):
-            texts.append(f'<tspan fill="{curve.color}" dx="7">{esc(text)}</tspan>')
+            texts.append(f'<tspan fill="{curve.color}" dx="5">{esc(text)}</tspan>')
     return (
         f'<text class="values" x="{axes.width - axes.right:g}" y="{axes.top - 5:g}" '
-        f'text-anchor="end" font-size="9.5" font-weight="600">{"".join(texts)}</text>'
+        f'text-anchor="end" font-size="9" font-weight="600">{"".join(texts)}</text>'
     )
 
 
@@ -235,7 +245,7 @@ def _value(value: float) -> str:
         return "–"
     size = abs(value)
     text = f"{value:.0f}" if size >= 1000 else f"{value:.1f}" if size >= 10 else f"{value:.2f}"
-    return text.replace("-", "−")
+    return text.removeprefix("-" if not float(text) else "").replace("-", "−")
 
 
 def _curve_paths(strip: Strip, found: Trajectory, axes: Axes) -> list[str]:

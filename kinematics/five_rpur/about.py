@@ -40,6 +40,12 @@ meet. At a fixed orientation and working mode the parallel ones form a surface, 
 and four in z′ in every plane y′ = const. Tale Masouleh and Gosselin 2009; Tale Masouleh et al.
 2011, section 3 for the self-motions.
 """,
+    "trajectory": """
+A **trajectory** is a path of (x, y, z, φ, θ) and a time law. Rates and accelerations of the
+actuators follow from the limbs' closure equations, differentiated twice; the forces that hold the
+load grow beyond all bounds at a parallel singularity, where the rates are as usual. At a serial one
+it is the rates that grow. Tale Masouleh and Gosselin 2009.
+""",
     "design": """
 A **design** is five limbs: base point rᵢ, platform point s′ᵢ, link length lᵢ and stroke
 ρ min … ρ max. Pairs of limbs whose base points share y, whose platform points lie on a line along

@@ -38,6 +38,11 @@ singularity). The **MICR** is the tilt up to which no azimuth is singular (Figs.
 prints 25.22° and 30.38° for its example (3-SPR, h₁ = 1, h₂ = 2, Z = 1), which is 25.1803° and 30°
 exactly: a grid of 0.01 rad, rounded up, and π taken as 3.14 give the printed values.
 """,
+    "trajectory": """
+A **trajectory** is a path of (Z, θ, φ) and a time law; X and Y follow, and are part of the path of
+O′ that is drawn. At a tilt of 0 the azimuth φ turns without moving the platform. The limbs' rates
+come from the velocity equations along and across each limb, their forces from the same six lines.
+""",
     "design": """
 A **design** is the circumradii h₁ of the base and h₂ of the platform and the stroke ρ min … ρ max
 that the three limbs share.

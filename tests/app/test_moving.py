@@ -1,0 +1,212 @@
+"""The part that keeps the trajectory: newest wins, nothing stale, the review stays as it plays."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from app import trajectory
+from app.changes import Change, Place, SetPlan, change
+from app.compute import View, view
+from app.lane import Done, Job, Lost
+from app.moving import Moving
+from app.panels.desk import Moved
+from app.requests import Distances, LeaveWay, NextWarning, Play, Scrub, Shortest, StopHere
+from app.state import Review, new_review
+from app.trajectory import Asked, Computed
+from kinematics.designs import load_design
+
+
+class Stage:
+    """A page that only keeps its review."""
+
+    def __init__(self, review: Review) -> None:
+        self.review = review
+        self.scene: Any = SimpleNamespace()
+        self.told: list[str] = []
+        self.made: list[Change] = []
+        self.inbox: list[object] = []
+
+    @property
+    def view(self) -> View:
+        return view(self.review)
+
+    def put(self, item: object) -> None:
+        self.inbox.append(item)
+
+    def complain(self, text: str, client: object = None) -> None:
+        self.told.append(text)
+
+    def apply(self, what: Change, client: object) -> bool:
+        self.made.append(what)
+        self.review = change(self.review, what)[0]
+        return True
+
+
+class Desk:
+    """The part with a lane that only notes what it is told."""
+
+    def __init__(self) -> None:
+        review = new_review(load_design("five-bar"))
+        plan = (("on", True), ("way", "rest-to-rest"), ("samples", 11), ("rates", (0.3, 0.4)))
+        self.stage = Stage(change(review, SetPlan(plan))[0])
+        self.part = Moving(self.stage)  # type: ignore[arg-type]
+        self.wanted: list[Job] = []
+        lane = SimpleNamespace(want=self._want, cancel=lambda: None)
+        self.part._lane = lane  # type: ignore[assignment]
+        self.part.follow()
+
+    def _want(self, jobs: list[Job]) -> None:
+        self.wanted = list(jobs)
+
+    def set(self, **values: Any) -> None:
+        self.stage.apply(SetPlan(tuple(values.items())), None)
+        self.part.follow()
+
+    def do(self, job: Job) -> None:
+        self.part.take(Done(job, job.function(*job.arguments)))
+
+    def shown(self) -> Moved:
+        return self.part._moved()
+
+
+@pytest.fixture
+def desk() -> Desk:
+    return Desk()
+
+
+def test_the_trajectory_comes_first_then_its_distances_then_what_they_tell(desk: Desk) -> None:
+    assert [job.key[0] for job in desk.wanted] == ["trajectory"]
+    assert desk.shown().stale
+    desk.do(desk.wanted[0])
+    assert {job.key[0] for job in desk.wanted} == {"distances"}
+    assert desk.shown().share == 0.0
+    for job in list(desk.wanted):
+        desk.do(job)
+    assert desk.shown().share == 1.0
+    assert [job.key[0] for job in desk.wanted] == ["judged"]
+    desk.do(desk.wanted[0])
+    assert desk.wanted == []
+    moved = desk.shown()
+    assert moved.computed is not None
+    assert np.isfinite(moved.computed.found.distance).all()
+
+
+def test_what_was_asked_before_is_nothing_any_more(desk: Desk) -> None:
+    old = desk.wanted[0]
+    desk.set(duration=3.0)
+    desk.do(old)
+    assert desk.shown().computed is None
+    desk.do(desk.wanted[0])
+    late = desk.wanted[0]
+    desk.set(duration=4.0)
+    desk.part.take(Done(late, np.zeros(6)))
+    assert desk.shown().stale
+    assert [job.key[0] for job in desk.wanted] == ["trajectory"]
+
+
+def test_polynomials_of_another_degree_are_asked_for_and_nothing_else(desk: Desk) -> None:
+    desk.do(desk.wanted[0])
+    desk.part.take(Distances(on=False))
+    assert desk.wanted == []
+    desk.set(degree=4)
+    (job,) = desk.wanted
+    desk.do(job)
+    fits = desk.shown().fits
+    assert fits is not None
+    assert fits.degree == 4
+    desk.set(degree=5)
+    assert desk.shown().fits is None
+    desk.part.take(Lost(desk.wanted[0], "too few samples"))
+    assert desk.shown().fit_trouble == "too few samples"
+    desk.part.take(Distances(on=True))
+    assert desk.wanted
+
+
+def test_a_failure_is_told_and_nothing_old_stays(desk: Desk) -> None:
+    desk.do(desk.wanted[0])
+    desk.set(duration=3.0)
+    desk.part.take(Lost(desk.wanted[0], "no path"))
+    assert desk.shown().trouble == "no path"
+    assert desk.shown().computed is None
+    desk.set(way="straight")
+    assert "To here" in desk.shown().missing
+
+
+def test_playing_moves_pictures_and_stopping_moves_the_machine(desk: Desk) -> None:
+    desk.part.take(Play())
+    assert desk.stage.told == ["There is no trajectory to play yet."]
+    desk.do(desk.wanted[0])
+    home = desk.stage.review.pose
+    desk.part.take(Play())
+    assert desk.part.late
+    assert desk.stage.made == []
+    desk.part.take(Scrub(1.25))
+    shown = desk.part.shown(desk.stage.view)
+    computed = desk.part._computed
+    assert computed is not None
+    assert shown.posture.pose == computed.pose_at(1.25)
+    assert shown.review.pose == home
+    assert desk.part.take(StopHere())
+    assert desk.stage.made == [Place(computed.pose_at(1.25), gesture="")]
+    desk.part.follow()
+    assert desk.part.shown(desk.stage.view).posture.pose == desk.stage.review.pose
+
+
+def test_whoever_moves_the_machine_has_it(desk: Desk) -> None:
+    desk.do(desk.wanted[0])
+    desk.part.take(Play(on=True))
+    desk.stage.apply(Place((10.0, 700.0)), None)
+    desk.part.follow()
+    assert desk.part.shown(desk.stage.view).posture.pose == (10.0, 700.0)
+    assert not desk.part._player.playing
+    desk.part.take(Scrub(0.5))
+    assert desk.part.take(LeaveWay())
+    assert desk.part.shown(desk.stage.view).posture.pose == (10.0, 700.0)
+
+
+def test_warnings_are_gone_through_and_limits_kept(desk: Desk) -> None:
+    desk.do(desk.wanted[0])
+    computed = desk.part._computed
+    assert computed is not None
+    starts = [event.start for event in computed.found.events]
+    desk.part.take(NextWarning())
+    assert desk.part._player.phase == pytest.approx(starts[0])
+    desk.part.take(Shortest())
+    desk.part.follow()
+    assert desk.stage.review.plan.duration > 2.0
+    desk.do(desk.wanted[0])
+    found = desk.part._computed
+    assert found is not None
+    worst = np.abs(found.found.joint_rates).max(axis=0) / np.array([0.3, 0.4])
+    assert worst.max() == pytest.approx(1.0, rel=1e-9)
+    desk.set(rates=())
+    desk.do(desk.wanted[0])
+    desk.part.take(NextWarning())
+    desk.part.take(Shortest())
+    assert desk.stage.told[-2].startswith("Nothing is wrong")
+    assert desk.stage.told[-1].startswith("Give limits")
+
+
+def test_a_stroke_asks_for_the_reach(desk: Desk) -> None:
+    desk.set(way="stroke")
+    assert [job.key[0] for job in desk.wanted] == ["reach"]
+    desk.do(desk.wanted[0])
+    assert desk.shown().reach is not None
+    desk.set(plane=("y", "x"))
+    assert desk.shown().reach is None
+
+
+def test_answers_come_back_from_the_process_as_they_are() -> None:
+    import pickle
+
+    review = Desk().stage.review
+    of = trajectory.asked(review)
+    assert isinstance(of, Asked)
+    again = pickle.loads(pickle.dumps(trajectory.compute(of)))
+    assert isinstance(again, Computed)
+    assert again.asked == of
+    assert not again.found.joints.flags.writeable

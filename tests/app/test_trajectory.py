@@ -1,0 +1,294 @@
+"""What is computed and drawn of a trajectory: against the library, and as text."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app import trajectory
+from app.changes import SetPlan, change
+from app.moving import on_the_way
+from app.panels.pose_boxes import shown_pose, typed_numbers, typed_pose, units
+from app.panels.sketch import read_stroke, sketch_axes, sketch_figure, sketch_mark
+from app.panels.trajectory_html import fits_html, summary_html
+from app.panels.trajectory_plot import ORDER, figure, mark, plots_svg, strip_axes, strips
+from app.player import Player
+from app.state import Review, new_review
+from app.trail import wrong
+from app.trajectory import Asked, Computed
+from app.trajectory_text import polynomial
+from kinematics.designs import load_design
+from kinematics.errors import InputError
+
+MACHINES = {
+    "rpur-table1": (250.0, 110.0, 280.0, 0.2, -0.17),
+    "five-bar": (240.0, 450.0),
+    "sps-spr": (80.0, 30.0, 640.0, 0.17, 0.14, 0.0),
+    "rps-3": (330.0, 0.4, 1.0),
+    "spr-3": (115.0, 0.25, 1.0),
+}
+
+
+def _review(name: str, **values: Any) -> Review:
+    fresh = new_review(load_design(name))
+    values = {"on": True, "way": "straight", "end": MACHINES[name], "samples": 21} | values
+    return change(fresh, SetPlan(tuple(values.items())))[0]
+
+
+def _asked(review: Review) -> Asked:
+    found = trajectory.asked(review)
+    assert found is not None
+    return found
+
+
+@pytest.fixture(scope="module")
+def bar() -> Computed:
+    return trajectory.compute(_asked(_review("five-bar", way="rest-to-rest", rates=(0.3, 0.4))))
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_every_mechanism_runs_straight_from_home(name: str) -> None:
+    review = _review(name)
+    computed = trajectory.compute(_asked(review))
+    found = computed.found
+    assert found.reachable.all()
+    assert np.isfinite(found.joint_accelerations).all()
+    assert np.isnan(found.distance).all()
+    # Rates are those of the joints, also where a coordinate follows.
+    fine = trajectory.compute(_asked(_review(name, samples=801))).found
+    slope = np.gradient(fine.joints, fine.times, axis=0, edge_order=2)
+    size = np.abs(fine.joint_rates).max()
+    np.testing.assert_allclose(slope, fine.joint_rates, atol=1e-3 * size)
+    # What is played is what was sampled, and O′ is where it was drawn.
+    at = float(found.times[7])
+    np.testing.assert_allclose(computed.pose_at(at), found.poses[7], atol=1e-9)
+    spot = review.mechanism.transform(review.design, found.poses[7], review.mode)[:3, 3]
+    np.testing.assert_allclose(computed.spots[7], spot, atol=1e-9)
+    distance = trajectory.distances(computed.asked, found.poses[7:8])
+    posture = review.mechanism.posture(review.design, computed.pose_at(at), review.mode)
+    known = review.mechanism.clearances(review.design, posture)
+    kinds = ("parallel", "constraint")
+    least = min((c.distance for c in known if c.kind in kinds), default=math.inf)
+    assert distance[0] == pytest.approx(least, abs=1e-6)
+
+
+def test_the_drawn_coordinates_are_kept_where_others_can_give_way() -> None:
+    fresh = new_review(load_design("sps-spr"))
+    home = np.array(fresh.pose)
+    turn = np.linspace(0.0, 2.0 * np.pi, 40)
+    ring = np.tile(home, (len(turn), 1))
+    ring[:, 0] += 20.0 * np.cos(turn) - 20.0
+    ring[:, 1] += 20.0 * np.sin(turn)
+    stroke = tuple(map(tuple, ring.tolist()))
+    review = _review("sps-spr", way="stroke", stroke=stroke, smooth=0.0)
+    found = trajectory.compute(_asked(review)).found
+    assert found.reachable.all()
+    assert np.hypot(found.poses[:, 0] + 20.0, found.poses[:, 1]) == pytest.approx(20.0, abs=0.05)
+
+
+def test_how_it_is_shown_makes_no_other_trajectory() -> None:
+    one = _review("five-bar")
+    values = {
+        "plot": "rates",
+        "pace": 4.0,
+        "playback": "once",
+        "degree": 3,
+        "points": ((1.0, 2.0),),
+    }
+    other = _review("five-bar", **values)
+    assert trajectory.asked(one) == trajectory.asked(other)
+    assert trajectory.asked(_review("five-bar", duration=3.0)) != trajectory.asked(one)
+    assert trajectory.asked(_review("five-bar", on=False)) is None
+    assert trajectory.asked(_review("five-bar", end=())) is None
+
+
+@pytest.mark.parametrize("samples", [2, 3, 17, 101, 2001])
+def test_distances_come_coarse_first_and_each_once(samples: int) -> None:
+    found = [n for part in trajectory.parts(samples) for n in part]
+    assert sorted(found) == list(range(samples))
+    if samples > 20:
+        early = np.sort(found[: samples // 4])
+        assert np.diff(early).max() <= 8 * samples / 101 + 8
+
+
+def test_near_singularities_are_told_once_distances_are_known(bar: Computed) -> None:
+    review = _review("five-bar", end=(290.0, 280.0), start=(240.0, 450.0))
+    computed = trajectory.compute(_asked(review))
+    distance = trajectory.distances(computed.asked, computed.found.poses)
+    judged = trajectory.judged(replace(computed, found=replace(computed.found, distance=distance)))
+    assert [e.kind for e in judged.found.events] == ["near"]
+    assert judged.marks.shape == (1, 3)
+    assert not wrong(judged.found).any()
+    assert wrong(bar.found).any()
+    assert {e.kind for e in bar.found.events} == {"rate"}
+
+
+def test_the_reach_in_a_plane_is_where_the_machine_can_be() -> None:
+    review = _review("rpur-table1")
+    plane = (0, 2)
+    reach = trajectory.reach(review.design, review.pose, review.mode, plane, None)
+    n = len(reach.inside)
+    (x0, x1), (z0, z1) = reach.bounds
+    assert x1 - x0 == pytest.approx(z1 - z0)
+    for i, j in ((5, 5), (n // 2, n // 2), (n // 3, 2 * n // 3)):
+        pose = list(review.pose)
+        pose[0], pose[2] = x0 + (i + 0.5) / n * (x1 - x0), z0 + (j + 0.5) / n * (z1 - z0)
+        posture = review.mechanism.posture(review.design, pose, review.mode)
+        assert posture.reachable == reach.inside[i, j]
+    assert reach.inside.any()
+    assert not reach.inside[0].any()
+
+
+# --- playing -------------------------------------------------------------------------------
+
+
+def test_a_playback_ends_begins_again_or_turns() -> None:
+    once = Player(2.0, "once").play(10.0)
+    assert (once.at(11.0), once.at(13.0), once.over(11.9), once.over(12.0)) == (
+        1.0,
+        2.0,
+        False,
+        True,
+    )
+    assert Player(2.0, "loop", 2.0).play(0.0).at(1.25) == pytest.approx(0.5)
+    assert Player(2.0, "swing").play(0.0).at(2.5) == pytest.approx(1.5)
+    assert once.to(2.0).play(20.0).at(20.5) == pytest.approx(0.5)
+
+
+@given(
+    st.sampled_from(("once", "loop", "swing")),
+    st.floats(0.25, 4.0),
+    st.floats(0.0, 50.0),
+    st.floats(0.25, 4.0),
+)
+def test_nothing_jumps_when_it_pauses_or_changes_its_pace(
+    playback: Any, pace: float, elapsed: float, other: float
+) -> None:
+    player = Player(3.0, playback, pace).play(5.0)
+    now = 5.0 + elapsed
+    at = player.at(now)
+    assert 0.0 <= at <= 3.0
+    assert player.pause(now).at(now + 9.0) == pytest.approx(at)
+    assert player.paced(playback, other, now).at(now) == pytest.approx(at, abs=1e-9)
+
+
+def test_the_view_on_the_way_leaves_the_review_where_it_is() -> None:
+    from app.compute import view
+
+    before = view(_review("five-bar"))
+    after = on_the_way(before, MACHINES["five-bar"], 1.0, 2.0)
+    assert after.review is before.review
+    assert after.posture.pose == MACHINES["five-bar"]
+    assert after.status.text.startswith("At 1.00 of 2.00 s · Reachable")
+    away = on_the_way(before, (5000.0, 0.0), 1.0, 2.0)
+    assert away.status.level == "bad"
+
+
+# --- plots ---------------------------------------------------------------------------------
+
+
+def test_strips_are_in_page_units_and_show_limits(bar: Computed) -> None:
+    shown = strips(bar, "all")
+    assert len(shown) == len(ORDER)
+    np.testing.assert_allclose(shown[0].curves[1].values, np.degrees(bar.found.joints[:, 1]))
+    limits = [curve.limit for curve in shown[1].curves]
+    assert limits == pytest.approx([math.degrees(0.3), math.degrees(0.4)])
+    drawn = figure(bar, "all")
+    boxes = strip_axes(shown, drawn.axes)
+    assert boxes[1].y[1] > math.degrees(0.4)
+    assert drawn.content.count('class="limit"') == 4
+    assert drawn.content.count('class="event"') == len(bar.found.events) * len(ORDER)
+    assert any("too fast" in column for column in drawn.columns)
+    cursor = mark(bar, "all", drawn.axes, 1.0)
+    middle = np.degrees(bar.found.joints[10, 0])
+    assert f"θ₁ {middle:.1f}" in cursor
+    assert figure(bar, "rates").axes.height < drawn.axes.height
+
+
+def test_the_saved_plot_is_a_picture_of_its_own(bar: Computed) -> None:
+    text = plots_svg(bar, "all", 'A <"machine">')
+    root = ElementTree.fromstring(text)
+    assert root.get("width") == "430"
+    assert "θ₂" in text
+    assert "<machine" not in text
+
+
+def test_a_curve_has_a_gap_where_the_path_is_outside() -> None:
+    review = _review("five-bar", way="straight", start=(0.0, 804.0), end=(1200.0, 804.0))
+    computed = trajectory.compute(_asked(review))
+    assert [e.kind for e in computed.found.events][-1] == "outside"
+    drawn = figure(computed, "joints")
+    assert "nan" not in drawn.content
+    assert "outside of the workspace" in drawn.columns[-1]
+    with pytest.raises(InputError, match="leaves the workspace"):
+        trajectory.fitted(computed, 3)
+
+
+def test_what_is_told_in_words(bar: Computed) -> None:
+    from app.panels.desk import Moved
+
+    moved = Moved(bar, False, "", 1.0, False, None, "", None, "")
+    text = summary_html(moved)
+    assert "375.4 mm in 2 s, quintic" in text
+    assert "Rate of θ₂ reaches" in text
+    assert "<b>" not in summary_html(replace(moved, missing="<b>"))
+    fits = trajectory.fitted(bar, 5)
+    joints = bar.asked.kind.joint_coordinates(bar.asked.design)
+    axes = bar.asked.kind.pose_coordinates(bar.asked.design)
+    told = fits_html(fits, "", axes, joints)
+    assert f"{abs(fits.coefficients[0, 5]):.6g}".replace("-", "−") in told
+    assert "t<sup>5</sup>" in told
+    assert f"{fits.deviation[0][1]:.3g}".replace("-", "−") in told
+
+
+def test_polynomials_read_from_the_highest_power() -> None:
+    assert polynomial([3.0, -1.25, 0.5]) == "0.5t^2 - 1.25t + 3"
+    assert polynomial([-3.0, 1e-7]) == "1e-07t - 3"
+
+
+# --- what is typed and drawn ----------------------------------------------------------------
+
+
+def test_poses_are_typed_in_page_units() -> None:
+    review = _review("rpur-table1")
+    axes = review.mechanism.pose_coordinates(review.design)
+    pose = typed_pose("−10; 100 450,5 -3", axes, "To")
+    assert pose == pytest.approx((-10, 100, 450, math.radians(5), math.radians(-3)))
+    assert shown_pose(pose, axes) == "−10, 100, 450, 5, −3"
+    assert typed_pose(shown_pose(pose, axes), axes, "To") == pytest.approx(pose)
+    assert typed_pose("  ", axes, "To") == ()
+    with pytest.raises(InputError, match=r"To needs 5 numbers: x, y, z \(mm\), φ, θ \(°\)"):
+        typed_pose("1, 2", axes, "To")
+    with pytest.raises(InputError, match="commas"):
+        typed_numbers("1, b", "Rates")
+    with pytest.raises(InputError, match="finite"):
+        typed_numbers("1, inf", "Rates")
+    assert units(axes[3:]) == "φ, θ (°)"
+
+
+def test_a_stroke_is_read_and_everything_else_is_nothing() -> None:
+    stroke = read_stroke("1 2 3.5 -4 5 6 12345.6")
+    assert stroke is not None
+    assert stroke.tolist() == [[1.0, 2.0], [3.5, -4.0], [5.0, 6.0]]
+    for text in ("", "1 2 3", "1 2 3 4", "a b c d e", "1 2 nan 4 5", "1 2 3 inf 5"):
+        assert read_stroke(text) is None
+
+
+def test_the_plane_of_a_stroke_is_drawn_where_things_are() -> None:
+    review = _review("five-bar")
+    reach = trajectory.reach(review.design, review.pose, review.mode, (0, 1), None)
+    axes = review.mechanism.pose_coordinates(review.design)
+    box = sketch_axes(axes, reach)
+    assert sketch_figure(axes, reach).content.count('class="trace"') == 1
+    path = np.array([[0.0, 700.0], [100.0, 500.0]])
+    marked = sketch_mark(axes, box, path, review.pose)
+    x, y = box.px(100.0, 500.0)
+    assert f"L{x:.1f} {y:.1f}" in marked
+    assert 'class="stroke"' not in sketch_mark(axes, box, path[:0], review.pose)
