@@ -12,11 +12,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
 
 from kinematics import meshes
 from kinematics.isosurfaces import Field, Isosurface
@@ -82,7 +80,7 @@ def partition(
     v, residual, unplaced = _on_zeros(whole.mesh, on_locus, field, step, reach)
     f = whole.mesh.faces
     whole = TracedMesh(SolidMesh(v, f), whole.patches, whole.patch_of)
-    pieces, piece_of, watertight = _pieces(v, f, parts, shells, [own for _, own in sides])
+    pieces, piece_of, watertight = _pieces(v, parts, shells, [own for _, own in sides])
     if len({piece.sign for piece in pieces}) < 2:  # what is left of merged scraps
         on_locus, residual, unplaced = np.zeros(len(f), dtype=bool), 0.0, 0
     pieces = _with_errors(pieces, piece_of, whole, on_locus, field, error)
@@ -142,13 +140,12 @@ def _on_zeros(
     v, f = mesh.vertices, mesh.faces
     if not on_locus.any():
         return v, 0.0, 0
-    places, place_of = np.unique(v, axis=0, return_inverse=True)
-    place_of = place_of.reshape(-1)
+    places, place_of = _places(v)
     corners = place_of[f]
     chosen = np.unique(corners[on_locus])
     start = places[chosen]
-    free = _freedom(places, corners, on_locus)[chosen]
-    there, good = _along(field, start, free, reach, 1e-3 * step)
+    free = _freedom(places, corners, on_locus, chosen)
+    there, good = _along(field, start, free, reach, 1e-2 * step)
     moved = places.copy()
     moved[chosen[good]] = there[good]
     _untangle(places, moved, corners, step)
@@ -160,23 +157,36 @@ def _on_zeros(
     return moved[place_of], worst, int((~placed).sum())
 
 
-def _freedom(places: Array, corners: Ints, on_locus: Mask) -> Array:
-    """(P, 3, 3) projectors onto the directions that keep a place on all faces off the locus."""
-    a, b, c = (places[corners[:, n]] for n in range(3))
-    normal = np.cross(b - a, c - a)[~on_locus]
+def _places(v: Array) -> tuple[Array, Ints]:
+    """The different places of vertices, and at which of them each stands."""
+    order = np.lexsort(v.T)
+    new = np.ones(len(v), dtype=bool)
+    new[1:] = (v[order[1:]] != v[order[:-1]]).any(axis=1)
+    place_of = np.empty(len(v), dtype=np.intp)
+    place_of[order] = np.cumsum(new) - 1
+    return v[order[new]], place_of
+
+
+def _freedom(places: Array, corners: Ints, on_locus: Mask, chosen: Ints) -> Array:
+    """(N, 3, 3) projectors onto the directions that keep chosen places on faces off the locus."""
+    free = np.tile(np.eye(3), (len(chosen), 1, 1))
+    number = np.full(len(places), -1, dtype=np.intp)
+    number[chosen] = np.arange(len(chosen))
+    faces = corners[~on_locus]
+    faces = faces[(number[faces] >= 0).any(axis=1)]
+    a, b, c = (places[faces[:, n]] for n in range(3))
+    normal = np.cross(b - a, c - a)
     size = np.linalg.norm(normal, axis=1)
     outer = normal[:, :, None] * normal[:, None, :] / np.maximum(size, 1e-300)[:, None, None]
-    rows = corners[~on_locus].ravel()
-    count = len(rows)
-    gather = coo_array(
-        (np.ones(count), (rows, np.repeat(np.arange(count // 3), 3))),
-        shape=(len(places), count // 3),
-    ).tocsr()
-    scatter = (gather @ outer.reshape(-1, 9)).reshape(-1, 3, 3)
-    sizes, axes = np.linalg.eigh(scatter)
+    scatter = np.zeros((len(chosen), 3, 3))
+    for n in range(3):
+        at = number[faces[:, n]]
+        np.add.at(scatter, at[at >= 0], outer[at >= 0])
+    rim = np.flatnonzero(np.einsum("nii->n", scatter) > 0.0)
+    sizes, axes = np.linalg.eigh(scatter[rim])
     flat = sizes <= _FLAT * np.maximum(sizes[:, 2:], 1e-300)
-    flat |= sizes[:, 2:] == 0.0  # no such face at all
-    return np.asarray(np.einsum("pia,pa,pja->pij", axes, flat.astype(float), axes))
+    free[rim] = np.einsum("pia,pa,pja->pij", axes, flat.astype(float), axes)
+    return free
 
 
 def _along(
@@ -196,7 +206,7 @@ def _along(
             move = np.where(open_[:, None], -(value / along)[:, None] * way, 0.0)
         p[active] += move
         ahead = np.linalg.norm(p[active] - start[active], axis=1) <= reach
-        arrived = open_ & ahead & (np.linalg.norm(move, axis=1) <= 1e-6 * tolerance)
+        arrived = open_ & ahead & (np.linalg.norm(move, axis=1) <= tolerance)
         good[active[arrived]] = True
         active = active[open_ & ahead & ~arrived]
         if not len(active):
@@ -211,12 +221,13 @@ def _untangle(places: Array, moved: Array, corners: Ints, step: float) -> None:
     away = (moved != places).any(axis=1)
     touched = corners[away[corners].any(axis=1)]
     before = _normals(places, touched)
+    around = np.unique(touched)
     for _ in range(16):
         over = (np.einsum("ij,ij->i", before, _normals(moved, touched)) <= 0.0) & away[touched].any(
             axis=1
         )
         back = np.unique(touched[over])
-        close = np.unique(meshes.close_pairs(moved, 0.75 * step))
+        close = around[np.unique(meshes.close_pairs(moved[around], 0.75 * step))]
         back = np.union1d(back[away[back]], close[away[close]])
         if not len(back):
             return
@@ -262,7 +273,6 @@ def _together(parts: Sequence[TracedMesh]) -> TracedMesh:
 
 def _pieces(
     v: Array,
-    f: NDArray[Any],
     parts: Sequence[TracedMesh],
     shells: Sequence[Ints],
     signs: Sequence[int],
@@ -273,14 +283,13 @@ def _pieces(
     watertight = True
     first = 0
     for part, shell, sign in zip(parts, shells, signs, strict=True):
-        own = f[first : first + len(part.mesh.faces)]
-        six, _, moments = meshes.face_parts(v, own)
-        pieces, piece_of = meshes.pieces(v, own, shell, six, moments)
+        there, own = v[first : first + len(part.mesh.vertices)], part.mesh.faces
+        six, _, moments = meshes.face_parts(there, own)
+        pieces, piece_of = meshes.pieces(there, own, shell, six, moments)
         owners.append(np.where(piece_of < 0, -1, piece_of + len(found)))
         found += [replace(piece, sign=sign) for piece in pieces]
-        corners = np.arange(own.size).reshape(-1, 3)
-        watertight &= meshes.closed_by_position(v[own].reshape(-1, 3), corners)
-        first += len(own)
+        watertight &= meshes.closed_by_position(there, own)
+        first += len(there)
     order = sorted(range(len(found)), key=lambda n: (-found[n].volume, found[n].bounds))
     place = np.full(len(found) + 1, -1, dtype=np.intp)
     place[order] = np.arange(len(found))
