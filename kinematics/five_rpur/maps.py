@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from kinematics.errors import InputError
 from kinematics.five_rpur.design import FiveRPURDesign
-from kinematics.five_rpur.inscribed import sphere
 from kinematics.five_rpur.slicing.cutter import Cutter
+from kinematics.five_rpur.usable.inscribed import sphere
 from kinematics.five_rpur.volume import Integral, integrate, pieces
 from kinematics.sections import MapCells, MapSpec, Quantity
 from kinematics.spatial import finite

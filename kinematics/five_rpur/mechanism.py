@@ -16,14 +16,12 @@ from kinematics.five_rpur import (
     arrangements,
     drawing,
     home,
-    inscribed,
     inverse,
     maps,
     measures,
     motion,
     room,
     section,
-    singularity,
     statics,
     velocity,
     volume,
@@ -33,8 +31,9 @@ from kinematics.five_rpur.continuation import following
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.forward import assembly, carrying
 from kinematics.five_rpur.remedies import causes
-from kinematics.five_rpur.singular import ball, curves
+from kinematics.five_rpur.singular import ball, curves, kinds
 from kinematics.five_rpur.slicing import acceleration
+from kinematics.five_rpur.usable import inscribed
 from kinematics.five_rpur.watching import nearness, passing, paths
 from kinematics.mechanism import (
     SURFACES,
@@ -221,7 +220,7 @@ class FiveRPUR(Bare):
     def singularities(
         self, design: FiveRPURDesign, posture: Posture, tolerance: float = AT
     ) -> tuple[Singularity, ...]:
-        return singularity.singularities(design, posture, tolerance)
+        return kinds.singularities(design, posture, tolerance)
 
     # --- how far to the bounds, and the ways out
 
@@ -318,7 +317,7 @@ class FiveRPUR(Bare):
         return homogeneous(turned, offset)
 
     def build_solid(self, request: SolidRequest) -> BuiltSolid:
-        from kinematics.five_rpur import workspace
+        from kinematics.five_rpur.solid import workspace
 
         what, *arguments = request.arguments
         if what == "workspace":

@@ -563,7 +563,7 @@ def test_vertex_space_and_its_parts(here: Run) -> None:
         assert answer["watertight"] is True
         return float(answer["volume_mm3"])
 
-    # Closed forms of spec and quadrature; see kinematics.five_rpur.vertex_space.
+    # Closed forms of spec and quadrature; see kinematics.five_rpur.solid.vertex_space.
     half = 2 * 150 * np.pi * (400**2 - 250**2)
     assert volume("plus") == pytest.approx(half, rel=1e-3)
     assert volume("minus") == pytest.approx(half, rel=1e-3)

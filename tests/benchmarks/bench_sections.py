@@ -20,10 +20,10 @@ import numpy as np
 from bench_solids import cases
 
 from kinematics.designs import load_design
-from kinematics.five_rpur.inscribed import box, sphere
 from kinematics.five_rpur.section import section, section_range
 from kinematics.five_rpur.slicing import acceleration
 from kinematics.five_rpur.slicing.cutter import Cutter
+from kinematics.five_rpur.usable.inscribed import box, sphere
 from kinematics.five_rpur.volume import integrate, volume
 from kinematics.sweeps import map_request, sweep
 

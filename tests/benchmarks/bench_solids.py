@@ -14,7 +14,7 @@ from pathlib import Path
 from statistics import median
 
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
-from kinematics.five_rpur.workspace import limb_part, workspace
+from kinematics.five_rpur.solid.workspace import limb_part, workspace
 from kinematics.mechanism import RESOLUTIONS
 from kinematics.solids import KINDS, encode
 

@@ -1,6 +1,7 @@
-"""Where the 5-RPUR loses control, as geometry: the locus of its parallel singularities.
+"""Where the 5-RPUR loses control, and why.
 
-determinant     the function whose zeros they are, in closed form: values, slopes, polynomials
+kinds           which singularities a posture is in, and their causes by line geometry
+determinant     the function whose zeros are the parallel ones, in closed form
 nearest         the zero that is nearest to a pose
 cells           the function on a grid about a workspace
 aspects         the workspace of a mode parted by the zeros, as solids

@@ -14,7 +14,7 @@ from kinematics.errors import ComputationError
 from kinematics.five_rpur.design import FiveRPURDesign
 from kinematics.five_rpur.singular.cells import CELLS, Cells, Field
 from kinematics.five_rpur.singular.determinant import Determinant
-from kinematics.five_rpur.workspace import coarseness, raw_workspace, thinnest, volume_error
+from kinematics.five_rpur.solid.workspace import coarseness, raw_workspace, thinnest, volume_error
 from kinematics.isosurfaces import positive_part
 from kinematics.mechanism import Resolution
 from kinematics.partition import partition

@@ -1,10 +1,10 @@
 """The largest ball without singularities: the usable workspace of a mode at one orientation.
 
-A ball in the workspace grows (`growing`) until contacts with the workspace's boundary and with the
-parallel singularities hold it from all sides. Nearest zeros of the determinant are first looked
-for among points on its zero surface, sampled once; the ball that is returned is then checked, and
-grown again if need be, with the thorough search of `nearest`. As of every ball "anywhere", it is
-the best found from several starts. Lengths mm.
+A ball in the workspace grows (`usable.growing`) until contacts with the workspace's boundary and
+with the parallel singularities hold it from all sides. Nearest zeros of the determinant are first
+looked for among points on its zero surface, sampled once; the ball that is returned is then
+checked, and grown again if need be, with the thorough search of `nearest`. As of every ball
+"anywhere", it is the best found from several starts. Lengths mm.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from scipy import ndimage
 from scipy.spatial import cKDTree
 
 from kinematics.errors import InputError
-from kinematics.five_rpur.clearance import Mask, Region, formula
 from kinematics.five_rpur.design import FiveRPURDesign
-from kinematics.five_rpur.growing import ERROR, Obstacles, clearance, grow_ball
-from kinematics.five_rpur.inscribed import Grid, grid_of, point_of, starts_in
 from kinematics.five_rpur.offsets import SAME_SOLIDS, aligned_offsets
 from kinematics.five_rpur.singular.cells import CELLS, Cells
 from kinematics.five_rpur.singular.determinant import Determinant
 from kinematics.five_rpur.singular.nearest import Chart, spread, zeros_near
+from kinematics.five_rpur.usable.clearance import Mask, Region, formula
+from kinematics.five_rpur.usable.growing import ERROR, Obstacles, clearance, grow_ball
+from kinematics.five_rpur.usable.inscribed import Grid, grid_of, point_of, starts_in
 from kinematics.sections import Sphere
 from kinematics.spatial import Array
 

@@ -8,8 +8,8 @@ import pytest
 from kinematics.designs import load_design
 from kinematics.errors import InputError
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
-from kinematics.five_rpur.inscribed import sphere
 from kinematics.five_rpur.maps import SPEC, map_cells
+from kinematics.five_rpur.usable.inscribed import sphere
 from kinematics.five_rpur.volume import volume
 
 pytestmark = pytest.mark.usefixtures("compiled")

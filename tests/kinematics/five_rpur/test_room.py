@@ -8,10 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinematics.designs import load_design
-from kinematics.five_rpur import inscribed, inverse
+from kinematics.five_rpur import inverse
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.feet import feet
 from kinematics.five_rpur.room import clearances
+from kinematics.five_rpur.usable import inscribed
 from kinematics.spatial import rotation_x, rotation_y
 
 TABLES = ("rpur-table1", "rpur-table1-icee", "rpur-table2", "rpur-a1a1")

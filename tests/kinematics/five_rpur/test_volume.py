@@ -15,8 +15,8 @@ from kinematics.errors import InputError
 from kinematics.five_rpur import inverse
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.section import section, section_range
+from kinematics.five_rpur.solid.workspace import workspace
 from kinematics.five_rpur.volume import volume
-from kinematics.five_rpur.workspace import workspace
 from kinematics.sections import Volume
 from kinematics.spatial import rotation_y
 

@@ -7,9 +7,9 @@ import pytest
 
 from kinematics.designs import load_design
 from kinematics.five_rpur import inverse
-from kinematics.five_rpur.clearance import Region
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.remedies.projection import nearest
+from kinematics.five_rpur.usable.clearance import Region
 from kinematics.spatial import rotation_y
 
 TABLES = ("rpur-table1", "rpur-table2", "rpur-a1a1", "rpur-mpa2")

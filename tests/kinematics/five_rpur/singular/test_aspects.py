@@ -11,7 +11,7 @@ from kinematics.errors import ComputationError, InputError
 from kinematics.five_rpur.inverse import MODES, limb_lengths
 from kinematics.five_rpur.singular.aspects import aspects
 from kinematics.five_rpur.singular.determinant import Determinant
-from kinematics.five_rpur.workspace import coarseness, workspace
+from kinematics.five_rpur.solid.workspace import coarseness, workspace
 from kinematics.mechanism import mechanism
 from kinematics.solids import Solid
 from tests.kinematics.five_rpur.singular.cases import (

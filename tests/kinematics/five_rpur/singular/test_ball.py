@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinematics.errors import InputError
-from kinematics.five_rpur.inscribed import sphere
 from kinematics.five_rpur.singular.aspects import aspects
 from kinematics.five_rpur.singular.ball import singularity_free_ball
 from kinematics.five_rpur.singular.determinant import Determinant
 from kinematics.five_rpur.singular.nearest import nearest_singularity
+from kinematics.five_rpur.usable.inscribed import sphere
 from kinematics.mechanism import mechanism
 from tests.kinematics.five_rpur.singular.cases import always_singular, held, preset, random_case
 

@@ -13,7 +13,7 @@ from itertools import product
 
 import numpy as np
 
-from kinematics.five_rpur.clearance import SIGN, Contacts, Ints, Region, contacts
+from kinematics.five_rpur.usable.clearance import SIGN, Contacts, Ints, Region, contacts
 from kinematics.spatial import Array
 
 ERROR = 1e-9

@@ -15,9 +15,9 @@ import numpy as np
 from scipy import ndimage
 
 from kinematics.errors import InputError
-from kinematics.five_rpur.clearance import Mask, Region
 from kinematics.five_rpur.design import FiveRPURDesign
-from kinematics.five_rpur.growing import ERROR, clearance, grow_ball, grow_box, volume_of
+from kinematics.five_rpur.usable.clearance import Mask, Region
+from kinematics.five_rpur.usable.growing import ERROR, clearance, grow_ball, grow_box, volume_of
 from kinematics.sections import Box, Sphere
 from kinematics.spatial import Array, finite
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.five_rpur.folds import Faces, Net, looks
-from kinematics.five_rpur.sheets import onto, residuals
+from kinematics.five_rpur.solid.folds import Faces, Net, looks
+from kinematics.five_rpur.solid.sheets import onto, residuals
 from kinematics.solids import close_pairs
 from kinematics.spatial import Array
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.five_rpur.vertex_space import Surface
+from kinematics.five_rpur.solid.vertex_space import Surface
 from kinematics.solids import TracedMesh
 from kinematics.spatial import Array
 

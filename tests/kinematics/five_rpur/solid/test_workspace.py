@@ -17,14 +17,14 @@ from kinematics.errors import InputError
 from kinematics.five_rpur import inverse
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.offsets import offset_points
-from kinematics.five_rpur.vertex_space import PARTS
-from kinematics.five_rpur.workspace import limb_part, workspace
+from kinematics.five_rpur.solid.vertex_space import PARTS
+from kinematics.five_rpur.solid.workspace import limb_part, workspace
 from kinematics.mechanism import RESOLUTIONS
 from kinematics.solids import encode
 from kinematics.spatial import rotation_x, rotation_y
 
 CASES = json.loads(
-    (Path(__file__).parents[2] / "reference" / "volumes.json").read_text(encoding="utf-8")
+    (Path(__file__).parents[3] / "reference" / "volumes.json").read_text(encoding="utf-8")
 )["cases"]
 FLOOR = {"preview": 1e-2, "normal": 1e-3, "fine": 1e-4}
 MODES = ["".join(signs) for signs in product("+-", repeat=5)]

@@ -15,7 +15,7 @@ from kinematics.five_rpur import inverse
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.forward.assembly import forward
 from kinematics.five_rpur.motion import pose_rates_of, twists
-from kinematics.five_rpur.singularity import singularities
+from kinematics.five_rpur.singular.kinds import singularities
 from kinematics.five_rpur.statics import wrench_system
 from kinematics.five_rpur.velocity import characteristic_length
 from kinematics.singularities import NEAR, Singularity
@@ -25,7 +25,7 @@ from tests.kinematics.five_rpur.closing import closing_poses, lengths, preset
 from tests.kinematics.five_rpur.test_arrangements import IN_ALL_MODES, SINGULAR
 
 FOLDS = json.loads(
-    (Path(__file__).parents[2] / "reference" / "rpur_folds.json").read_text(encoding="utf-8")
+    (Path(__file__).parents[3] / "reference" / "rpur_folds.json").read_text(encoding="utf-8")
 )
 
 

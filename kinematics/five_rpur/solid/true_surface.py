@@ -16,9 +16,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.five_rpur.folds import Net, looks, unfold
-from kinematics.five_rpur.refinement import refine
-from kinematics.five_rpur.sheets import (
+from kinematics.five_rpur.solid.folds import Net, looks, unfold
+from kinematics.five_rpur.solid.refinement import refine
+from kinematics.five_rpur.solid.sheets import (
     Masks,
     Sheets,
     masks_of,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.five_rpur.sheets import Masks, Sheets, count_of, distances, onto
+from kinematics.five_rpur.solid.sheets import Masks, Sheets, count_of, distances, onto
 from kinematics.spatial import Array
 
 Faces = NDArray[np.int32]

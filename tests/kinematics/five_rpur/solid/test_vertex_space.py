@@ -10,14 +10,14 @@ from scipy.integrate import quad
 
 from kinematics.errors import InputError
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
-from kinematics.five_rpur.vertex_space import (
+from kinematics.five_rpur.solid.vertex_space import (
     PARTS,
     Surface,
     deviation,
     limb_solid,
     segments,
 )
-from kinematics.five_rpur.workspace import limb_part
+from kinematics.five_rpur.solid.workspace import limb_part
 from kinematics.mechanism import RESOLUTIONS
 from kinematics.solids import Solid
 

@@ -17,8 +17,8 @@ import numpy as np
 from kinematics.errors import InputError
 from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.five_rpur.offsets import SAME_SOLIDS, aligned_offsets
-from kinematics.five_rpur.true_surface import true_surface
-from kinematics.five_rpur.vertex_space import Part, Surface, deviation, limb_solid, shear
+from kinematics.five_rpur.solid.true_surface import true_surface
+from kinematics.five_rpur.solid.vertex_space import Part, Surface, deviation, limb_solid, shear
 from kinematics.mechanism import SURFACES, Resolution, SurfaceKind
 from kinematics.solids import BuiltSolid, PlacedMesh, Solid, TracedMesh, finish
 

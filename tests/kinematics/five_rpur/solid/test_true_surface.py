@@ -15,15 +15,15 @@ from kinematics.designs import load_design, presets
 from kinematics.errors import InputError
 from kinematics.five_rpur import inverse
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
-from kinematics.five_rpur.true_surface import true_surface
-from kinematics.five_rpur.vertex_space import deviation
-from kinematics.five_rpur.workspace import workspace
+from kinematics.five_rpur.solid.true_surface import true_surface
+from kinematics.five_rpur.solid.vertex_space import deviation
+from kinematics.five_rpur.solid.workspace import workspace
 from kinematics.mechanism import mechanism
 from kinematics.solids import encode
 from kinematics.spatial import rotation_y
 
 CASES = json.loads(
-    (Path(__file__).parents[2] / "reference" / "volumes.json").read_text(encoding="utf-8")
+    (Path(__file__).parents[3] / "reference" / "volumes.json").read_text(encoding="utf-8")
 )["cases"]
 PROMISED = {"normal": 1e-3, "fine": 1e-4}
 DESIGNS = [p.name for p in presets() if p.mechanism == "five_rpur"]
@@ -72,7 +72,7 @@ def placed(monkeypatch):
         seen.append(true_surface(*arguments))
         return seen[-1]
 
-    monkeypatch.setattr("kinematics.five_rpur.workspace.true_surface", spy)
+    monkeypatch.setattr("kinematics.five_rpur.solid.workspace.true_surface", spy)
     return seen
 
 

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from kinematics.designs import load_design
 from kinematics.errors import InputError
 from kinematics.five_rpur import inverse
-from kinematics.five_rpur.clearance import Region
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
-from kinematics.five_rpur.growing import concave_program
-from kinematics.five_rpur.inscribed import box, sphere
+from kinematics.five_rpur.usable.clearance import Region
+from kinematics.five_rpur.usable.growing import concave_program
+from kinematics.five_rpur.usable.inscribed import box, sphere
 from kinematics.mechanism import Mechanism
 from kinematics.sections import Box, Sphere
 
