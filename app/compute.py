@@ -253,8 +253,7 @@ def status(review: Review, posture: Posture) -> Status:
         limit = (
             ""
             if nearest is None
-            else f"{amount_text(nearest.amount, nearest.unit)} to the nearest limit "
-            f"({_bound(nearest)})"
+            else f"{amount_text(nearest.amount, nearest.unit)} left of travel ({_bound(nearest)})"
         )
         strokes = [m.amount for m in posture.margins if m.bound != "link"]
         span = min(c.upper - c.lower for c in review.mechanism.joint_coordinates(review.design))

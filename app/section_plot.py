@@ -25,7 +25,7 @@ BOUND_TITLES: dict[EdgeBound, str] = {
     "rho_max": "ρ max",
     "rho_min": "ρ min",
     "link": "reach of the link",
-    "parallel": "parallel singularity",
+    "parallel": "parallel singularity",  # of regions that are parts between singularities
 }
 DASHES: dict[EdgeBound, str] = {"rho_max": "", "rho_min": "6 4", "link": "1.5 3", "parallel": ""}
 

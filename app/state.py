@@ -21,6 +21,7 @@ SORTS: tuple[Sort, ...] = ("distance", "condition", "height", "mode")
 SAME_MODE = "same"
 FAR = 1e4  # mm; a plane may stand this far off, where it cuts nothing
 MAX_RATIO, MAX_RATIOS = 100.0, 12  # of machines whose profiles are compared
+LARGEST = 1e9  # of a rate or of a load; squares of it are numbers yet
 MAX_CELLS = 91  # of a map along one axis
 
 
@@ -270,11 +271,13 @@ def checked_control(control: Control, review: Review) -> Control:
         raise InputError(f"at most {MAX_RATIOS} ratios can be compared")
     axes = kind.pose_coordinates(design)
     for name, values in (("rates", control.rates), ("accelerations", control.accelerations)):
-        if values and (len(values) != len(axes) or not all(map(math.isfinite, values))):
+        if values and (len(values) != len(axes) or not all(abs(v) <= LARGEST for v in values)):
             symbols = ", ".join(c.symbol for c in axes)
-            raise InputError(f"{name} are {len(axes)} finite numbers, of {symbols}")
-    if len(control.load) != 6 or not all(map(math.isfinite, control.load)):
-        raise InputError("a load is six finite numbers: three forces (N), three moments (N·mm)")
+            raise InputError(f"{name} are {len(axes)} numbers within ±{LARGEST:.0e}, of {symbols}")
+    if len(control.load) != 6 or not all(abs(v) <= LARGEST for v in control.load):
+        raise InputError(
+            f"a load is six numbers within ±{LARGEST:.0e}: three forces (N), three moments (N·mm)"
+        )
     return control
 
 

@@ -98,7 +98,7 @@ def run(arguments: argparse.Namespace) -> None:
             f"{f'At {where}' if where else 'All orientations'}"
             f"{common.mode_text(mechanism, mode)}, {resolution}",
         )
-        print(_text(built, area, file))
+        print(_text(built, area, file, resolution))
         return
     turned = placement[:3, :3], placement[:3, 3]
     common.print_json(
@@ -146,7 +146,7 @@ def _area(built: BuiltSolid) -> float:
     return float(face_parts(mesh.vertices, mesh.faces)[1].sum()) / 2.0
 
 
-def _text(built: BuiltSolid, area: float, file: str | None) -> str:
+def _text(built: BuiltSolid, area: float, file: str | None, resolution: Resolution) -> str:
     lines = [""]
     if not built.pieces:
         lines.append("The workspace of this mode is empty at this orientation.")
@@ -168,7 +168,8 @@ def _text(built: BuiltSolid, area: float, file: str | None) -> str:
                 + (f" but for {built.locus_unplaced}" if built.locus_unplaced else "")
             )
         else:
-            lines.append("No singularity inside.")
+            finer = "" if resolution == "fine" else "; a finer one may show thin layers"
+            lines.append(f"No singularity inside is found at this resolution{finer}.")
         lines.append(
             "These are slices of the aspects at one orientation: pieces may be joined through "
             "others."

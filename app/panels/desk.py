@@ -34,7 +34,8 @@ from kinematics.trajectories import Fits
 
 log = logging.getLogger(__name__)
 
-DIGITS = 1  # of mm and of degrees in number boxes
+DIGITS = 1  # of mm and of degrees that are computed
+TYPED = 4  # and that can be typed
 QUIET = palette.rgb(palette.PLATFORM)  # buttons
 
 
@@ -382,7 +383,7 @@ class Slider:
         self._handle = desk.gui.add_slider(
             label, low, high, step, round(min(max(value, low), high), digits), hint=hint
         )
-        put_prop(self._handle, "precision", digits)
+        put_prop(self._handle, "precision", max(digits, TYPED))
         answer(desk, self._handle, act)
 
     def draw(self, low: float, high: float, value: float) -> None:

@@ -34,28 +34,39 @@ class Header(Panel):
     def __init__(self, desk: Desk, sheet: Sheet) -> None:
         gui = desk.gui
         gui.add_html(NUMBERS_GO_BACK)
-        self._status = gui.add_html(_status(sheet, ""))
+        self._status = gui.add_html(_status(sheet, "", False))
         self._legend = gui.add_html(_legend(sheet.view))
         self._doing = gui.add_html(_doing("", 0.0))
         self._cancel = gui.add_button("Cancel", visible=False, color="gray")
         clicked(desk, self._cancel, lambda _: desk.cancel())
 
-        self._held = ""
+        self._here: Here | None = None
 
     def draw(self, sheet: Sheet) -> None:
-        put_prop(self._status, "content", _status(sheet, self._held))
+        put_prop(self._status, "content", _status(sheet, held_text(self._here), self._late(sheet)))
         put_prop(self._legend, "content", _legend(sheet.view))
 
     def draw_control(self, sheet: Sheet, controlled: Controlled) -> None:
-        self._held = held_text(controlled.here)
-        put_prop(self._status, "content", _status(sheet, self._held))
+        self._here = controlled.here
+        put_prop(self._status, "content", _status(sheet, held_text(self._here), self._late(sheet)))
+
+    def _late(self, sheet: Sheet) -> bool:
+        """What is known of control is of a pose before."""
+        review = sheet.view.review
+        place = None if self._here is None else self._here.place
+        return place is None or (place.design, place.pose, place.mode) != (
+            review.design,
+            review.pose,
+            review.mode,
+        )
 
     def draw_moment(self, sheet: Sheet, moment: Moment) -> None:
-        held = self._held
+        held, late = held_text(self._here), self._late(sheet)
         if moment.away:  # of where the machine is shown
             near = moment.distance
             held = f"{near:.1f} mm to a singularity" if math.isfinite(near) else ""
-        put_prop(self._status, "content", _status(sheet, held))
+            late = False
+        put_prop(self._status, "content", _status(sheet, held, late))
 
     def draw_work(self, work: Busy | None) -> None:
         """Show what takes longer than a moment, with a way to stop it."""
@@ -102,13 +113,16 @@ def held_text(here: Here | None) -> str:
     return "" if nearest is None else f"{nearest.distance:.1f} mm to a singularity"
 
 
-def _status(sheet: Sheet, held: str) -> str:
+def _status(sheet: Sheet, held: str, late: bool) -> str:
+    """The sentence; what of it is still that of a pose before is faint."""
     status = sheet.view.status
-    text = f"{status.text} · {held}" if held and sheet.view.posture.closes else status.text
+    text = esc(status.text)
+    if held and sheet.view.posture.closes:
+        text += f'<span style="opacity:{0.35 if late else 1}"> · {esc(held)}</span>'
     color = tone(status.level)
     lines = [
         f'<div style="border-left:4px solid {color};padding-left:0.6em;font-weight:600">'
-        f"{esc(text)}</div>"
+        f"{text}</div>"
     ]
     if status.remedy:
         lines.append(f'<div style="padding-left:calc(0.6em + 4px)">{esc(status.remedy)}</div>')

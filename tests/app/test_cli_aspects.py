@@ -80,7 +80,7 @@ def test_said_in_words(here: Run) -> None:
     empty = here("singularity", "rpur-table1", "--mode", "++--+").stdout
     assert "The workspace of this mode is empty at this orientation." in empty
     none = here("singularity", "rpur-mpa1", "--mode", "+++++", "--resolution", "preview").stdout
-    assert "No singularity inside." in none
+    assert "No singularity inside is found at this resolution; a finer one" in none
 
 
 @pytest.mark.parametrize(

@@ -32,7 +32,7 @@ def test_every_preset_has_a_view_with_a_reachable_home(name: str) -> None:
 def test_the_status_names_the_nearest_limit(review: Review) -> None:
     view = compute.view(review)
     nearest = view.posture.nearest
-    assert f"{nearest.amount:.1f} mm to the nearest limit (limb {nearest.limb}," in view.status.text
+    assert f"{nearest.amount:.1f} mm left of travel (limb {nearest.limb}," in view.status.text
 
 
 def test_an_unreachable_pose_says_which_limb_and_by_how_much(review: Review) -> None:

@@ -36,7 +36,7 @@ def _coats(tab: Tab) -> list[int]:
 
 
 def test_the_place_is_told_and_drawn(control: Tab) -> None:
-    control.wait_for_text(r"67\.7 mm to the nearest limit \(limb 3, ρ min\) · 47\.5 mm to a sing")
+    control.wait_for_text(r"67\.7 mm left of travel \(limb 3, ρ min\) · 47\.5 mm to a sing")
     control.wait_for_text(r"The platform is held")
     control.wait_for_text(r"limb 4, end of the workspace \(ρ min\)\s+66\.29 mm")
     control.check("Wrench lines").click()

@@ -43,7 +43,10 @@ def _nearest(design: FiveRPURDesign, wanted: Posture) -> tuple[Found | None, str
     pose = wanted.pose
     found = nearest(design, pose, wanted.mode)
     if found is not None:
-        return found, f"the nearest pose that can be held is {_mm(found.distance)} away"
+        return found, (
+            f"the nearest pose that working mode {shown(wanted.mode)} can hold is "
+            f"{_mm(found.distance)} away"
+        )
     for mode in MODES:
         closer = nearest(design, pose, mode, float("inf") if found is None else found.distance)
         found = closer or found
