@@ -120,7 +120,7 @@ class TrajectoryPanel(Panel):
         explain(gui, review.mechanism.about("trajectory"), HELP)
         self._add_window(sheet)
         self._computed: Computed | None = None
-        self._plotted: object = None
+        self._measuring = False
         self._moment = Moment(0.0, playing=False, away=False, distance=float("nan"))
 
     def _add_time(self) -> None:
@@ -183,7 +183,7 @@ class TrajectoryPanel(Panel):
         self._window.set_width(WIDTH)
         with self._window.add_tab("Along the trajectory"):
             self._plot = Plot(desk, self._pointed)
-            self._scrub = gui.add_slider("t (s)", 0.0, 1.0, 0.001, 0.0)
+            self._scrub = gui.add_slider("Time (s)", 0.0, 1.0, 0.001, 0.0)
             put_prop(self._scrub, "precision", 3)
             self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY, hint="Hotkey P")
             self._stop = button(
@@ -286,7 +286,11 @@ class TrajectoryPanel(Panel):
             fits = fits_html(moved.fits, moved.fit_trouble, self._axes, self._joints)
         put_prop(self._fits, "content", fits)
         self._way.draw_trajectory(moved)
-        self._plot.draw(None if computed is None else figure(computed, plan.plot))
+        self._measuring = moved.measuring
+        drawn = None
+        if computed is not None:
+            drawn = figure(computed, plan.plot, measuring=moved.measuring)
+        self._plot.draw(drawn)
         if computed is not None:
             duration = computed.law.duration
             put_prop(self._scrub, "max", math.ceil(duration * 1e3) / 1e3)
@@ -311,4 +315,5 @@ class TrajectoryPanel(Panel):
             self._plot.mark("")
             return
         plot = self._sheet.view.review.plan.plot
-        self._plot.mark(mark(computed, plot, drawn.axes, self._moment.at))
+        at, measuring = self._moment.at, self._measuring
+        self._plot.mark(mark(computed, plot, drawn.axes, at, measuring=measuring))

@@ -162,21 +162,27 @@ def _range(strip: Strip) -> tuple[float, float]:
                 low = min(low, -curve.limit) if low < 0.0 else low
                 high = max(high, curve.limit)
         low, high = min(low, 0.0), max(high, 0.0)
-    elif not strip.curves[0].symbol:
+    elif _of_distance(strip):
         low = 0.0
     room = 0.06 * max(high - low, 1e-6 * max(abs(low), abs(high)), 1e-9)
     return low - (0.0 if low == 0.0 else room), high + room
 
 
-def figure(computed: Computed, plot: str, *, legend: bool = False) -> Figure:
-    """All strips as one drawing; with a legend for who has no cursor."""
+def figure(
+    computed: Computed, plot: str, *, legend: bool = False, measuring: bool = False
+) -> Figure:
+    """All strips as one drawing; with a legend for who has no cursor.
+
+    While distances come in, ``measuring``, they are left to `mark`: this drawing stays as it is,
+    also under a hand that drags on it.
+    """
     found, shown = computed.found, strips(computed, plot)
     whole = axes_for(shown, found.duration)
     content = []
     for strip, axes in zip(shown, strip_axes(shown, whole), strict=True):
         content.append(_bands(found, axes))
-        content += _curve_paths(strip, found, axes)
-        content.append(_frame(strip, axes, last=strip is shown[-1]))
+        if not (measuring and _of_distance(strip)):
+            content += _strip(strip, found, axes, last=strip is shown[-1])
         if legend:
             content.append(_symbols(strip, axes, None))
     places = np.linspace(0.0, found.duration, COLUMNS)
@@ -191,7 +197,15 @@ def figure(computed: Computed, plot: str, *, legend: bool = False) -> Figure:
     )
 
 
-def mark(computed: Computed, plot: str, axes: Axes, at: float) -> str:
+def _strip(strip: Strip, found: Trajectory, axes: Axes, *, last: bool) -> list[str]:
+    return [*_curve_paths(strip, found, axes), _frame(strip, axes, last=last)]
+
+
+def _of_distance(strip: Strip) -> bool:
+    return not strip.curves[0].symbol
+
+
+def mark(computed: Computed, plot: str, axes: Axes, at: float, *, measuring: bool = False) -> str:
     """The cursor where the machine is shown, and every quantity there."""
     shown = strips(computed, plot)
     x, _ = axes.px(at, 0.0)
@@ -204,6 +218,10 @@ def mark(computed: Computed, plot: str, axes: Axes, at: float) -> str:
         _symbols(strip, box, _at(computed.found.times, strip, at))
         for strip, box in zip(shown, strip_axes(shown, axes), strict=True)
     ]
+    if measuring:
+        for strip, box in zip(shown, strip_axes(shown, axes), strict=True):
+            if _of_distance(strip):
+                parts += _strip(strip, computed.found, box, last=strip is shown[-1])
     return "".join(parts)
 
 

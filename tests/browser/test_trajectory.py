@@ -48,7 +48,7 @@ def test_it_plays_stops_and_is_taken_back(way: Tab) -> None:
     way.page.get_by_role("button", name="Pause").click()
     way.page.get_by_role("button", name="Back to where it was").click()
     way.wait(lambda: abs(_x(way) - 326.0) < 1e-3, "the machine is where it was")
-    way.type_into("t (s)", 1)
+    way.type_into("Time (s)", 1)
     way.wait(lambda: abs(_x(way) - 300.0) < 1e-3, "the machine at the end")
     way.open_tab("Move")
     way.wait(lambda: abs(way.value("x (mm)") - 300.0) < 0.06, "the review follows when it rests")
@@ -66,6 +66,7 @@ def test_limits_a_click_a_fit_and_files(way: Tab, tmp_path: Path) -> None:
     way.wait_for_text(r"Rate of ρ\S reaches [\d.]+ mm/s from t = [\d.]+ s")
     way.wait(lambda: bool(way.props("/trajectory/beyond").get("visible")), "what is too fast")
     plot = way.page.get_by_label("The trajectory against time")
+    way.wait(lambda: "Cancel the distances" not in way.text(), "the drawing is what it stays")
     box = plot.bounding_box()
     assert box is not None
     way.page.mouse.click(box["x"] + 0.55 * box["width"], box["y"] + 0.5 * box["height"])
