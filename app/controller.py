@@ -173,13 +173,16 @@ def passed(before: Place, pose: tuple[float, ...]) -> tuple[Event, ...]:
     return kind.passed(design, before.posture, kind.posture(design, pose, before.mode))
 
 
-def field(place: Place, key: str, points: Array) -> Array:
-    """A measure (N,) with O′ at points (N, 3), base frame; NaN where the machine does not close."""
+def field(place: Place, key: str, solid: str, points: Array) -> Array:
+    """A measure (N,) at points (N, 3) of a solid as placed; NaN where there is none."""
     kind, design = place.kind, place.design
     measure = next(m for m in kind.measures(design) if m.key == key)
-    poses = placed(kind, design, place.pose, points)
+    poses = kind.solid_poses(design, solid, place.pose, place.mode, points)
+    known = np.isfinite(poses).all(axis=1)
+    values = np.full(len(poses), np.nan)
     load = place.load if measure.needs_load else None
-    return np.asarray(kind.measure(design, poses, place.mode, key, load))
+    values[known] = kind.measure(design, poses[known], place.mode, key, load)
+    return values
 
 
 def placed(kind: Mechanism, design: Design, pose: Sequence[float], points: Array) -> Array:

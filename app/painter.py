@@ -31,7 +31,7 @@ class Painter:
         for key, (built, points) in self._solids.items():
             what = _field_key(review, key, built)
             if what not in self._fields:
-                arguments = spot, review.control.shade, points
+                arguments = spot, review.control.shade, key, points
                 jobs.append(Job(what, "the colours", controller.field, arguments, 0.0))
         return jobs
 

@@ -13,6 +13,7 @@ from importlib import import_module
 from math import nan
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics.errors import InputError
@@ -326,6 +327,10 @@ class Mechanism(Protocol):
     ) -> SolidRequest: ...
     def solid_placement(self, design: Any, key: str, pose: Sequence[float]) -> Array: ...
     def build_solid(self, request: SolidRequest) -> BuiltSolid: ...
+    def solid_point(self, design: Any, key: str, pose: Sequence[float], mode: str) -> Array: ...
+    def solid_poses(
+        self, design: Any, key: str, pose: Sequence[float], mode: str, points: ArrayLike
+    ) -> Array: ...
     def inside(self, design: Any, pose: Sequence[float], modes: tuple[str, ...] | None) -> bool: ...
 
     # what takes long the first time on a machine is made ready; for processes nobody waits for
@@ -439,6 +444,26 @@ class Bare:
 
     def build_solid(self, request: SolidRequest) -> BuiltSolid:
         raise InputError("this mechanism has no solids")
+
+    def solid_point(self, design: Any, key: str, pose: Sequence[float], mode: str) -> Array:
+        """Where a pose is in a solid as placed, (3,) mm: the place of O′, unless overridden."""
+        at: Array = self.transform(design, pose, mode)[:3, 3]  # type: ignore[attr-defined]
+        return at
+
+    def solid_poses(
+        self, design: Any, key: str, pose: Sequence[float], mode: str, points: ArrayLike
+    ) -> Array:
+        """The poses (N, P) that points (N, 3) mm of a solid as placed stand for, all else held.
+
+        NaN where there is none.
+        """
+        places = np.asarray(points, dtype=float)
+        poses = np.tile(np.asarray(pose, dtype=float), (len(places), 1))
+        axes: tuple[Coordinate, ...] = self.pose_coordinates(design)  # type: ignore[attr-defined]
+        for n, c in enumerate(axes):
+            if c.key in ("x", "y", "z"):
+                poses[:, n] = places[:, "xyz".index(c.key)]
+        return poses
 
     def section_spec(self, design: Any) -> SectionSpec | None:
         return None

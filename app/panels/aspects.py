@@ -45,7 +45,9 @@ class AspectsFolder:
             answer(desk, self._shade, self._choose_shade)
             self._legend = gui.add_html("")
             self._pieces = gui.add_html("")
-        with gui.add_folder("Largest ball without a singularity"):
+        # A ball is one of places.
+        axes = {c.key for c in review.mechanism.pose_coordinates(review.design)}
+        with gui.add_folder("Largest ball without a singularity", visible={"x", "y", "z"} <= axes):
             about = gui.add_checkbox(
                 "About the platform", True, hint="Otherwise wherever the most room is"
             )

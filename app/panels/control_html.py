@@ -159,7 +159,9 @@ def pieces_html(sheet: Sheet) -> str:
     solid = built.solid
     if not solid.pieces:
         return box("The workspace of this mode is empty at this orientation.")
-    point = np.linalg.inv(built.wish.placement) @ sheet.view.platform[:, 3]
+    review = sheet.view.review
+    at = review.mechanism.solid_point(review.design, ASPECTS, review.pose, review.mode)
+    point = np.linalg.inv(built.wish.placement) @ np.append(at, 1.0)
     here = solid.piece_at(point[:3])
     colors = painting.piece_colors([piece.sign for piece in solid.pieces])
     rows = []

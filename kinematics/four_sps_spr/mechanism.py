@@ -308,6 +308,23 @@ class FourSPSSPR(Bare):
         _follows(key)
         return np.eye(4)
 
+    def solid_poses(
+        self,
+        design: FourSPSSPRDesign,
+        key: str,
+        pose: Sequence[float],
+        mode: str,
+        points: ArrayLike,
+    ) -> Array:
+        """With the angle that follows, of both the one nearer to the present one."""
+        index = _follows(key)
+        poses = super().solid_poses(design, key, pose, mode, points)
+        both = constraint.dependent_values(design, poses, index)
+        away = np.where(np.isfinite(both), np.abs(inverse.wrap_angle(both - pose[index])), np.inf)
+        nearest = away.argmin(axis=1)
+        poses[:, index] = both[np.arange(len(poses)), nearest]
+        return poses
+
     def build_solid(self, request: SolidRequest) -> BuiltSolid:
         limbs, axis, what = request.arguments
         return volume.build(FourSPSSPRDesign(limbs, axis), what, request.resolution)

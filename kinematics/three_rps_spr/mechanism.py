@@ -48,6 +48,7 @@ from kinematics.spatial import Array
 from kinematics.three_rps_spr import (
     about,
     carrying,
+    chart,
     circles,
     drawing,
     forward,
@@ -299,6 +300,18 @@ class Tripod(Bare):
     def solid_placement(self, design: TripodDesign, key: str, pose: Sequence[float]) -> Array:
         """The charts stand upright on the base's centre."""
         return np.eye(4)
+
+    def solid_point(
+        self, design: TripodDesign, key: str, pose: Sequence[float], mode: str
+    ) -> Array:
+        """The chart's place of the pose, see `workspace`."""
+        return chart.to_chart(design, np.asarray(pose, dtype=float))
+
+    def solid_poses(
+        self, design: TripodDesign, key: str, pose: Sequence[float], mode: str, points: ArrayLike
+    ) -> Array:
+        """The poses of the chart: a solid is of all of them, whatever the pose."""
+        return chart.from_chart(design, np.asarray(points, dtype=float))
 
     def build_solid(self, request: SolidRequest) -> BuiltSolid:
         from kinematics.three_rps_spr import workspace

@@ -1,8 +1,7 @@
 """The reachable workspace of an operation mode as a solid, and its parts without a singularity.
 
-A pose (Z, θ, φ) is drawn at (h2 θ cos φ, h2 θ sin φ, Z): up is the altitude, outwards the tilt, one
-radian as long as the platform's circumradius. Volumes in these coordinates are mm³ that compare
-machines of one size; they are no volume of places. The solids are marched on a grid, with
+Poses are drawn as in `chart`. Volumes in these coordinates are mm³ that compare machines of one
+size; they are no volume of places. The solids are marched on a grid, with
 vertices on the exact surfaces; edges where strokes meet are cut off by a part of a cell.
 """
 
@@ -19,6 +18,7 @@ from kinematics.partition import partition
 from kinematics.solids import BuiltSolid, Solid, finish
 from kinematics.spatial import Array, Frozen
 from kinematics.three_rps_spr import polynomial, posing
+from kinematics.three_rps_spr.chart import from_chart
 from kinematics.three_rps_spr.design import TripodDesign, mode_sign
 from kinematics.three_rps_spr.home import reach
 
@@ -27,19 +27,6 @@ _CELLS: dict[Resolution, int] = {"preview": 20, "normal": 40, "fine": 80}
 _LOOKED = 45  # points along each side of all that there is, to find that box
 _STEP = 1e-6  # of h2, of the differences that gradients are made of
 _THIN = 1e-3  # of a cell: thinner pieces are scraps
-
-
-def to_chart(design: TripodDesign, poses: Array) -> Array:
-    """Where poses (..., 3) are drawn, (..., 3) mm."""
-    z, tilt, azimuth = (poses[..., n] for n in range(posing.POSE))
-    out = design.platform_radius * tilt
-    return np.stack([out * np.cos(azimuth), out * np.sin(azimuth), z], axis=-1)
-
-
-def from_chart(design: TripodDesign, points: Array) -> Array:
-    """The poses (..., 3) drawn at points (..., 3); beyond the rim tilts are larger than π."""
-    x, y, z = (points[..., n] for n in range(3))
-    return np.stack([z, np.hypot(x, y) / design.platform_radius, np.arctan2(y, x)], axis=-1)
 
 
 def workspace(design: TripodDesign, mode: str, resolution: Resolution = "normal") -> BuiltSolid:

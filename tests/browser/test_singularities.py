@@ -86,7 +86,7 @@ def test_what_a_move_passes_is_logged(control: Tab) -> None:
     control.page.get_by_text("What happened on the way").click()
     control.wait_for_text(r"Nothing yet\.")
     control.open_tab("Move")
-    control.type_into("z (mm)", 150)
+    control.type_into("z (mm)", 120)  # 30 mm beyond it
     control.open_tab("Singularities")
     control.wait_for_text(r"\d\d:\d\d:\d\d .*parallel singularity")
     control.shot("singularities-log")
