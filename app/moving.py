@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 REST = 0.2  # s for which a trajectory must stay asked for before it is computed
 SETTLED = 0.5  # s for which a hand must rest on the scrub bar before the machine is put there
 OPENED = 0.7  # s in which a browser has opened or closed the plots, and says how wide it is
-FRAME = 0.028  # s between two pictures
+FRAME = 1 / 31  # s between two pictures
 MEDIA_TYPES = {"csv": "text/csv", "svg": "image/svg+xml"}
 QUIET = ""  # the title of work that has a progress bar of its own
 
@@ -85,6 +85,13 @@ class Moving:
     def late(self) -> bool:
         waits = self._settle_at is not None or self._fit_at is not None
         return self._late or self._player.playing or waits
+
+    @property
+    def due(self) -> float | None:
+        """s until the next picture; None while nothing plays."""
+        if not self._player.playing:
+            return None
+        return max(self._framed_at + FRAME - time.monotonic(), 0.002)
 
     @property
     def bounds(self) -> tuple[Array, Array] | None:

@@ -225,6 +225,8 @@ class Page:
         """How long to wait for the next input, s."""
         if self._morph is not None:
             return FRAME
+        if (due := self._moving.due) is not None:
+            return due
         return MOMENT if owing or any(part.late for part in self._parts) else TICK
 
     def _take(self, items: Sequence[Any]) -> None:
