@@ -24,6 +24,7 @@ from app.commands import (
     solids,
     solving,
 )
+from kinematics.assets import asset_folder
 from kinematics.errors import BohemiaError, InputError
 
 # Their values may begin with a minus sign, which argparse takes for an option.
@@ -139,13 +140,22 @@ def _parser() -> tuple[argparse.ArgumentParser, tuple[str, ...]]:
 def _parse(argv: list[str]) -> argparse.Namespace:
     parser, commands = _parser()
     first = argv[0] if argv else ""
-    if not first or (first.startswith("-") and first not in {"-h", "--help", "--version"}):
+    is_option = first.startswith("-") and first not in {"-h", "--help", "--version"}
+    if not first or is_option or (first not in commands and _is_design(first)):
         argv = ["serve", *argv]
     elif not first.startswith("-") and first not in commands:
         near = get_close_matches(first, commands, n=1)
         hint = f"did you mean {near[0]!r}" if near else f"there are {', '.join(commands)}"
         raise InputError(f"there is no command {first!r}; {hint}")
     return parser.parse_args(_joined(argv))
+
+
+def _is_design(word: str) -> bool:
+    """A preset, or what looks like a design file: whoever names one alone wants to see it."""
+    if word.startswith("-"):
+        return False
+    preset = asset_folder("designs") / f"{word}.toml"
+    return word.endswith(".toml") or ("/" not in word and "\\" not in word and preset.is_file())
 
 
 def _joined(argv: list[str]) -> list[str]:

@@ -131,8 +131,6 @@ class _Nodes:
     def prepare(self, offered: bool) -> None:
         """Make them, with nothing to see; none where the mechanism has no regions."""
         scene = self._scene.server.scene
-        for node in (*self._fills, *self._edges, *filter(None, [self._locus])):
-            node.remove()
         self._fills, self._edges, self._locus = [], [], None
         if not offered:
             return

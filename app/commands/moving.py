@@ -331,7 +331,7 @@ def _lines(
     for n, joint in enumerate(joints):
         mark = "°" if joint.unit == "rad" else "mm"
         ends = tables.outer([found.joints[0, n], found.joints[-1, n]], [joint, joint])
-        row = [f"{joint.symbol} ({mark})", *(f"{v:.4f}" for v in ends)]
+        row = [f"{joint.symbol} ({mark})", *(f"{v:.4f}" if isfinite(v) else "–" for v in ends)]
         row += [tables.number_text(rates[n]), tables.number_text(accelerations[n])]
         if found.names:
             unit = "N·mm" if joint.unit == "rad" else "N"

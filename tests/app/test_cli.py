@@ -698,3 +698,12 @@ def test_serve_says_that_a_session_goes_before_a_design(tmp_path: Path) -> None:
         timeout=60,
     )
     assert "review.json holds a review, which is opened instead of rpur-table2" in done.stderr
+
+
+def test_a_design_alone_is_served(bohemia: Callable[..., Finished], tmp_path: Path) -> None:
+    taken = bohemia("rpur-table2", "--port", "none")
+    assert taken.code == 2
+    assert "--port" in taken.stderr  # of serve, not of an unknown command
+    missing = bohemia(str(tmp_path / "my.toml"), "--no-browser")
+    assert missing.code == 2
+    assert "my.toml" in missing.stderr
