@@ -21,7 +21,7 @@ from tests.app.seats import Seat, seat
 
 MACHINES = ("rpur-table1", "five-bar", "rps-3", "spr-3", "sps-spr")
 TRIPODS = ("rps-3", "spr-3")
-COMMON = ["Move", "Solutions", "Workspace", "Singularities", "Design", "Review"]
+COMMON = ["Move", "Solutions", "Workspace", "Singularities", "Trajectory", "Design", "Review"]
 LOAD = (-30.0, 20.0, -100.0, 50.0, -2000.0, 700.0)
 
 Open = Callable[[str], Seat]

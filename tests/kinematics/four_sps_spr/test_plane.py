@@ -100,17 +100,20 @@ def test_the_locus_is_singular_and_the_nearest_place_is_on_it(design, angles) ->
     curve = cubic(design, angles)
     here = plane(design, angles).coordinates(np.array(pose[:3]))
     near = nearest_singular(curve, here)
+    # Level, the cubic is a threefold line: beside it no double knows a zero better than by the
+    # cube root of its rounding, 6e-6 of the machine's size.
+    close = 1e-4 if 0.0 < np.abs(angles).max() < 1e-4 else 1e-6
     if len(found.points):
         assert found.residual.max() < 1e-6
         sizes = KIND.measure(design, at(design, angles, found.points), "", "conditioning")
-        assert sizes.max() < 1e-6
+        assert sizes.max() < close
         assert near is not None
         away = np.linalg.norm(found.points - here, axis=1).min()
-        assert near.distance <= away + 1e-6
+        assert near.distance <= away + close
     if near is not None:
         assert np.linalg.norm(near.point - here) == pytest.approx(near.distance)
         there = at(design, angles, near.point)
-        assert KIND.measure(design, there, "", "conditioning")[0] < 1e-6
+        assert KIND.measure(design, there, "", "conditioning")[0] < close
 
 
 def test_level_the_base_plane_is_a_threefold_line_of_singular_places() -> None:
