@@ -228,7 +228,7 @@ def test_another_mechanism_takes_over_what_it_has_too(one: str, other: str) -> N
         ({"control": {"forces": 1}}, "control: forces is not of the right kind"),
         ({"control": {"load": [0, 0, "much", 0, 0, 0]}}, "control: load must be a finite number"),
         ({"control": {"load": [1, 2, 3]}}, "a load is six numbers within"),
-        ({"control": {"rates": [1, 2]}}, "rates are 6 numbers within ±1e+09, of x, y, z, α, β, γ"),
+        ({"control": {"rates": [1, 2]}}, "rates are 6 numbers within"),
         ({"control": {"chart": "orientation"}}, "a chart of loci is one of plane"),
         ({"control": {"shade": "transmission"}}, "colour shows conditioning"),
         ({"control": {"ratios": [0.5, -1]}}, "a ratio is a positive number"),
