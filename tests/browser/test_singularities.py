@@ -84,6 +84,7 @@ def test_a_ball_without_a_singularity_is_found_and_hidden(control: Tab) -> None:
 
 def test_what_a_move_passes_is_logged(control: Tab) -> None:
     control.page.get_by_text("What happened on the way").click()
+    control.page.get_by_role("button", name="Clear", exact=True).click()
     control.wait_for_text(r"Nothing yet\.")
     control.open_tab("Move")
     control.type_into("z (mm)", 120)  # 30 mm beyond it
