@@ -75,7 +75,7 @@ class Held:
             visible=False,
         )
         self._labels = [
-            scene.add_label(f"/labels/way{n}", "", anchor="bottom-center", visible=False)
+            scene.add_label(f"/control/labels/way{n}", "", anchor="bottom-center", visible=False)
             for n in range(MOST)
         ]
         self._ghost = scene.add_mesh_simple(

@@ -50,7 +50,9 @@ class Loads:
         )
         self._force_labels, self._rate_labels = (
             [
-                scene.add_label(f"/labels/{name}{n}", "", anchor="bottom-center", visible=False)
+                scene.add_label(
+                    f"/control/labels/{name}{n}", "", anchor="bottom-center", visible=False
+                )
                 for n in range(count)
             ]
             for name, count in (("force", MOST), ("rate", 2))

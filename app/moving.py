@@ -6,6 +6,7 @@ stops the machine on its way.
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -307,7 +308,7 @@ class Moving:
             self._stage.complain("Give limits of rates or accelerations first.", client)
             return False
         try:
-            duration = duration_within(computed.found, plan.limits)
+            duration = rounded_up(duration_within(computed.found, plan.limits))
         except InputError as error:
             self._stage.complain(str(error), client)
             return False
@@ -350,6 +351,7 @@ class Moving:
         sheet = replace(self._stage.sheet(), view=view)
         moment = Moment(self._player.at(now), self._player.playing, self._away, self._nearest(now))
         with self._stage.server.atomic():
+            self._stage.scene.veil(self._away)
             if self._away:
                 self._stage.scene.show(view, dragging=False)
             if late:
@@ -415,6 +417,12 @@ class Moving:
         name = solid_name(of.design, "trajectory", (), (of.mode,) if of.mode else None)
         file = ExportedFile(f"{name}.{kind}", data.encode(), MEDIA_TYPES[kind])
         self._stage.apart(client, lambda: self._stage.download(file, client))
+
+
+def rounded_up(value: float) -> float:
+    """To six digits and never less, so that what is at a limit is not beyond it by rounding."""
+    digit = 10.0 ** (math.floor(math.log10(value)) - 5)
+    return float(f"{math.ceil(value * (1.0 + 1e-9) / digit) * digit:.6g}")
 
 
 def on_the_way(view: View, pose: tuple[float, ...], at: float, duration: float) -> View:

@@ -81,6 +81,8 @@ class Scene:
         scene.add_light_directional(
             "/lights/sun", intensity=2.2, cast_shadow=False, position=(0.5, -0.8, 1.0)
         )
+        # What is told of how the platform is held stands below this, and is hidden with it.
+        self._nodes["/control"] = scene.add_frame("/control", show_axes=False)
         for spec in sorted(specs, key=_draw_order):
             color = palette.solid_color(spec)
             self._solids[spec.key] = self._mesh(f"/solids/{spec.key}", color)
@@ -144,6 +146,10 @@ class Scene:
             self._set("/handle", self.handle, visible=options.handle)
             if not dragging:  # the hand that holds it decides where it is
                 self._pose("/handle", self.handle, view.platform)
+
+    def veil(self, hidden: bool) -> None:
+        """Hide what is told of the review's pose while the machine is shown somewhere else."""
+        self._set("/control", self._nodes["/control"], visible=not hidden)
 
     def _bars(self, bars: tuple[Bar, ...], levels: Mapping[int, str], visible: bool) -> None:
         """All bars as one batched mesh: a few small arrays a frame, not a hundred messages."""

@@ -149,7 +149,7 @@ def test_the_load_is_dragged_and_the_limbs_hold_it(opened: Open, name: str) -> N
     # Limbs that are pushed by the load push back.
     joints = here.place.kind.joint_coordinates(here.place.design)
     unit = "N" if joints[0].unit == "mm" else "N·mm"
-    texts = [page.node(n).text for n in page.seen("/labels/force")]
+    texts = [page.node(n).text for n in page.seen("/control/labels/force")]
     assert any(re.fullmatch(rf"[\d.e+]+ {unit}( push| pull)?", text) for text in texts)
     assert any("pu" in text for text in texts) == (unit == "N")
     told = page.text()
@@ -165,7 +165,8 @@ def test_the_load_is_dragged_and_the_limbs_hold_it(opened: Open, name: str) -> N
     assert page.review.control.load == (10.0, 0.0, -40.0, *LOAD[3:])
     page.put("Arrow to drag", False)
     page.put("Forces on the limbs", False)
-    assert not page.seen("/control/load") + page.seen("/control/tip") + page.seen("/labels/force")
+    for name in ("/control/load", "/control/tip", "/control/labels/force"):
+        assert not page.seen(name)
 
 
 @pytest.mark.parametrize("name", MACHINES)
@@ -188,7 +189,7 @@ def test_rates_are_typed_and_the_actuators_answer(opened: Open, name: str) -> No
     )
     assert motion.joint_rates == pytest.approx((ahead - behind) / (2 * step), abs=2e-4)
     assert page.seen("/control/rates")
-    assert any("mm/s" in page.node(n).text for n in page.seen("/labels/rate"))
+    assert any("mm/s" in page.node(n).text for n in page.seen("/control/labels/rate"))
     asked = page.text()
     assert ("follows:" in asked) == bool(kind.dependent_coordinates(design))
     page.put("Rates", "1, 2")

@@ -146,7 +146,7 @@ def test_the_4_sps_spr(machine: Callable[[str, str], Tab]) -> None:
     tab.wait(lambda: bool(tab.props("/control/forces").get("visible")), "the forces")
     tab.wait_for_text(r"F₁\s+−?[\d.]+ N\s")
     tab.wait_for_text(r"Fτ\s+−?[\d.e−]+ N")
-    labelled = [n for n in range(8) if tab.props(f"/labels/force{n}").get("visible")]
+    labelled = [n for n in range(8) if tab.props(f"/control/labels/force{n}").get("visible")]
     assert len(labelled) >= 5
     tab.shot("mechanisms-sps-spr")
 
