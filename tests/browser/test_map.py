@@ -43,6 +43,8 @@ def _place(plot: Locator, phi: float, theta: float) -> tuple[float, float]:
 def _set_spans(tab: Tab, low: float, high: float, count: int) -> None:
     for symbol in "φθ":
         tab.type_into(f"{symbol} from, to (°), values", f"{low}, {high}, {count}")
+        # The browser sends what changed every 50 ms, and of two boxes in that time only the last.
+        tab.page.wait_for_timeout(250)
 
 
 def _run(tab: Tab, low: float, high: float, count: int) -> None:
