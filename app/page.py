@@ -149,9 +149,12 @@ class Page:
 
     def complain(self, text: str, client: viser.ClientHandle | None = None) -> None:
         """Tell the person who asked, or everybody, what is wrong."""
+        self._notify(text, client)
+        self._inbox.put("redraw")  # widgets go back to what is true
+
+    def _notify(self, text: str, client: viser.ClientHandle | None) -> None:
         for each in [client] if client is not None else self.server.get_clients().values():
             each.add_notification("Bohemia", text, color="red", auto_close_seconds=12.0)
-        self._inbox.put("redraw")  # widgets go back to what is true
 
     def download(self, file: ExportedFile, client: viser.ClientHandle | None) -> None:
         for each in [client] if client is not None else self.server.get_clients().values():
@@ -210,7 +213,11 @@ class Page:
                 self._take(items)
             except Exception:
                 log.exception("the page's loop failed on %s", items)
-                self.complain("Something went wrong in the page itself; the last change was lost.")
+                self._notify(
+                    "Something went wrong in the page itself; the last change was lost.", None
+                )
+                if any(item != "redraw" for item in items):  # else it would fail for ever
+                    self._inbox.put("redraw")
         self._save_session()
         self.worker.stop()
         for part in self._parts:

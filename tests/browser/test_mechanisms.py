@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 pytestmark = pytest.mark.browser
 
 WIDE = {"width": 1280, "height": 800}
-TABS = ["Move", "Solutions", "Workspace", "Singularities", "Design", "Review"]
+TABS = ["Move", "Solutions", "Workspace", "Singularities", "Trajectory", "Design", "Review"]
 
 
 @pytest.fixture
