@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from app import palette
 from tests.browser.conftest import Tab
 
 if TYPE_CHECKING:
@@ -29,10 +30,10 @@ def control(tab: Tab) -> Iterator[Tab]:
     tab.page.set_viewport_size(before)
 
 
-def _coats(tab: Tab) -> list[int]:
-    """The triangles of each coat of the aspects that is to be seen."""
+def _coats(tab: Tab) -> list[tuple[int, ...]]:
+    """The colour of each coat of the aspects that is to be seen."""
     found = [tab.props(f"/solids/aspects/coat{n}") for n in range(11)]
-    return [props["faces"] // 12 for props in found if props.get("visible")]
+    return [tuple(props["color"]) for props in found if props.get("visible")]
 
 
 def test_the_place_is_told_and_drawn(control: Tab) -> None:
@@ -53,10 +54,12 @@ def test_aspects_are_shown_listed_and_coloured(control: Tab) -> None:
     control.check("Show").click()
     control.wait_for_text(r"1\s+2\.81\d* dm³\s+det < 0\s+you are in this one")
     control.wait_for_text(r"together 6\.00\d* ± [\d.]+ dm³")
-    control.wait(lambda: len(_coats(control)) >= 4, "pieces and the singular surface")
-    pieces = len(_coats(control))
+    lost = palette.rgb(palette.BEYOND)
+    control.wait(lambda: lost in _coats(control), "the singular surface")
+    control.wait(lambda: len(set(_coats(control))) >= 4, "pieces in their colours")
     control.check("Singular surface").click()
-    control.wait(lambda: len(_coats(control)) == pieces - 1, "no singular surface")
+    control.wait(lambda: lost not in _coats(control), "no singular surface")
+    assert len(_coats(control)) >= 3
     control.shot("singularities-aspects")
 
 
