@@ -39,6 +39,7 @@ SETS = 2 * LIMBS
 """Set 2 i is limb i + 1 in mode +, set 2 i + 1 the same limb in mode −."""
 SIGN = np.array([1.0, -1.0] * LIMBS)
 _LIMB = np.arange(SETS) // 2
+_SAME = 1e-13  # part of the range of samples by which two of them are one
 _STRICT = 1e-9  # part of the machine's size by which a set must cover a point to count
 
 
@@ -461,8 +462,11 @@ def _polished(
     if not which.size:
         return np.empty(0), np.empty(0), np.empty((0, 3))
     rows = np.arange(len(which))
-    low = grid[rows, np.maximum(sample - 1, 0)]
-    high = grid[rows, np.minimum(sample + 1, grid.shape[1] - 1)]
+    # Samples may coincide to a rounding; the neighbours that count are the next distinct ones.
+    same = np.maximum(_SAME * np.ptp(grid, axis=1), 1e-15)[:, None]
+    ahead = grid - grid[rows, sample][:, None]
+    low = np.where(ahead < -same, grid, grid[:, :1]).max(axis=1)
+    high = np.where(ahead > same, grid, grid[:, -1:]).min(axis=1)
     value, at, point = grid[rows, sample], grid[rows, sample], np.empty((len(which), 3))
     split = np.linspace(0.0, 1.0, 17)
     for _ in range(_ROUNDS):
