@@ -19,8 +19,7 @@ from app.section_files import section_bytes
 from app.slicing import MEDIA_TYPES
 from app.state import Review
 from app.worker import LaneName
-from kinematics.arcs import together
-from kinematics.sections import Region, SectionSpec
+from kinematics.sections import Region, SectionSpec, together
 from kinematics.spatial import Array
 
 if TYPE_CHECKING:

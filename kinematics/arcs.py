@@ -10,19 +10,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.sections import Construction, Ints, Section
+from kinematics.sections import Ints
 from kinematics.spatial import Array
 
 Inside = Callable[[Array], NDArray[np.bool_]]
 
 MEETING = 1e-9  # of the size: points closer together than this are one
+_PANEL = 1.6  # rad of an arc for 16 nodes
+_TOUCHES = 0.05  # rad: edges whose ways back and on are so near to one another only touch
 _ASIDE = 1e-7  # of the size: how far beside a part its sides are asked for
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 
@@ -116,22 +116,69 @@ class Edge:
 
 def arc_edge(one: Arcs, first: Array | None = None, last: Array | None = None) -> Edge:
     """An edge that is one arc; its ends may be given more exactly, or as others know them."""
-    sweep, radius = float(one.sweep[0]), float(one.radius[0])
-    panels = max(1, int(np.ceil(abs(sweep) / 1.6)))
-    share = (np.arange(panels)[:, None] + 0.5 * (_NODES + 1.0)).ravel() / panels
-    angle = one.start[0] + sweep * share
-    ray = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    weight = np.tile(0.5 * _WEIGHTS, panels) * sweep / panels * radius
-    steps = weight[:, None] * np.stack([-ray[:, 1], ray[:, 0]], axis=-1)
+    nodes, steps = quadrature(one)
     ends = one.at(0.0)[0], one.at(1.0)[0]
     return Edge(
         ends[0] if first is None else first,
         ends[1] if last is None else last,
         one,
-        one.center[0] + radius * ray,
+        nodes,
         steps,
         lambda share: one.at(share)[0],
     )
+
+
+def quadrature(arcs: Arcs) -> tuple[Array, Array]:
+    """Points (Q, 2) on arcs one after another and their weights (Q, 2), as those of an `Edge`.
+
+    Exact to rounding for what `moments` integrates.
+    """
+    panels = np.maximum(np.ceil(np.abs(arcs.sweep) / _PANEL), 1.0).astype(int)
+    of = np.repeat(np.arange(len(panels)), panels)
+    number = np.arange(len(of)) - (np.cumsum(panels) - panels)[of]
+    width = (arcs.sweep / panels)[of, None]
+    angle = arcs.start[of, None] + width * (number[:, None] + 0.5 * (_NODES + 1.0))
+    cosine, sine = np.cos(angle), np.sin(angle)
+    radius = arcs.radius[of, None]
+    weight = 0.5 * width * radius * _WEIGHTS
+    nodes = np.stack(
+        [arcs.center[of, :1] + radius * cosine, arcs.center[of, 1:] + radius * sine], axis=-1
+    )
+    steps = np.stack([-sine * weight, cosine * weight], axis=-1)
+    return nodes.reshape(-1, 2), steps.reshape(-1, 2)
+
+
+def moments(nodes: Array, steps: Array) -> Array:
+    """∫ 1, x, y, x², y², xy over what edges enclose, (6,), by Green's theorem."""
+    x, y = nodes.T
+    dx, dy = steps.T
+    return np.array(
+        [
+            0.5 * (x @ dy - y @ dx),
+            0.5 * (x * x) @ dy,
+            -0.5 * (y * y) @ dx,
+            (x**3) @ dy / 3.0,
+            -(y**3) @ dx / 3.0,
+            0.5 * (x * x * y) @ dy,
+        ]
+    )
+
+
+def nearest(arcs: Arcs, point: Array) -> tuple[int, Array]:
+    """Which of some arcs comes nearest to a point (2,), and where."""
+    away = point - arcs.center
+    angle = np.arctan2(away[:, 1], away[:, 0])
+    since = np.mod((angle - arcs.start) * np.sign(arcs.sweep), 2 * np.pi)
+    on = (since <= np.abs(arcs.sweep)) & away.any(axis=1)
+    ray = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    foot = arcs.center + arcs.radius[:, None] * ray
+    # Of an arc that is not on the way outwards one of both ends.
+    ends = np.stack([arcs.at(0.0), arcs.at(1.0)])
+    apart = np.hypot(*np.moveaxis(ends - point, -1, 0))
+    end = ends[apart.argmin(axis=0), np.arange(len(angle))]
+    candidates = np.where(on[:, None], foot, end)
+    k = int(np.hypot(*(candidates - point).T).argmin())
+    return k, candidates[k].copy()
 
 
 # --- the boundary of a region --------------------------------------------------------------
@@ -173,7 +220,7 @@ def boundary(arcs: Arcs, inside: Inside, size: float) -> list[list[Edge]]:
 
 def chained(edges: Sequence[Edge], size: float) -> list[list[Edge]]:
     """Edges as closed loops: at a point that several pass, each turns to its left as sharply as
-    it can, so that parts of a region that only touch have loops of their own.
+    it can, but not straight back, so that whatever only touches has loops of its own.
     """
     if not edges:
         return []
@@ -197,7 +244,7 @@ def chained(edges: Sequence[Edge], size: float) -> list[list[Edge]]:
                 back = edges[n].reversed()
                 reach = 0.02 * min(extent(back), *(extent(edges[m]) for m in ways), 0.1 * size)
                 came = heading(back, reach)
-                turns = [(came - heading(edges[m], reach)) % (2 * np.pi) for m in ways]
+                turns = [(came - heading(edges[m], reach) - _TOUCHES) % (2 * np.pi) for m in ways]
                 n = ways[int(np.argmin(turns))]
             else:
                 n = ways[0]
@@ -234,16 +281,16 @@ def extent(edge: Edge) -> float:
 
 def places(points: Sequence[Array], near: float) -> Ints:
     """Numbers (N,) of points that are told apart if they are more than ``near`` apart."""
-    known: list[Array] = []
+    known = np.empty((len(points), 2))
+    count = 0
     numbers = np.empty(len(points), dtype=int)
     for n, point in enumerate(points):
-        for k, other in enumerate(known):
-            if np.hypot(*(point - other)) <= near:
-                numbers[n] = k
-                break
+        close = np.flatnonzero(np.hypot(*(known[:count] - point).T) <= near)
+        if close.size:
+            numbers[n] = close[0]
         else:
-            numbers[n] = len(known)
-            known.append(point)
+            known[count], numbers[n] = point, count
+            count += 1
     return numbers
 
 
@@ -291,196 +338,3 @@ def _meeting(arcs: Arcs, n: int, m: int, near: float) -> Array:
     left = np.array([-unit[1], unit[0]])
     foot = arcs.center[n] + along * unit
     return np.array([foot + up * left, foot - up * left])
-
-
-# --- loops as a section --------------------------------------------------------------------
-
-
-def section_of(loops: Sequence[Sequence[Edge]], circles: Arcs | None = None) -> Section:
-    """Loops as a section; area and moments from the true edges.
-
-    Args:
-        loops: outer ones counter-clockwise, holes clockwise.
-        circles: what is drawn as having made it; None: nothing.
-    """
-    moments = [_moments(loop) for loop in loops]
-    areas = np.array([m[0] for m in moments])
-    shown = [joined([edge.shown for edge in loop]) for loop in loops]
-    every = joined(shown) if shown else _none()
-    total = np.sum(moments, axis=0) if moments else np.zeros(6)
-    area = float(total[0])
-    centroid, second = np.full(2, np.nan), np.zeros(3)
-    if area > 0.0:
-        centroid = total[1:3] / area
-        x, y = centroid
-        second = total[3:] - area * np.array([x * x, y * y, x * y])
-    made = _construction(circles)
-    start, end = every.at(0.0), every.at(1.0)
-    counts = [len(one.radius) for one in shown]
-    first = np.concatenate([[0], np.cumsum(counts)]).astype(int)
-    for a, b in pairwise(first.tolist()):  # neighbours meet exactly
-        end[a : b - 1] = start[a + 1 : b]
-        end[b - 1] = start[a]
-    return Section(
-        at=0.0,
-        start=start,
-        end=end,
-        limb=every.limb,
-        bound=every.bound,
-        center=every.center,
-        radius=every.radius,
-        sweep=every.sweep,
-        loop_start=first,
-        loop_area=areas,
-        loop_piece=_pieces(loops, areas),
-        area=area,
-        perimeter=float(sum(_length(edge) for loop in loops for edge in loop)),
-        centroid=centroid,
-        second_moments=second,
-        construct=partial(_same, made),
-    )
-
-
-def together(sections: Sequence[Section]) -> Section:
-    """Several sections as one, their loops and pieces one after another; no moments."""
-    if len(sections) == 1:
-        return sections[0]
-    pieces = np.cumsum([0, *(s.pieces for s in sections[:-1])])
-    edges = np.cumsum([0, *(len(s.start) for s in sections[:-1])])
-    made = _construction(None)
-
-    def all_of(name: str) -> Any:
-        return np.concatenate([getattr(s, name) for s in sections])
-
-    starts = [s.loop_start[:-1] + n for s, n in zip(sections, edges, strict=True)]
-    return Section(
-        at=0.0,
-        start=all_of("start"),
-        end=all_of("end"),
-        limb=all_of("limb"),
-        bound=all_of("bound"),
-        center=all_of("center"),
-        radius=all_of("radius"),
-        sweep=all_of("sweep"),
-        loop_start=np.concatenate([*starts, [sum(len(s.start) for s in sections)]]).astype(int),
-        loop_area=all_of("loop_area"),
-        loop_piece=np.concatenate(
-            [s.loop_piece + n for s, n in zip(sections, pieces, strict=True)]
-        ),
-        area=sum(s.area for s in sections),
-        perimeter=sum(s.perimeter for s in sections),
-        centroid=np.full(2, np.nan),
-        second_moments=np.full(3, np.nan),
-        construct=partial(_same, made),
-    )
-
-
-def outline(loop: Sequence[Edge], step: float) -> Array:
-    """A loop as a polygon (N, 2), chords about ``step`` mm; not closed."""
-    points = []
-    for edge in loop:
-        one = edge.shown
-        for n in range(len(one.radius)):
-            length = abs(float(one.sweep[n])) * float(one.radius[n])
-            turn = abs(float(one.sweep[n]))
-            count = max(1, int(np.ceil(length / step)), int(np.ceil(turn / 0.3)))
-            share = np.arange(count)[:, None] / count
-            each = one.take([n])
-            angle = each.start + each.sweep * share[:, 0]
-            ray = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-            points.append(each.center + each.radius * ray)
-    return np.concatenate(points)
-
-
-def contains(polygon: Array, points: Array) -> NDArray[np.bool_]:
-    """Which points (N, 2) a polygon (M, 2) contains, by the even-odd rule."""
-    p, a, b = points[:, None, :], polygon[None], np.roll(polygon, -1, axis=0)[None]
-    crosses = (a[..., 1] > p[..., 1]) != (b[..., 1] > p[..., 1])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        x = a[..., 0] + (p[..., 1] - a[..., 1]) * (b[..., 0] - a[..., 0]) / (b[..., 1] - a[..., 1])
-    result: NDArray[np.bool_] = ((crosses & (p[..., 0] < x)).sum(axis=1) % 2).astype(bool)
-    return result
-
-
-def point_inside(loops: Sequence[Sequence[Edge]]) -> Array:
-    """A point (2,) well inside a region: of a grid the one farthest from the boundary."""
-    if not loops:
-        return np.full(2, np.nan)
-    nodes = np.concatenate([edge.nodes for loop in loops for edge in loop])
-    low, high = nodes.min(axis=0), nodes.max(axis=0)
-    step = float((high - low).max()) / 60.0
-    polygons = [outline(loop, step) for loop in loops]
-    count = np.maximum(np.ceil((high - low) / step).astype(int), 8)
-    axes = [low[k] + (high[k] - low[k]) * (np.arange(count[k]) + 0.5) / count[k] for k in range(2)]
-    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
-    held = sum(contains(polygon, grid).astype(int) for polygon in polygons) % 2 == 1
-    held = np.asarray(held)
-    if not held.any():  # a sliver: beside the middle of its longest edge
-        edge = max((e for loop in loops for e in loop), key=_length)
-        k = len(edge.nodes) // 2
-        along = edge.steps[k] / np.hypot(*edge.steps[k])
-        beside: Array = edge.nodes[k] + 1e-6 * step * np.array([-along[1], along[0]])
-        return beside
-    inner = grid[held]
-    rim = np.concatenate(polygons)
-    distance = np.array([np.hypot(*(rim - point).T).min() for point in inner])
-    best: Array = inner[int(distance.argmax())]
-    return best
-
-
-def _moments(loop: Sequence[Edge]) -> Array:
-    """∫ 1, x, y, x², y², xy over what a loop encloses, (6,)."""
-    x, y = np.concatenate([edge.nodes for edge in loop]).T
-    dx, dy = np.concatenate([edge.steps for edge in loop]).T
-    return np.array(
-        [
-            0.5 * (x @ dy - y @ dx),
-            0.5 * (x * x) @ dy,
-            -0.5 * (y * y) @ dx,
-            (x**3) @ dy / 3.0,
-            -(y**3) @ dx / 3.0,
-            0.5 * (x * x * y) @ dy,
-        ]
-    )
-
-
-def _length(edge: Edge) -> float:
-    return float(np.hypot(edge.steps[:, 0], edge.steps[:, 1]).sum())
-
-
-def _pieces(loops: Sequence[Sequence[Edge]], areas: Array) -> Ints:
-    """Which connected piece each loop bounds: a hole that of the smallest loop around it."""
-    piece = np.zeros(len(loops), dtype=int)
-    outer = [n for n in range(len(loops)) if areas[n] > 0.0]
-    for number, n in enumerate(outer):
-        piece[n] = number
-    polygons = {n: outline(loops[n], np.sqrt(areas[n]) / 50.0) for n in outer}
-    for n in range(len(loops)):
-        if areas[n] <= 0.0:
-            probe = loops[n][0].nodes[:1]
-            around = [m for m in outer if contains(polygons[m], probe)[0]]
-            if around:
-                piece[n] = piece[min(around, key=lambda m: float(areas[m]))]
-    return piece
-
-
-def _construction(circles: Arcs | None) -> Construction:
-    made = _none() if circles is None else circles
-    return Construction(
-        made.center,
-        made.radius,
-        made.limb,
-        made.bound,
-        np.zeros((0, 2, 2)),
-        np.zeros(0, dtype=int),
-    )
-
-
-def _same(made: Construction) -> Construction:
-    """A section keeps how it was made behind a call, which must cross to other processes."""
-    return made
-
-
-def _none() -> Arcs:
-    ints = np.zeros(0, dtype=int)
-    return Arcs(np.zeros((0, 2)), np.zeros(0), np.zeros(0), np.zeros(0), ints, ints)

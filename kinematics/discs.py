@@ -2,23 +2,24 @@
 
 Where every limb bounds the reach of a point by two concentric circles, the workspace is the
 intersection of such rings. Each circle is cut where others cross it, an arc stays where its middle
-is inside of all that it must be inside of and outside of the others, and arcs are joined to loops,
-the region to their left. Lengths mm, angles rad.
+is inside of all that it must be inside of and outside of the others; `kinematics.arcs` joins arcs
+to loops. Lengths mm, angles rad.
 """
 
 from __future__ import annotations
 
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinematics.sections import BOUNDS, Construction, Ints, Section
+from kinematics.arcs import Arcs, Edge, arc_edge, chained, moments, quadrature
+from kinematics.outlines import section_of
+from kinematics.sections import BOUNDS, Ints, Section
 from kinematics.spatial import Array
 
 _SAME = 1e-11  # of the smallest outer radius: circles and points that are one
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)  # exact to rounding for half a circle
+_OUTER, _INNER = BOUNDS.index("rho_max"), BOUNDS.index("rho_min")
 
 
 class Rings(NamedTuple):
@@ -37,21 +38,25 @@ class Rings(NamedTuple):
 def rings_section(rings: Rings, at: float = 0.0) -> Section:
     """The intersection of all rings as a `Section` that stands at ``at``."""
     circles = _circles(rings)
-    arcs = _Arcs.none() if circles is None else _kept_arcs(circles)
-    loops = _loops(arcs)
-    order, starts = _ordered(arcs, loops)
-    arcs = arcs.take(order)
-    return _section(arcs, starts, at, rings)
+    loops: list[list[Edge]] = []
+    if circles is not None:
+        kept = _kept_arcs(circles)
+        edges = [arc_edge(kept.take([k])) for k in range(len(kept.radius))]
+        loops = chained(edges, circles.scale)
+    return section_of(loops, _drawn(rings), at)
 
 
 def rings_moments(rings: Rings) -> tuple[float, Array]:
     """The area, mm², and ∫ (v, w) dA, (2,) mm³, of the intersection: quicker than the section."""
     circles = _circles(rings)
-    arcs = _Arcs.none() if circles is None else _kept_arcs(circles)
-    if not len(arcs.radius):
+    if circles is None:
         return 0.0, np.zeros(2)
-    about = arcs.start.mean(axis=0)
-    area, *first = _integrals(arcs, about)[:3].tolist()
+    kept = _kept_arcs(circles)
+    if not len(kept.radius):
+        return 0.0, np.zeros(2)
+    nodes, steps = quadrature(kept)
+    about = nodes.mean(axis=0)
+    area, *first = moments(nodes - about, steps)[:3].tolist()
     return area, np.array(first) + area * about
 
 
@@ -84,24 +89,6 @@ def roomiest(rings: Rings, section: Section) -> Array:
         best = tried[int(np.argmax(room >= room.max() - 1e-9 * abs(room.max())))]
         middle, span = best, 0.1 * span
     return np.asarray(best)
-
-
-def nearest_point(section: Section, point: ArrayLike) -> tuple[Array, int] | None:
-    """The point of the region's boundary nearest to ``point`` (2,), and on which edge it lies."""
-    if not section.loops:
-        return None
-    q = np.asarray(point, dtype=float)
-    away = q - section.center
-    angle = np.arctan2(away[:, 1], away[:, 0])
-    first = section.start - section.center
-    since = np.mod((angle - np.arctan2(first[:, 1], first[:, 0])) * np.sign(section.sweep), _TURN)
-    radial = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    foot = section.center + section.radius[:, None] * radial
-    on = since <= np.abs(section.sweep)
-    ends = np.linalg.norm(section.start - q, axis=1)
-    distance = np.where(on, np.linalg.norm(foot - q, axis=1), ends)
-    k = int(distance.argmin())
-    return (foot[k] if on[k] else section.start[k]).copy(), k
 
 
 # --- circles and arcs ----------------------------------------------------------------------
@@ -148,7 +135,7 @@ def _circles(rings: Rings) -> _Circles | None:
             keep.append(k)
         elif sign[twin] != sign[k]:
             return None  # inside and outside of the same circle
-    bound = np.where(sign > 0, BOUNDS.index("rho_max"), BOUNDS.index("rho_min"))
+    bound = np.where(sign > 0, _OUTER, _INNER)
     return _Circles(
         center[keep],
         radius[keep],
@@ -159,40 +146,8 @@ def _circles(rings: Rings) -> _Circles | None:
     )
 
 
-class _Arcs(NamedTuple):
-    """Arcs as they are walked: ``sweep`` is negative about holes."""
-
-    start: Array
-    end: Array
-    center: Array
-    radius: Array
-    first: Array  # angle at the start
-    sweep: Array
-    limb: Ints
-    bound: Ints
-    scale: float
-
-    @classmethod
-    def none(cls) -> _Arcs:
-        zero, ints = np.zeros(0), np.zeros(0, dtype=np.int64)
-        pairs = np.zeros((0, 2))
-        return cls(pairs, pairs, pairs, zero, zero, zero, ints, ints, 1.0)
-
-    def take(self, rows: list[int]) -> _Arcs:
-        return _Arcs(
-            self.start[rows],
-            self.end[rows],
-            self.center[rows],
-            self.radius[rows],
-            self.first[rows],
-            self.sweep[rows],
-            self.limb[rows],
-            self.bound[rows],
-            self.scale,
-        )
-
-
-def _kept_arcs(c: _Circles) -> _Arcs:
+def _kept_arcs(c: _Circles) -> Arcs:
+    """The parts of the circles that bound the region, which lies to their left."""
     which, first, sweep = [], [], []
     for k in range(len(c.radius)):
         cuts = np.sort(np.mod(_crossings(c, k), _TURN))
@@ -218,18 +173,8 @@ def _kept_arcs(c: _Circles) -> _Arcs:
     w, begin, span = w[good], begin[good], span[good]
     forward = c.sign[w] > 0.0
     start_angle = np.where(forward, begin, begin + span)
-    signed = np.where(forward, span, -span)
-    return _Arcs(
-        start=c.center[w] + c.radius[w, None] * _directions(start_angle),
-        end=c.center[w] + c.radius[w, None] * _directions(start_angle + signed),
-        center=c.center[w],
-        radius=c.radius[w],
-        first=start_angle,
-        sweep=signed,
-        limb=c.limb[w],
-        bound=c.bound[w],
-        scale=c.scale,
-    )
+    bounds = (c.limb[w], c.bound[w])
+    return Arcs(c.center[w], c.radius[w], start_angle, np.where(forward, span, -span), *bounds)
 
 
 def _directions(angle: Array) -> Array:
@@ -243,170 +188,26 @@ def _crossings(c: _Circles, k: int) -> Array:
     apart = np.sqrt((d * d).sum(axis=1))
     apart[k] = np.nan
     r, s = c.radius[k], c.radius
-    with np.errstate(invalid="ignore", divide="ignore"):
-        cosine = (apart * apart + r * r - s * s) / (2.0 * apart * r)
-        meets = np.abs(cosine) <= 1.0
-        half = np.arccos(np.where(meets, cosine, np.nan))
-        toward = np.arctan2(d[:, 1], d[:, 0])
+    # tan²(half/2) from factors that keep their digits where one circle is nearly a line.
+    near, far = (s - (apart - r)) * (s + (apart - r)), (apart + r - s) * (apart + r + s)
+    meets = (near >= 0.0) & (far >= 0.0) & (apart > 0.0)
+    half = 2.0 * np.arctan2(np.sqrt(np.where(meets, near, np.nan)), np.sqrt(np.maximum(far, 0.0)))
+    toward = np.arctan2(d[:, 1], d[:, 0])
     angles = np.concatenate([toward - half, toward + half])
     return np.asarray(angles[np.isfinite(angles)])
 
 
-# --- loops ---------------------------------------------------------------------------------
-
-
-def _loops(arcs: _Arcs) -> list[list[int]]:
-    """Arcs joined end to start; where several go on, the one that keeps the loop simple."""
-    left = set(range(len(arcs.radius)))
-    loops: list[list[int]] = []
-    near = 1e3 * _SAME * arcs.scale
-    while left:
-        k = min(left)
-        left.discard(k)
-        loop = [k]
-        while True:
-            end = arcs.end[k]
-            gap = np.abs(arcs.start - end).max(axis=1)
-            home = gap[loop[0]]
-            open_ones = [j for j in left if gap[j] <= max(near, 0.0)]
-            if home <= near:
-                open_ones.append(loop[0])
-            if not open_ones:  # rounding where arcs nearly touch: the nearest start
-                open_ones = [min((*left, loop[0]), key=lambda j: gap[j])]
-            k = min(open_ones, key=lambda j: _turn(arcs, k, j))
-            if k == loop[0]:
-                break
-            left.discard(k)
-            loop.append(k)
-        loops.append(loop)
-    return loops
-
-
-def _turn(arcs: _Arcs, one: int, other: int) -> float:
-    """Clockwise from the way back along one arc to the way on along another."""
-    back = _heading(arcs, one, at_end=True) + np.pi
-    return float(np.mod(back - _heading(arcs, other, at_end=False) - 1e-9, _TURN))
-
-
-def _heading(arcs: _Arcs, k: int, *, at_end: bool) -> float:
-    angle = arcs.first[k] + (arcs.sweep[k] if at_end else 0.0)
-    return float(angle + np.sign(arcs.sweep[k]) * 0.5 * np.pi)
-
-
-def _ordered(arcs: _Arcs, loops: list[list[int]]) -> tuple[list[int], list[int]]:
-    """The arcs loop by loop, outer loops by their size, each before its holes."""
-    areas = [_integrals(arcs.take(loop))[0] for loop in loops]
-    outer = sorted((n for n in range(len(loops)) if areas[n] > 0.0), key=lambda n: -areas[n])
-    order: list[int] = []
-    starts = [0]
-    holes: dict[int, list[int]] = {n: [] for n in outer}
-    for n in range(len(loops)):
-        if areas[n] <= 0.0:
-            point = _some_point(arcs, loops[n][0])
-            around = [m for m in outer if _winding(arcs.take(loops[m]), point) > 0.5]
-            holder = min(around, key=lambda m: areas[m], default=None)
-            if holder is not None:
-                holes[holder].append(n)
-    for n in outer:
-        for loop in (n, *holes[n]):
-            order += loops[loop]
-            starts.append(len(order))
-    return order, starts
-
-
-def _some_point(arcs: _Arcs, k: int) -> Array:
-    angle = arcs.first[k] + 0.5 * arcs.sweep[k]
-    point: Array = arcs.center[k] + arcs.radius[k] * _directions(np.array(angle))
-    return point
-
-
-def _winding(arcs: _Arcs, point: Array) -> float:
-    """How often a loop goes round a point."""
-    total = 0.0
-    for k in range(len(arcs.radius)):
-        count = max(8, int(abs(arcs.sweep[k]) / 0.02))
-        angles = arcs.first[k] + arcs.sweep[k] * np.linspace(0.0, 1.0, count + 1)
-        p = arcs.center[k] + arcs.radius[k] * _directions(angles) - point
-        cross = p[:-1, 0] * p[1:, 1] - p[:-1, 1] * p[1:, 0]
-        total += float(np.arctan2(cross, (p[:-1] * p[1:]).sum(axis=1)).sum())
-    return total / _TURN
-
-
-# --- measures ------------------------------------------------------------------------------
-
-
-def _integrals(arcs: _Arcs, origin: Array | None = None) -> Array:
-    """∫1, ∫v, ∫w, ∫v², ∫w², ∫vw over the region to the left, by Green's theorem."""
-    if not len(arcs.radius):
-        return np.zeros(6)
-    about = arcs.start.mean(axis=0) if origin is None else origin
-    angle = arcs.first[:, None] + 0.5 * arcs.sweep[:, None] * (1.0 + _NODES)
-    x = arcs.center[:, :1] - about[0] + arcs.radius[:, None] * np.cos(angle)
-    y = arcs.center[:, 1:] - about[1] + arcs.radius[:, None] * np.sin(angle)
-    step = 0.5 * arcs.sweep[:, None] * arcs.radius[:, None] * _WEIGHTS
-    dx, dy = -np.sin(angle) * step, np.cos(angle) * step
-    values: Array = np.array(
-        [
-            0.5 * (x * dy - y * dx).sum(),
-            0.5 * (x * x * dy).sum(),
-            -0.5 * (y * y * dx).sum(),
-            (x**3 * dy).sum() / 3.0,
-            -(y**3 * dx).sum() / 3.0,
-            0.5 * (x * x * y * dy).sum(),
-        ]
-    )
-    return values
-
-
-def _section(arcs: _Arcs, starts: list[int], at: float, rings: Rings) -> Section:
-    loops = len(starts) - 1
-    areas = np.array(
-        [_integrals(arcs.take(list(range(starts[n], starts[n + 1]))))[0] for n in range(loops)]
-    )
-    pieces = np.cumsum(areas > 0.0) - 1
-    centroid, moments, area = np.full(2, np.nan), np.zeros(3), 0.0
-    if loops:
-        area = float(areas.sum())
-        about = arcs.start.mean(axis=0)
-        whole = _integrals(arcs, about)
-        centroid = about + whole[1:3] / whole[0]
-        at_centroid = _integrals(arcs, centroid)
-        moments = at_centroid[3:6]
-
-    return Section(
-        at=float(at),
-        start=arcs.start,
-        end=arcs.end,
-        limb=arcs.limb,
-        bound=arcs.bound,
-        center=arcs.center,
-        radius=arcs.radius,
-        sweep=arcs.sweep,
-        loop_start=np.array(starts, dtype=np.int64),
-        loop_area=areas,
-        loop_piece=np.asarray(pieces, dtype=np.int64),
-        area=area,
-        perimeter=float((np.abs(arcs.sweep) * arcs.radius).sum()),
-        centroid=centroid,
-        second_moments=moments,
-        construct=partial(_construction, rings),
-    )
-
-
-def _construction(rings: Rings) -> Construction:
-    outer, inner = rings.outer > 0.0, rings.inner > 0.0
-    outer &= np.isfinite(rings.outer)
-    center = np.concatenate([rings.center[outer], rings.center[inner]])
+def _drawn(rings: Rings) -> Arcs:
+    """All circles of the rings, whole."""
+    outer = (rings.outer > 0.0) & np.isfinite(rings.outer)
+    inner = rings.inner > 0.0
     radius = np.concatenate([rings.outer[outer], rings.inner[inner]])
-    limb = np.concatenate([rings.limb[outer], rings.limb[inner]])
-    names = [BOUNDS.index("rho_max")] * int(outer.sum()) + [BOUNDS.index("rho_min")] * int(
-        inner.sum()
-    )
-    return Construction(
-        center=center,
-        radius=radius,
-        circle_limb=np.asarray(limb, dtype=np.int64),
-        circle_bound=np.array(names, dtype=np.int64),
-        line=np.zeros((0, 2, 2)),
-        line_limb=np.zeros(0, dtype=np.int64),
+    bound = np.repeat([_OUTER, _INNER], [int(outer.sum()), int(inner.sum())])
+    return Arcs(
+        np.concatenate([rings.center[outer], rings.center[inner]]),
+        radius,
+        np.zeros(len(radius)),
+        np.full(len(radius), _TURN),
+        np.concatenate([rings.limb[outer], rings.limb[inner]]),
+        bound,
     )

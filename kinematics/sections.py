@@ -6,13 +6,13 @@ so outer loops run counter-clockwise and holes clockwise. Lengths mm, angles rad
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Literal
+from functools import cached_property, partial
+from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from kinematics.spatial import Array, Frozen
 
@@ -42,6 +42,24 @@ class Construction(Frozen):
     circle_bound: Ints
     line: Array
     line_limb: Ints
+
+    @classmethod
+    def of_circles(
+        cls,
+        center: ArrayLike = (),
+        radius: ArrayLike = (),
+        limb: ArrayLike = (),
+        bound: ArrayLike = (),
+    ) -> Construction:
+        """Circles without lines; none if nothing is given."""
+        return cls(
+            np.asarray(center, dtype=float).reshape(-1, 2),
+            np.asarray(radius, dtype=float),
+            np.asarray(limb, dtype=np.int64),
+            np.asarray(bound, dtype=np.int64),
+            np.zeros((0, 2, 2)),
+            np.zeros(0, dtype=np.int64),
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,6 +148,48 @@ class Section(Frozen):
         )
         points[0], points[-1] = self.start[edge], self.end[edge]
         return np.asarray(points)
+
+
+def kept(made: Construction) -> Callable[[], Construction]:
+    """``construct`` of a section that has it already; it crosses to other processes."""
+    return partial(_same, made)
+
+
+def _same(made: Construction) -> Construction:
+    return made
+
+
+def together(sections: Sequence[Section]) -> Section:
+    """Several sections as one, their loops and pieces one after another; no moments."""
+    if len(sections) == 1:
+        return sections[0]
+    pieces = np.cumsum([0, *(s.pieces for s in sections[:-1])])
+    edges = np.cumsum([0, *(len(s.start) for s in sections[:-1])])
+
+    def all_of(name: str) -> Any:
+        return np.concatenate([getattr(s, name) for s in sections])
+
+    starts = [s.loop_start[:-1] + n for s, n in zip(sections, edges, strict=True)]
+    return Section(
+        at=0.0,
+        start=all_of("start"),
+        end=all_of("end"),
+        limb=all_of("limb"),
+        bound=all_of("bound"),
+        center=all_of("center"),
+        radius=all_of("radius"),
+        sweep=all_of("sweep"),
+        loop_start=np.concatenate([*starts, [sum(len(s.start) for s in sections)]]).astype(int),
+        loop_area=all_of("loop_area"),
+        loop_piece=np.concatenate(
+            [s.loop_piece + n for s, n in zip(sections, pieces, strict=True)]
+        ),
+        area=sum(s.area for s in sections),
+        perimeter=sum(s.perimeter for s in sections),
+        centroid=np.full(2, np.nan),
+        second_moments=np.full(3, np.nan),
+        construct=kept(Construction.of_circles()),
+    )
 
 
 @dataclass(frozen=True, slots=True)

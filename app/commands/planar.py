@@ -24,8 +24,7 @@ def workspace(
 ) -> None:
     """Print the regions of a plane workspace, and write them if a file is wanted."""
     from app.section_files import FORMATS, section_bytes, section_loops
-    from kinematics.arcs import together
-    from kinematics.sections import SectionSpec
+    from kinematics.sections import SectionSpec, together
 
     specs = {spec.key: spec for spec in mechanism.region_specs(design)}
     spec = specs.get(arguments.regions)

@@ -18,7 +18,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from kinematics import arcs
+from kinematics import arcs, outlines
 from kinematics.arcs import Arcs, Edge
 from kinematics.five_bar import workspace
 from kinematics.five_bar.curves import Piece, pieces
@@ -50,7 +50,7 @@ class Aspect:
         """Which points (N, 2) lie in it, to within the chords' deviation of about size/1e4."""
         held = np.zeros(len(points), dtype=bool)
         for loop in self.loops:
-            held ^= arcs.contains(arcs.outline(loop, 0.01 * size), points)
+            held ^= outlines.contains(outlines.outline(loop, 0.01 * size), points)
         return held
 
 
@@ -81,11 +81,11 @@ def _faces(design: FiveBarDesign, mode: str) -> list[Aspect]:
     loops = _traced(rim, inner, size)
     areas = [_area(loop) for loop in loops]
     faces: list[list[int]] = [[n] for n, area in enumerate(areas) if area > 0.0]
-    polygons = {face[0]: arcs.outline(loops[face[0]], 0.01 * size) for face in faces}
+    polygons = {face[0]: outlines.outline(loops[face[0]], 0.01 * size) for face in faces}
     for n, area in enumerate(areas):
         if area <= 0.0:
             probe = loops[n][0].nodes[:1]
-            around = [f for f in faces if arcs.contains(polygons[f[0]], probe)[0]]
+            around = [f for f in faces if outlines.contains(polygons[f[0]], probe)[0]]
             if around:
                 min(around, key=lambda f: areas[f[0]]).append(n)
     return [

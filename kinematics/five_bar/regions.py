@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from kinematics import arcs
+from kinematics import outlines
 from kinematics.errors import InputError
 from kinematics.five_bar import workspace
 from kinematics.five_bar.aspects import aspects
@@ -52,10 +52,10 @@ def regions(
 def _of_modes(design: FiveBarDesign, modes: tuple[str, ...] | None) -> Region:
     chosen = MODES if modes is None else modes
     loops = workspace.loops(design, chosen)
-    section = arcs.section_of(loops, workspace.made_of(design, chosen) if chosen else None)
+    section = outlines.section_of(loops, workspace.made_of(design, chosen) if chosen else None)
     one = chosen[0] if len(chosen) == 1 else ""
     title = f"working mode {one.replace('-', '−')}" if one else "workspace"
-    return Region(title, section, 0.0, one, 0, 0, arcs.point_inside(loops))
+    return Region(title, section, 0.0, one, 0, 0, outlines.point_inside(loops))
 
 
 @lru_cache(maxsize=64)
@@ -67,12 +67,12 @@ def _aspects(design: FiveBarDesign) -> tuple[Region, ...]:
         found.append(
             Region(
                 f"working mode {aspect.mode.replace('-', '−')}, {sign}",
-                arcs.section_of(aspect.loops),
+                outlines.section_of(aspect.loops),
                 off,
                 aspect.mode,
                 aspect.sign,
                 aspect.group,
-                arcs.point_inside(aspect.loops),
+                outlines.point_inside(aspect.loops),
             )
         )
     return tuple(found)

@@ -12,6 +12,7 @@ from itertools import product
 
 import numpy as np
 
+from kinematics import arcs
 from kinematics.arcs import Edge
 from kinematics.errors import DesignError
 from kinematics.five_bar import workspace
@@ -173,22 +174,10 @@ def _clearance(
 
 def nearest_on(edges: list[Edge], p: Array) -> tuple[Edge, Array] | None:
     """The edge nearest to P, and the point on it; edges are single arcs."""
-    best: tuple[float, Edge, Array] | None = None
-    for edge in edges:
-        one = edge.shown
-        away = p - one.center[0]
-        turned = float(
-            (np.arctan2(away[1], away[0]) - one.start[0]) * np.sign(one.sweep[0]) % (2 * np.pi)
-        )
-        if turned <= abs(float(one.sweep[0])) and away.any():
-            point = one.center[0] + away * (one.radius[0] / np.hypot(*away))
-        else:
-            ends = (edge.first, edge.last)
-            point = min(ends, key=lambda each: float(np.hypot(*(each - p))))
-        distance = float(np.hypot(*(point - p)))
-        if best is None or distance < best[0]:
-            best = distance, edge, point
-    return None if best is None else best[1:]
+    if not edges:
+        return None
+    k, point = arcs.nearest(arcs.joined([edge.shown for edge in edges]), p)
+    return edges[k], point
 
 
 def nearest_parallel(design: FiveBarDesign, mode: str, p: Array) -> tuple[Array, bool] | None:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from kinematics import wrenches as shared
 from kinematics.causes import lost
-from kinematics.discs import nearest_point, rings_section
+from kinematics.discs import rings_section
 from kinematics.errors import InputError
 from kinematics.four_sps_spr.design import LIMBS, FourSPSSPRDesign
 from kinematics.four_sps_spr.inverse import CONSTRAINT_SLACK, digits, violation
@@ -17,6 +17,7 @@ from kinematics.four_sps_spr.motion import UPRIGHT, angular_axes
 from kinematics.four_sps_spr.plane import Plane, plane, rings
 from kinematics.four_sps_spr.singular import cubic, nearest_singular, traced
 from kinematics.four_sps_spr.wrenches import condition, statics, wrench_system
+from kinematics.outlines import nearest_point
 from kinematics.singularities import (
     AT,
     Clearance,

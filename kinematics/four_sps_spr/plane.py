@@ -12,11 +12,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from kinematics.discs import Rings, nearest_point, rings_section, roomiest
+from kinematics.discs import Rings, rings_section, roomiest
 from kinematics.discs import inside as inside_rings
 from kinematics.errors import InputError
 from kinematics.four_sps_spr.design import LIMBS, SPR, FourSPSSPRDesign
 from kinematics.four_sps_spr.inverse import rotation
+from kinematics.outlines import nearest_point
 from kinematics.sections import Region, RegionSpec, Section
 from kinematics.spatial import Array, homogeneous
 

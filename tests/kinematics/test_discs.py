@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 from kinematics.discs import (
     Rings,
     inside,
-    nearest_point,
     rings_moments,
     rings_section,
     roomiest,
 )
+from kinematics.outlines import nearest_point
 
 
 def rings(*each) -> Rings:

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
-from kinematics import arcs
+from kinematics import outlines
 from kinematics.errors import InputError
 from kinematics.five_bar import aspects, curves, inverse, loci, regions, workspace
 from kinematics.five_bar.design import FiveBarDesign, Limb
@@ -58,7 +58,7 @@ def test_areas_are_those_of_dice(
     limits = (-40.0, 130.0) if ranged else None
     design = FiveBarDesign((Limb(a, b, limits), Limb(c, d)), r)
     modes = (inverse.MODES[n],) if n < 2 else inverse.MODES[:n]
-    section = arcs.section_of(workspace.loops(design, modes))
+    section = outlines.section_of(workspace.loops(design, modes))
     reach = r + max(a + b, c + d)
     rng = np.random.default_rng(7)
     p = rng.uniform(-reach, reach, (40000, 2))
@@ -66,9 +66,9 @@ def test_areas_are_those_of_dice(
     error = 4 * reach**2 * np.sqrt(max(hit.mean() * (1 - hit.mean()), 1e-4) / len(p))
     assert section.area == pytest.approx(hit.mean() * 4 * reach**2, abs=5.5 * error)
     if section.loops:
-        polygons = [arcs.outline(loop, reach / 500) for loop in workspace.loops(design, modes)]
+        polygons = [outlines.outline(loop, reach / 500) for loop in workspace.loops(design, modes)]
         few = p[:400]
-        held = sum(arcs.contains(each, few).astype(int) for each in polygons) % 2 == 1
+        held = sum(outlines.contains(each, few).astype(int) for each in polygons) % 2 == 1
         rim = np.concatenate(polygons)
         clear = np.array([np.hypot(*(rim - x).T).min() for x in few]) > reach / 100
         np.testing.assert_array_equal(held[clear], hit[:400][clear])
@@ -77,7 +77,7 @@ def test_areas_are_those_of_dice(
 def test_edges_meet_and_lie_on_their_bounds() -> None:
     for design in MACHINES.values():
         for mode in inverse.MODES:
-            section = arcs.section_of(workspace.loops(design, (mode,)))
+            section = outlines.section_of(workspace.loops(design, (mode,)))
             for loop in range(section.loops):
                 rows = range(section.loop_start[loop], section.loop_start[loop + 1])
                 for a, b in zip(rows, [*rows[1:], rows[0]], strict=True):
@@ -197,7 +197,7 @@ def test_aspects_are_those_of_a_grid(name: str) -> None:
     axis = (np.arange(count) + 0.5) * step - reach
     grid = np.stack(np.meshgrid(axis, axis, indexing="ij"), axis=-1)
     for mode in inverse.MODES:
-        whole = arcs.section_of(workspace.loops(design, (mode,))).area
+        whole = outlines.section_of(workspace.loops(design, (mode,))).area
         mine = [each for each in found if each.mode == mode]
         assert sum(each.area for each in mine) == pytest.approx(whole, rel=1e-10, abs=1e-4)
         q = inverse.joints_of(design, grid, mode)
@@ -218,7 +218,7 @@ def test_aspects_are_those_of_a_grid(name: str) -> None:
                 assert (sizes > 0.9 * large).sum() >= exact
         for each in mine:
             if each.area > 400 * step**2:
-                inside = arcs.point_inside(each.loops)
+                inside = outlines.point_inside(each.loops)
                 assert each.holds(inside[None], design.size).all()
                 joints = inverse.joints_of(design, inside, mode)
                 assert np.sign(sines(design, inside, joints)[1]) == each.sign
