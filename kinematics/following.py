@@ -406,16 +406,13 @@ def follow(
         if end.undetermined:
             text = _UNDETERMINED
         elif stop == "singularity":
-            text = _stopped(aim - now, moved, part * share, symbols, unit, scale)
+            text = stopped_text(aim - now, moved, part * share, symbols, unit, scale)
         elif stop == "stalled":
             text = f"could not be followed further than {100 * part * share:.3g} % of the way"
     if stop == "target" and blocked is not None:
         stop, limb = "stroke", blocked + 1
-        name, end_at = ("max", high) if wanted[blocked] > high[blocked] else ("min", low)
-        text = (
-            f"limb {limb} is at the end of its stroke "
-            f"({symbols[blocked]} {name} = {scale * end_at[blocked]:g} {unit})"
-        )
+        ends = low[blocked], high[blocked]
+        text = stroke_text(limb, symbols[blocked], wanted[blocked], ends, unit, scale)
     return Followed(moved, stop, "; ".join(filter(None, (happened, text))), part * share, limb)
 
 
@@ -464,14 +461,28 @@ _UNDETERMINED = (
 )
 
 
-def _stopped(
+def stroke_text(
+    limb: int,
+    symbol: str,
+    wanted: float,
+    stroke: Sequence[float],
+    unit: str = "mm",
+    scale: float = 1.0,
+) -> str:
+    """Said where a limb (from 1) is held at the end of its stroke though more was ``wanted``."""
+    name, end = ("max", stroke[1]) if wanted > stroke[1] else ("min", stroke[0])
+    return f"limb {limb} is at the end of its stroke ({symbol} {name} = {scale * end:g} {unit})"
+
+
+def stopped_text(
     move: Array,
     reached: Posture,
     fraction: float,
     symbols: Sequence[str],
-    unit: str,
-    scale: float,
+    unit: str = "mm",
+    scale: float = 1.0,
 ) -> str:
+    """Said where a fold stops a motion: of a single joint what it cannot pass."""
     moving = np.flatnonzero(np.abs(move) > SLACK)
     if len(moving) == 1:
         i = int(moving[0])

@@ -8,21 +8,20 @@ happens at each root, and nothing is passed over. Lengths mm, angles rad.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinematics.errors import InputError
 from kinematics.five_bar.curves import sextic
 from kinematics.five_bar.design import LIMBS, SUBSCRIPTS, FiveBarDesign
 from kinematics.five_bar.inverse import in_range, joints_of, posture, signs
 from kinematics.five_bar.velocity import sines
+from kinematics.passing import after_part, along, corners_of, follow_ways
 from kinematics.singularities import NEAR, Event
-from kinematics.solutions import Followed, Posture, Stop
+from kinematics.solutions import Followed, Posture
 from kinematics.spatial import Array, finite
 
 GAP = 1e-6
@@ -36,6 +35,26 @@ _WHY = {
     "serial": "before a serial singularity, where the limb is stretched or folded",
     "stroke": "at the end of a joint's range",
 }
+
+
+class _Way(NamedTuple):
+    """A straight way of P, (2,) mm each."""
+
+    start: Array
+    end: Array
+
+    @property
+    def length(self) -> float:
+        return float(np.hypot(*(self.end - self.start)))
+
+    def pose(self, s: float) -> tuple[float, ...]:
+        if s == 1.0:
+            return tuple(self.end.tolist())
+        return tuple((self.start + s * (self.end - self.start)).tolist())
+
+
+def _ways(corners: Sequence[ArrayLike]) -> list[_Way]:
+    return [_Way(np.array(a), np.array(b)) for a, b in pairwise(corners)]
 
 
 class _State(NamedTuple):
@@ -65,17 +84,8 @@ def passed(
         )
         return (Event("serial", 0.0, before.pose, limb, text, True),)
     between = finite(np.reshape(through, (-1, 2)), name="a pose")
-    corners = [np.array(before.pose), *between, np.array(after.pose)]
-    lengths = [float(np.hypot(*(b - a))) for a, b in pairwise(corners)]
-    whole, done = sum(lengths), 0.0
-    told: list[Event] = []
-    for (a, b), length in zip(pairwise(corners), lengths, strict=True):
-        told += [
-            replace(event, fraction=(done + event.fraction * length) / whole)
-            for event in events(design, a, b, before.mode)
-        ]
-        done += length
-    return tuple(told)
+    ways = _ways([before.pose, *between, after.pose])
+    return along(ways, lambda way: events(design, way.start, way.end, before.mode))
 
 
 def events(design: FiveBarDesign, start: Array, end: Array, mode: str) -> tuple[Event, ...]:
@@ -102,29 +112,15 @@ def path(design: FiveBarDesign, start: Posture, poses: ArrayLike) -> Followed:
     Raises:
         InputError: no poses, or not two finite numbers each.
     """
-    targets = finite(poses, name="a pose", last=2)
-    if targets.ndim != 2 or not len(targets):
-        raise InputError("a path must be a list of poses of 2 numbers (x, y)")
-    if not start.reachable:
-        return Followed(start, "stalled", f"cannot start: {start.reasons[0].text}", 0.0)
-    corners = [np.array(start.pose), *targets]
-    lengths = [float(np.hypot(*(b - a))) for a, b in pairwise(corners)]
-    whole, done = sum(lengths), 0.0
-    here = start
-    for (a, b), length in zip(pairwise(corners), lengths, strict=True):
-        stopping = next((e for e in events(design, a, b, start.mode) if e.stops), None)
-        if stopping is not None:
-            back = 0.0 if stopping.kind == "stroke" else GAP / length
-            share = max(stopping.fraction - back, 0.0)
-            tried = posture(design, tuple((a + share * (b - a)).tolist()), start.mode)
-            stop: Stop = "stroke" if stopping.kind == "stroke" else "singularity"
-            fraction = (done + share * length) / whole
-            text = f"stopped after {100 * fraction:.3g} % of the way, {_WHY[stopping.kind]}"
-            reached = tried if tried.reachable else here
-            return Followed(reached, stop, text, fraction, stopping.limb)
-        here = posture(design, tuple(b.tolist()), start.mode)
-        done += length
-    return Followed(here, "target", "", 1.0, warning=warning(design, here))
+    return follow_ways(
+        start,
+        _ways([start.pose, *corners_of(poses, ("x", "y"))]),
+        events=lambda way: events(design, way.start, way.end, start.mode),
+        posture=lambda pose: posture(design, pose, start.mode),
+        back=lambda way: GAP / way.length,
+        why=lambda event, _, part: f"stopped {after_part(part)}, {_WHY[event.kind]}",
+        warning=lambda here, stopped: "" if stopped else warning(design, here),
+    )
 
 
 def warning(design: FiveBarDesign, at: Posture) -> str:
@@ -156,7 +152,7 @@ def _at(
 ) -> Iterator[Event]:
     """What happens at one root of the way."""
     pose = (float(p[0]), float(p[1]))
-    where = f"after {100 * s:.3g} % of the way"
+    where = after_part(s)
     for i in range(LIMBS):
         limb = i + 1
         if before.closes[i] and not after.closes[i]:

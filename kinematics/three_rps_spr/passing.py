@@ -7,15 +7,16 @@ small steps, and where their signs change between two of them that place is foun
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
-from kinematics.errors import InputError
+from kinematics.passing import corners_of, follow_ways
 from kinematics.singularities import Event
-from kinematics.solutions import Bound, Followed, Posture, Stop
-from kinematics.spatial import Array, finite
+from kinematics.solutions import Bound, Followed, Posture
+from kinematics.spatial import Array
 from kinematics.three_rps_spr import polynomial, posing
 from kinematics.three_rps_spr.design import LIMBS, TripodDesign, mode_sign
 from kinematics.three_rps_spr.inverse import posture as posture_at
@@ -38,14 +39,7 @@ def passed(design: TripodDesign, before: Posture, after: Posture) -> tuple[Event
         )
         meet = abs(before.pose[1] - np.pi) <= _TURN_ROUND and abs(after.pose[1] - np.pi) <= 1e-6
         return () if meet else (Event("parallel", 0.0, before.pose, None, text, True),)
-    way = _way(before.pose, after.pose)
-    if not np.abs(way[1] - way[0]).max() > 0.0:
-        return ()
-    fractions = np.linspace(0.0, 1.0, _STEPS + 1)
-    poses = way[0] + fractions[:, None] * (way[1] - way[0])
-    found = _singular(design, before.mode, way, fractions, poses)
-    found += _strokes(design, before.mode, way, fractions, poses)
-    return tuple(sorted(found, key=lambda event: event.fraction))
+    return _events(design, before.mode, _Way.between(design, before.pose, after.pose))
 
 
 def path(design: TripodDesign, start: Posture, poses: ArrayLike) -> Followed:
@@ -56,59 +50,71 @@ def path(design: TripodDesign, start: Posture, poses: ArrayLike) -> Followed:
     Raises:
         InputError: no poses, or not three finite numbers each.
     """
-    targets = finite(poses, name="a pose", last=posing.POSE)
-    if targets.ndim != 2 or not len(targets):
-        raise InputError("a path must be a list of poses of 3 numbers (z, tilt, azimuth)")
-    if not start.reachable:
-        return Followed(start, "stalled", f"cannot start: {start.reasons[0].text}", 0.0)
-    corners = np.concatenate([[start.pose], targets])
-    scale = np.array([1.0, design.platform_radius, design.platform_radius])
-    ways = [_way(tuple(a), tuple(b)) for a, b in pairwise(corners)]
-    lengths = np.array([np.linalg.norm((b - a) * scale) for a, b in ways])
-    whole, done = float(lengths.sum()), 0.0
-    here = start
-    for (a, b), length in zip(ways, lengths.tolist(), strict=True):
-        after = posture_at(design, b, start.mode)
-        for event in passed(design, here, after):
-            if not event.stops:
-                continue
-            back = 0.0 if event.kind == "stroke" else _BEFORE
-            part = max(event.fraction - back, 0.0)
-            reached = posture_at(design, a + part * (b - a), start.mode)
-            covered = (done + part * length) / whole if whole > 0.0 else 0.0
-            stop: Stop = "stroke" if event.kind == "stroke" else "singularity"
-            return Followed(reached, stop, event.text, covered, event.limb)
-        here, done = after, done + length
-    return Followed(here, "target", "", 1.0)
+    corners = [start.pose, *corners_of(poses, ("z", "tilt", "azimuth"))]
+    return follow_ways(
+        start,
+        [_Way.between(design, a, b) for a, b in pairwise(corners)],
+        events=lambda way: _events(design, start.mode, way),
+        posture=lambda pose: posture_at(design, pose, start.mode),
+        back=lambda _: _BEFORE,
+        why=lambda event, *_: event.text,
+    )
 
 
 # --- inside --------------------------------------------------------------------------------
 
 
-def _way(start: tuple[float, ...], end: tuple[float, ...]) -> tuple[Array, Array]:
-    """Both ends, the azimuth of the second one the shorter way round."""
-    a, b = np.array(start, dtype=float), np.array(end, dtype=float)
-    b[2] = a[2] + np.pi - (np.pi - (b[2] - a[2])) % (2.0 * np.pi)
-    return a, b
+class _Way(NamedTuple):
+    """Both ends (3,), the azimuth of the second one the shorter way round, and its length, mm."""
+
+    start: Array
+    end: Array
+    length: float
+
+    @classmethod
+    def between(cls, design: TripodDesign, start: ArrayLike, end: ArrayLike) -> _Way:
+        a, b = np.array(start, dtype=float), np.array(end, dtype=float)
+        b[2] = a[2] + np.pi - (np.pi - (b[2] - a[2])) % (2.0 * np.pi)
+        radius = design.platform_radius
+        return cls(a, b, float(np.linalg.norm((b - a) * (1.0, radius, radius))))
+
+    def at(self, s: ArrayLike) -> Array:
+        """Poses (..., 3) at s (...), their azimuths as they are on the way."""
+        return np.asarray(self.start + np.asarray(s)[..., None] * (self.end - self.start))
+
+    def pose(self, s: float) -> tuple[float, ...]:
+        z, tilt, azimuth = self.at(s).tolist()
+        return z, tilt, float(np.pi - (np.pi - azimuth) % (2.0 * np.pi))
+
+
+def _events(design: TripodDesign, mode: str, way: _Way) -> tuple[Event, ...]:
+    """What a way passes, in order."""
+    if not way.length > 0.0:
+        return ()
+    fractions = np.linspace(0.0, 1.0, _STEPS + 1)
+    poses = way.at(fractions)
+    found = _singular(design, mode, way, fractions, poses)
+    found += _strokes(design, mode, way, fractions, poses)
+    return tuple(sorted(found, key=lambda event: event.fraction))
 
 
 def _singular(
-    design: TripodDesign, mode: str, way: tuple[Array, Array], fractions: Array, poses: Array
+    design: TripodDesign, mode: str, way: _Way, fractions: Array, poses: Array
 ) -> list[Event]:
     def side(fraction: float) -> float:
-        return float(_polynomial(design, mode, way[0] + fraction * (way[1] - way[0])))
+        return float(_polynomial(design, mode, way.at(fraction)))
 
     values = np.asarray(_polynomial(design, mode, poses))
     found = []
     for n in np.flatnonzero(values[:-1] * values[1:] < 0.0).tolist():
         at = float(brentq(side, fractions[n], fractions[n + 1], xtol=1e-14))
         text = f"a parallel singularity was crossed at {_where(way, at)}"
-        found.append(Event("parallel", at, _pose(way, at), None, text, True))
+        found.append(Event("parallel", at, way.pose(at), None, text, True))
     return found
 
 
 def _strokes(
-    design: TripodDesign, mode: str, way: tuple[Array, Array], fractions: Array, poses: Array
+    design: TripodDesign, mode: str, way: _Way, fractions: Array, poses: Array
 ) -> list[Event]:
     lengths = posing.limb_lengths(design, poses, mode)
     found = []
@@ -120,8 +126,7 @@ def _strokes(
             room = np.where(np.isfinite(room), room, sign)
 
             def left(fraction: float, i: int = i, sign: float = sign, end: float = end) -> float:
-                pose = way[0] + fraction * (way[1] - way[0])
-                return sign * float(posing.limb_lengths(design, pose, mode)[i] - end)
+                return sign * float(posing.limb_lengths(design, way.at(fraction), mode)[i] - end)
 
             out = (room[:-1] >= 0.0) & (room[1:] < -1e-9)
             back = (room[:-1] < -1e-9) & (room[1:] >= 0.0)
@@ -131,7 +136,7 @@ def _strokes(
                 name = bound.replace("rho_", "ρ ")
                 word = "passed" if out[n] else "came back within"
                 text = f"limb {i + 1} {word} the end of its stroke ({name}) at {_where(way, at)}"
-                found.append(Event("stroke", at, _pose(way, at), i + 1, text, bool(out[n])))
+                found.append(Event("stroke", at, way.pose(at), i + 1, text, bool(out[n])))
     return found
 
 
@@ -143,11 +148,6 @@ def _polynomial(design: TripodDesign, mode: str, poses: Array) -> Array:
     )
 
 
-def _pose(way: tuple[Array, Array], fraction: float) -> tuple[float, ...]:
-    z, tilt, azimuth = (way[0] + fraction * (way[1] - way[0])).tolist()
-    return z, tilt, float(np.pi - (np.pi - azimuth) % (2.0 * np.pi))
-
-
-def _where(way: tuple[Array, Array], fraction: float) -> str:
-    z, tilt, azimuth = _pose(way, fraction)
+def _where(way: _Way, fraction: float) -> str:
+    z, tilt, azimuth = way.pose(fraction)
     return f"z = {z:.1f} mm, θ = {np.degrees(tilt):.1f}°, φ = {np.degrees(azimuth):.1f}°"

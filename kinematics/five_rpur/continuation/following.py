@@ -23,8 +23,9 @@ from kinematics.five_rpur.continuation.curve import (
     start_point,
 )
 from kinematics.five_rpur.continuation.tracing import Reached, Tracer, at_level, first_place, search
-from kinematics.five_rpur.design import LIMBS, SUBSCRIPTS, FiveRPURDesign
+from kinematics.five_rpur.design import JOINT_SYMBOLS, LIMBS, FiveRPURDesign
 from kinematics.five_rpur.inverse import STROKE_SLACK, posture
+from kinematics.following import stopped_text, stroke_text
 from kinematics.solutions import Fold, Followed, Posture, Stop
 from kinematics.spatial import Array, finite
 
@@ -108,12 +109,13 @@ def follow(design: FiveRPURDesign, start: Posture, joints: ArrayLike) -> Followe
     if undetermined:
         text = _UNDETERMINED
     elif stop == "singularity":
-        text = _singularity_text(aim - rho, moved, fraction * share)
+        text = stopped_text(aim - rho, moved, fraction * share, JOINT_SYMBOLS)
     elif stop == "stalled":
         text = f"could not be followed further than {100 * fraction * share:.3g} % of the way"
     elif blocked is not None:
         stop, limb = "stroke", blocked + 1
-        text = _stroke_text(design, blocked, float(wanted[blocked]))
+        stroke = design.limbs[blocked].stroke
+        text = stroke_text(limb, JOINT_SYMBOLS[blocked], float(wanted[blocked]), stroke)
     text = "; ".join(part for part in (_events_text(start.mode, moved.mode, events), text) if part)
     return Followed(moved, stop, text, fraction * share, limb)
 
@@ -142,7 +144,7 @@ def fold_ahead(design: FiveRPURDesign, start: Posture, joints: ArrayLike) -> Fol
     if (wanted < 0.0).any():
         limb = int((wanted < 0.0).argmax())
         raise InputError(
-            f"the joints must not be negative, got ρ{SUBSCRIPTS[limb]} = {wanted[limb]:g} mm"
+            f"the joints must not be negative, got {JOINT_SYMBOLS[limb]} = {wanted[limb]:g} mm"
         )
     first = start_point(design, start.pose, start.mode)
     rho = lengths(design, first)
@@ -287,24 +289,6 @@ _UNDETERMINED = (
     "the machine stands in a parallel singularity, where its actuators do not determine how it "
     "moves; move the platform out of it first"
 )
-
-
-def _singularity_text(move: Array, reached: Posture, fraction: float) -> str:
-    moving = np.flatnonzero(np.abs(move) > STROKE_SLACK)
-    if len(moving) == 1:
-        i = int(moving[0])
-        where = "beyond" if move[i] > 0 else "below"
-        return (
-            f"stopped at a parallel singularity: ρ{SUBSCRIPTS[i]} cannot go {where} "
-            f"{reached.joints[i]:.1f} mm on this assembly mode"
-        )
-    return f"stopped at a parallel singularity after {100 * fraction:.3g} % of the way"
-
-
-def _stroke_text(design: FiveRPURDesign, i: int, wanted: float) -> str:
-    low, high = design.limbs[i].stroke
-    name, end = ("max", high) if wanted > high else ("min", low)
-    return f"limb {i + 1} is at the end of its stroke (ρ{SUBSCRIPTS[i]} {name} = {end:g} mm)"
 
 
 def _events_text(before: str, after: str, events: Sequence[int]) -> str:

@@ -9,7 +9,6 @@ singularity that the way passes without meeting it are told up to `NEAR`.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -19,6 +18,7 @@ from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.five_rpur.inverse import LINK_SLACK, STROKE_SLACK, decimals
 from kinematics.five_rpur.watching.pieces import special_points, with_middles, zero_between
 from kinematics.five_rpur.watching.way import Way
+from kinematics.passing import after_part, along
 from kinematics.singularities import Event
 from kinematics.solutions import Posture
 from kinematics.spatial import Array, finite
@@ -50,16 +50,7 @@ def passed(
         return (_other_mode(before, after),)
     corners = [before.pose, *finite(np.reshape(through, (-1, 5)), name="a pose"), after.pose]
     ways = [Way.between(design, a, b, before.mode) for a, b in pairwise(corners)]
-    if len(ways) == 1:
-        return events(ways[0])
-    lengths = [way.length for way in ways]
-    starts = np.cumsum([0.0, *lengths])
-    told = []
-    for way, start, length in zip(ways, starts.tolist(), lengths, strict=False):
-        for event in events(way):
-            fraction = (start + event.fraction * length) / float(starts[-1])
-            told.append(_placed(event, fraction))
-    return tuple(told)
+    return along(ways, events)
 
 
 def events(way: Way) -> tuple[Event, ...]:
@@ -223,16 +214,6 @@ def _parallel(way: Way, part: Callable[[Array], Array]) -> list[Event]:
 # --- in words ------------------------------------------------------------------------------------
 
 
-def _after(s: float) -> str:
-    return f"after {100.0 * s:.3g} % of the way"
-
-
-def _placed(event: Event, fraction: float) -> Event:
-    """An event of a part of a way, told of the whole."""
-    text = event.text.replace(_after(event.fraction), _after(fraction))
-    return replace(event, fraction=fraction, text=text)
-
-
 def _other_mode(before: Posture, after: Posture) -> Event:
     changed = [i for i in range(LIMBS) if before.mode[i] != after.mode[i]]
     which = (
@@ -254,14 +235,14 @@ def _serial(way: Way, i: int, s: float, leaves: bool | None) -> Event:
     if way.determinant_vanishes(s):
         what = "a serial and a parallel singularity at once"
     if leaves is None:
-        text = f"limb {i + 1} touched {what} {_after(s)}, its link along e₁"
+        text = f"limb {i + 1} touched {what} {after_part(s)}, its link along e₁"
     elif leaves:
         text = (
-            f"limb {i + 1} came to the reach of its link {_after(s)}, {what}, and cannot close "
+            f"limb {i + 1} came to the reach of its link {after_part(s)}, {what}, and cannot close "
             "beyond"
         )
     else:
-        text = f"limb {i + 1} can close again {_after(s)}, from {what} on"
+        text = f"limb {i + 1} can close again {after_part(s)}, from {what} on"
     return Event("serial", s, way.pose(s), i + 1, text, leaves is not False)
 
 
@@ -269,14 +250,14 @@ def _stroke(way: Way, column: int, s: float, leaves: bool) -> Event:
     i, end = divmod(column, 2)
     name = f"ρ {('min', 'max')[end]} = {way.design.stroke[i, end]:g} mm"
     if leaves:
-        text = f"limb {i + 1} passed the end of its stroke ({name}) {_after(s)}"
+        text = f"limb {i + 1} passed the end of its stroke ({name}) {after_part(s)}"
     else:
-        text = f"limb {i + 1} is back within its stroke ({name}) {_after(s)}"
+        text = f"limb {i + 1} is back within its stroke ({name}) {after_part(s)}"
     return Event("stroke", s, way.pose(s), i + 1, text, leaves)
 
 
 def _crossed(way: Way, s: float) -> Event:
-    text = f"crossed a parallel singularity {_after(s)}: the machine is now in another aspect"
+    text = f"crossed a parallel singularity {after_part(s)}: the machine is now in another aspect"
     return Event("parallel", s, way.pose(s), None, text, True)
 
 
@@ -292,7 +273,8 @@ def _all_along(way: Way, s: float) -> Event:
 
 def _came_near(way: Way, s: float, apart: float) -> Event:
     if apart <= _TOUCH:
-        text = f"touched a parallel singularity {_after(s)}, without crossing it"
+        text = f"touched a parallel singularity {after_part(s)}, without crossing it"
         return Event("parallel", s, way.pose(s), None, text, True)
-    text = f"came as near as {apart:.{decimals(apart)}f} mm to a parallel singularity {_after(s)}"
+    near = f"came as near as {apart:.{decimals(apart)}f} mm to a parallel singularity"
+    text = f"{near} {after_part(s)}"
     return Event("parallel", s, way.pose(s), None, text, False)
