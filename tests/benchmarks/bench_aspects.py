@@ -16,7 +16,7 @@ from kinematics.five_rpur.singular.aspects import aspects
 from kinematics.five_rpur.singular.ball import singularity_free_ball
 from kinematics.five_rpur.singular.curves import SPECS, locus
 from kinematics.five_rpur.singular.nearest import nearest_singularity
-from kinematics.five_rpur.workspace import workspace
+from kinematics.five_rpur.solid.workspace import workspace
 from kinematics.mechanism import RESOLUTIONS
 
 ROUNDS = 9
