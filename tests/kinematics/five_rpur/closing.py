@@ -6,16 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from kinematics.designs import load_design
 from kinematics.five_rpur.design import FiveRPURDesign
 from kinematics.five_rpur.inverse import joint_points, limb_lengths, signs
 from kinematics.spatial import Array
-
-
-def preset(name: str) -> FiveRPURDesign:
-    design = load_design(name)
-    assert isinstance(design, FiveRPURDesign)
-    return design
 
 
 def closing_poses(

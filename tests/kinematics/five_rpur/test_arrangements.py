@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import re
 from dataclasses import replace
 from itertools import combinations, permutations
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinematics.designs import load_design, presets
+from kinematics.designs import presets
 from kinematics.five_rpur.arrangements import (
     TOLERANCE,
     Pair,
@@ -26,16 +24,11 @@ from kinematics.five_rpur.arrangements import (
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.inverse import MODES, inside, joint_points
 from kinematics.five_rpur.velocity import characteristic_length, wrench_matrix
+from tests.kinematics.five_rpur.machines import preset
+from tests.kinematics.references import read
 
-REFERENCE = Path(__file__).parents[2] / "reference" / "rpur_forward.json"
-CASES: list[dict[str, Any]] = json.loads(REFERENCE.read_text(encoding="utf-8"))["cases"]
+CASES: list[dict[str, Any]] = read("rpur_forward.json")["cases"]
 CLASSES = ("A1A1", "A1A2", "A1A3", "A2A2", "A2A3", "A3A3", "MpA1", "MpA2", "MpA3")
-
-
-def preset(name: str) -> FiveRPURDesign:
-    design = load_design(name)
-    assert isinstance(design, FiveRPURDesign)
-    return design
 
 
 def of(*limbs: tuple[Any, Any], link: float = 150.0) -> FiveRPURDesign:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -29,10 +27,10 @@ from kinematics.five_rpur.inverse import (
     wrap_angle,
 )
 from kinematics.spatial import rotation_x, rotation_y, rotation_z
+from tests.kinematics.references import read
 
-REFERENCE = Path(__file__).parents[2] / "reference" / "rpur_forward.json"
 # Real forward solutions, refined to 40 digits and found by methods independent of this package.
-CASES: list[dict[str, Any]] = json.loads(REFERENCE.read_text(encoding="utf-8"))["cases"]
+CASES: list[dict[str, Any]] = read("rpur_forward.json")["cases"]
 
 
 def table_1() -> FiveRPURDesign:

@@ -19,7 +19,8 @@ from kinematics.five_rpur.motion import (
 )
 from kinematics.five_rpur.velocity import condition, inverse_jacobian
 from kinematics.spatial import Array
-from tests.kinematics.five_rpur.closing import closing_poses, lengths, preset
+from tests.kinematics.five_rpur.closing import closing_poses, lengths
+from tests.kinematics.five_rpur.machines import preset
 
 NAMES = ["rpur-table1", "rpur-table2", "rpur-mpa3"]
 

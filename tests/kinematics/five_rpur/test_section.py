@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
-from kinematics.designs import load_design
 from kinematics.errors import InputError
 from kinematics.five_rpur import inverse
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
@@ -20,6 +19,7 @@ from kinematics.five_rpur.slicing.cutter import Cutter
 from kinematics.five_rpur.slicing.events import events
 from kinematics.sections import BOUNDS, Section
 from kinematics.spatial import rotation_y
+from tests.kinematics.five_rpur.machines import preset
 
 pytestmark = pytest.mark.usefixtures("compiled")
 
@@ -28,12 +28,6 @@ RHO_MIN, RHO_MAX, LINK = range(3)
 TABLES = ("rpur-table1", "rpur-table1-icee", "rpur-table2")
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(32)
 ROUNDING = 1e-9  # of the machine's size
-
-
-def preset(name: str) -> FiveRPURDesign:
-    design = load_design(name)
-    assert isinstance(design, FiveRPURDesign)
-    return design
 
 
 def machine(*limbs: tuple) -> FiveRPURDesign:

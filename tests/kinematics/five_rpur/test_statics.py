@@ -14,7 +14,8 @@ from kinematics.five_rpur.motion import forward_motion, inverse_motion, twists
 from kinematics.five_rpur.statics import NAMES, statics, wrench_system
 from kinematics.five_rpur.velocity import characteristic_length, condition, wrench_matrix
 from kinematics.spatial import Array
-from tests.kinematics.five_rpur.closing import closing_poses, lengths, preset
+from tests.kinematics.five_rpur.closing import closing_poses, lengths
+from tests.kinematics.five_rpur.machines import preset
 
 
 def held_poses(design: FiveRPURDesign, count: int, seed: int) -> tuple[Array, Array]:

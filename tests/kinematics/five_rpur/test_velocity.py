@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from kinematics.designs import load_design
 from kinematics.errors import InputError
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.inverse import MODES, joint_points, limb_lengths, signs
@@ -20,14 +17,8 @@ from kinematics.five_rpur.velocity import (
     wrench_matrix,
     wrenches,
 )
-
-FOLDS = Path(__file__).parents[2] / "reference" / "rpur_folds.json"
-
-
-def preset(name: str) -> FiveRPURDesign:
-    design = load_design(name)
-    assert isinstance(design, FiveRPURDesign)
-    return design
+from tests.kinematics.five_rpur.machines import preset
+from tests.kinematics.references import read
 
 
 def closing_poses(design: FiveRPURDesign, count: int, seed: int) -> tuple[Any, Any]:
@@ -96,7 +87,7 @@ def test_the_actuation_force_is_reciprocal_to_the_passive_joints() -> None:
 
 
 def test_the_reference_fold_is_a_parallel_singularity_and_not_a_serial_one() -> None:
-    data = json.loads(FOLDS.read_text(encoding="utf-8"))
+    data = read("rpur_folds.json")
     fold = data["folds"][0]
     design, pose = preset("rpur-table1"), np.array(fold["pose_fold"])
     both = limb_lengths(design, pose)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,26 +17,15 @@ from kinematics.five_rpur.solid.workspace import workspace
 from kinematics.five_rpur.volume import volume
 from kinematics.sections import Volume
 from kinematics.spatial import rotation_y
+from tests.kinematics.five_rpur.machines import of_volume_case, preset
+from tests.kinematics.references import read
 
 pytestmark = pytest.mark.usefixtures("compiled")
 
-CASES = json.loads(
-    (Path(__file__).parents[2] / "reference" / "volumes.json").read_text(encoding="utf-8")
-)["cases"]
+CASES = read("volumes.json")["cases"]
 ZERO = (0.0, 0.0, 0.0)
 TABLES = ("rpur-table1", "rpur-table1-icee", "rpur-table2")
 DESIGNS = [p.name for p in presets() if p.mechanism == "five_rpur"]
-
-
-def preset(name: str) -> FiveRPURDesign:
-    design = load_design(name)
-    assert isinstance(design, FiveRPURDesign)
-    return design
-
-
-def design_of(case) -> FiveRPURDesign:
-    rows = zip(case["r"], case["s"], case["l"], case["rho_min"], case["rho_max"], strict=True)
-    return FiveRPURDesign(tuple(Limb(tuple(r), tuple(s), li, (a, b)) for r, s, li, a, b in rows))
 
 
 def modes_of(case) -> tuple[str, ...] | None:
@@ -92,7 +79,7 @@ def check(found: Volume, relative: float) -> None:
 def test_stored_volumes(case):
     for relative in (1e-3, 1e-6, 1e-9):
         found = volume(
-            design_of(case), case["phi"], case["theta"], modes_of(case), relative=relative
+            of_volume_case(case), case["phi"], case["theta"], modes_of(case), relative=relative
         )
         check(found, relative)
         assert abs(found.value - case["volume"]) <= found.error + 0.1  # it is told to 0.1 mm³

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
-
 import numpy as np
 from hypothesis import strategies as st
 
@@ -12,12 +9,11 @@ from kinematics.designs import load_design
 from kinematics.errors import InputError
 from kinematics.four_sps_spr.constraint import complete_pose
 from kinematics.four_sps_spr.design import FourSPSSPRDesign, Limb
-
-REFERENCE = Path(__file__).parents[2] / "reference"
+from tests.kinematics.references import read
 
 
 def reference(name: str):
-    return json.loads((REFERENCE / f"{name}.json").read_text(encoding="utf-8"))
+    return read(f"{name}.json")
 
 
 def preset() -> FourSPSSPRDesign:

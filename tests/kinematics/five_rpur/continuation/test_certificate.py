@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -32,9 +30,9 @@ from kinematics.five_rpur.inverse import posture
 from kinematics.five_rpur.velocity import characteristic_length, inverse_jacobian
 from kinematics.solutions import Posture
 from kinematics.spatial import Array
+from tests.kinematics.references import read
 
-REFERENCE = Path(__file__).parents[3] / "reference"
-FOLDS: dict[str, Any] = json.loads((REFERENCE / "rpur_folds.json").read_text(encoding="utf-8"))
+FOLDS: dict[str, Any] = read("rpur_folds.json")
 
 
 @cache

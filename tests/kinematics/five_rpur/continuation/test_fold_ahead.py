@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from kinematics.designs import load_design
 from kinematics.errors import InputError
 from kinematics.five_rpur.continuation.following import fold_ahead, follow, polish
 from kinematics.five_rpur.design import FiveRPURDesign
@@ -25,21 +22,16 @@ from kinematics.five_rpur.velocity import (
 from kinematics.mechanism import mechanism
 from kinematics.solutions import Posture
 from kinematics.spatial import Array
+from tests.kinematics.five_rpur.machines import preset
+from tests.kinematics.references import read
 
-REFERENCE = Path(__file__).parents[3] / "reference"
 # A fold of Table 1 (journal) along rho0 + t drho, found with 40 digits apart from this package;
 # "dt" is how far before it, with the two solutions that merge: how far they are from it ("near",
 # the largest coordinate's part) and their determinants.
-DATA: dict[str, Any] = json.loads((REFERENCE / "rpur_folds.json").read_text(encoding="utf-8"))
+DATA: dict[str, Any] = read("rpur_folds.json")
 FOLD = DATA["folds"][0]
 RHO0, DRHO = np.array(DATA["rho0"]), np.array(DATA["drho"])
 RATE = float(np.linalg.norm(DRHO))
-
-
-def preset(name: str) -> FiveRPURDesign:
-    design = load_design(name)
-    assert isinstance(design, FiveRPURDesign)
-    return design
 
 
 def roomy(name: str) -> FiveRPURDesign:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +11,6 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from kinematics.designs import load_design
 from kinematics.errors import InputError
 from kinematics.five_rpur.continuation import tracing
 from kinematics.five_rpur.continuation.following import follow, polish
@@ -26,19 +23,12 @@ from kinematics.five_rpur.velocity import (
     wrenches,
 )
 from kinematics.solutions import Posture
+from tests.kinematics.five_rpur.machines import distance, preset
+from tests.kinematics.references import read
 
-REFERENCE = Path(__file__).parents[3] / "reference"
-CASES: list[dict[str, Any]] = json.loads(
-    (REFERENCE / "rpur_forward.json").read_text(encoding="utf-8")
-)["cases"]
+CASES: list[dict[str, Any]] = read("rpur_forward.json")["cases"]
 # A fold of Table 1 (journal) along rho0 + t drho, found with 40 digits apart from this package.
-FOLD: dict[str, Any] = json.loads((REFERENCE / "rpur_folds.json").read_text(encoding="utf-8"))
-
-
-def preset(name: str) -> FiveRPURDesign:
-    design = load_design(name)
-    assert isinstance(design, FiveRPURDesign)
-    return design
+FOLD: dict[str, Any] = read("rpur_folds.json")
 
 
 def with_stroke(design: FiveRPURDesign, low: float, high: float) -> FiveRPURDesign:
@@ -52,13 +42,6 @@ def of_case(case: dict[str, Any]) -> FiveRPURDesign:
         Limb(tuple(r), tuple(s), link, (0.0, 1e4)) for r, s, link in rows
     )
     return FiveRPURDesign((one, two, three, four, five))
-
-
-def distance(one: Posture, two: Posture) -> float:
-    """mm; angles at 100 mm."""
-    gap = np.subtract(one.pose, two.pose)
-    gap[3:] = (gap[3:] + np.pi) % (2 * np.pi) - np.pi
-    return float(np.abs(gap * [1, 1, 1, 100, 100]).max())
 
 
 def determinant(design: FiveRPURDesign, at: Posture) -> float:

@@ -15,6 +15,7 @@ from kinematics.five_rpur.forward.assembly import forward
 from kinematics.five_rpur.inverse import posture
 from kinematics.five_rpur.velocity import characteristic_length, wrench_matrix
 from kinematics.solutions import ForwardSolutions, Posture
+from tests.kinematics.five_rpur.machines import distance
 
 SMALL, LARGE = 0.3, 60.0  # mm, of the moves
 
@@ -25,13 +26,6 @@ def roomy(name: str) -> FiveRPURDesign:
     assert isinstance(design, FiveRPURDesign)
     one, two, three, four, five = (replace(limb, stroke=(30.0, 900.0)) for limb in design.limbs)
     return replace(design, limbs=(one, two, three, four, five))
-
-
-def distance(one: Posture, two: Posture) -> float:
-    """mm; angles at 100 mm."""
-    gap = np.subtract(one.pose, two.pose)
-    gap[3:] = (gap[3:] + np.pi) % (2 * np.pi) - np.pi
-    return float(np.abs(gap * [1, 1, 1, 100, 100]).max())
 
 
 def determinant(design: FiveRPURDesign, at: Posture) -> float:

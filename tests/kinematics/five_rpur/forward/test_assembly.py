@@ -6,9 +6,7 @@ independent of this package; its determinants are of unit wrenches with moments 
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,24 +16,16 @@ from hypothesis import strategies as st
 from kinematics.designs import load_design
 from kinematics.errors import InputError
 from kinematics.five_rpur.arrangements import arrangements
-from kinematics.five_rpur.design import FiveRPURDesign, Limb
+from kinematics.five_rpur.design import FiveRPURDesign
 from kinematics.five_rpur.forward.assembly import MODE_SIGNS, forward, forward_is_quick
 from kinematics.five_rpur.inverse import MODES, closure_residual, limb_lengths
 from kinematics.five_rpur.velocity import characteristic_length, condition, wrench_matrix
+from tests.kinematics.five_rpur.machines import of_forward_case
+from tests.kinematics.references import read
 
-REFERENCE = Path(__file__).parents[3] / "reference"
-CASES = json.loads((REFERENCE / "rpur_forward.json").read_text(encoding="utf-8"))["cases"]
-FOLDS = json.loads((REFERENCE / "rpur_folds.json").read_text(encoding="utf-8"))
+CASES = read("rpur_forward.json")["cases"]
+FOLDS = read("rpur_folds.json")
 CLASSES = ["a1a1", "a1a2", "a1a3", "a2a2", "a2a3", "a3a3", "mpa1", "mpa2", "mpa3"]
-
-
-def design_of(case) -> FiveRPURDesign:
-    return FiveRPURDesign(
-        tuple(
-            Limb(tuple(r), tuple(s), length, (250.0, 400.0))
-            for r, s, length in zip(case["r"], case["s_prime"], case["l"], strict=True)
-        )
-    )
 
 
 def sigma_of(modes) -> np.ndarray:
@@ -56,7 +46,7 @@ def apart(poses, others, length=100.0):
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["name"])
 def test_every_solution_of_the_case_is_found_and_no_other(case):
-    design = design_of(case)
+    design = of_forward_case(case)
     (found,) = forward(design, case["rho"])
     known = [[s[k] for k in ("x", "y", "z", "phi", "theta")] for s in case["solutions"]]
     assert len(found) == case["n_real"] == len(known)
@@ -77,7 +67,7 @@ def test_every_solution_of_the_case_is_found_and_no_other(case):
 @pytest.mark.parametrize("name", ["A1A2_free_maxreal", "MpA3_sample_case0", "general_T1J_case0"])
 def test_condition_and_determinant_are_those_of_the_velocities(name):
     case = next(c for c in CASES if c["name"] == name)
-    design = design_of(case)
+    design = of_forward_case(case)
     (found,) = forward(design, case["rho"])
     sigma = sigma_of(found.modes)
     np.testing.assert_allclose(found.condition, condition(design, found.poses, sigma), rtol=1e-6)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,10 +10,9 @@ import pytest
 from kinematics.designs import load_design
 from kinematics.five_rpur.forward.assembly import forward
 from kinematics.five_rpur.forward.carrying import refresh
+from tests.kinematics.references import read
 
-FOLDS = json.loads(
-    (Path(__file__).parents[3] / "reference" / "rpur_folds.json").read_text(encoding="utf-8")
-)
+FOLDS = read("rpur_folds.json")
 START, WAY = np.array(FOLDS["rho0"]), np.array(FOLDS["drho"])
 
 

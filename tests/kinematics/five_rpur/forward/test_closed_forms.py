@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,11 +17,11 @@ from kinematics.five_rpur.forward.equations import PHI, THETA, Frame, X, Y, Z
 from kinematics.five_rpur.forward.simplified import same_mode_roots
 from kinematics.five_rpur.inverse import inverse
 from kinematics.spatial import Array
+from tests.kinematics.references import read
 
-REFERENCE = Path(__file__).parents[3] / "reference" / "rpur_forward.json"
 CASES: dict[str, dict[str, Any]] = {
     case["name"]: case
-    for case in json.loads(REFERENCE.read_text(encoding="utf-8"))["cases"]
+    for case in read("rpur_forward.json")["cases"]
     if case["design"] in ("A1A1", "A1A2", "MpA2")
 }
 CLASSES = ("A1A1", "A1A2", "MpA2")

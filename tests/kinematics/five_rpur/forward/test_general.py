@@ -6,9 +6,7 @@ reference/rpur_forward.json were computed by other methods and refined to 40 dig
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,7 +15,6 @@ from kinematics import homotopy as homotopies
 from kinematics import monodromy as loops
 from kinematics.designs import load_design
 from kinematics.errors import ComputationError
-from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.forward import families, general, monodromy
 from kinematics.five_rpur.forward.equations import (
     Deformation,
@@ -29,22 +26,10 @@ from kinematics.five_rpur.forward.equations import (
 from kinematics.five_rpur.forward.families import FAMILIES, membership, start_set
 from kinematics.five_rpur.forward.general import cluster, roots_at, roots_from
 from kinematics.tracking import Ending, track
+from tests.kinematics.five_rpur.machines import of_forward_case
+from tests.kinematics.references import read
 
-CASES = {
-    case["name"]: case
-    for case in json.loads(
-        (Path(__file__).parents[3] / "reference" / "rpur_forward.json").read_text(encoding="utf-8")
-    )["cases"]
-}
-
-
-def design_of(case) -> FiveRPURDesign:
-    return FiveRPURDesign(
-        tuple(
-            Limb(tuple(r), tuple(s), length, (250.0, 400.0))
-            for r, s, length in zip(case["r"], case["s_prime"], case["l"], strict=True)
-        )
-    )
+CASES = {case["name"]: case for case in read("rpur_forward.json")["cases"]}
 
 
 def closes(design, joints, roots) -> float:
@@ -172,7 +157,7 @@ def test_written_sets_read_back(tmp_path, monkeypatch):
 )
 def test_the_cases_have_as_many_complex_solutions_as_they_must(name):
     case = CASES[name]
-    design = design_of(case)
+    design = of_forward_case(case)
     found = roots_at(design, case["rho"])
     assert found.complete
     assert (found.count, found.infinite, found.lost) == (case["complex_count"], 0, 0)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -33,12 +31,10 @@ from kinematics.five_rpur.forward.linkage import Machine
 from kinematics.five_rpur.forward.simplified import expected, same_mode_roots
 from kinematics.five_rpur.inverse import MODES, inverse, joint_points
 from kinematics.spatial import Array, rotation_x, rotation_y
+from tests.kinematics.references import read
 
-REFERENCE = Path(__file__).parents[3] / "reference" / "rpur_forward.json"
 CASES: list[dict[str, Any]] = [
-    case
-    for case in json.loads(REFERENCE.read_text(encoding="utf-8"))["cases"]
-    if "same_working_mode_groups" in case
+    case for case in read("rpur_forward.json")["cases"] if "same_working_mode_groups" in case
 ]
 COUNTS = {
     "A1A1": 96,

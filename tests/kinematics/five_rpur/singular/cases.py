@@ -4,19 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinematics.designs import load_design
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.inverse import MODES, inside
 from kinematics.five_rpur.singular.determinant import Determinant
 from kinematics.spatial import rotation_x, rotation_y
+from tests.kinematics.five_rpur.machines import preset
 
 TABLES = ("rpur-table1", "rpur-table1-icee", "rpur-table2")
-
-
-def preset(name: str) -> FiveRPURDesign:
-    design = load_design(name)
-    assert isinstance(design, FiveRPURDesign)
-    return design
 
 
 def random_design(rng: np.random.Generator) -> FiveRPURDesign:

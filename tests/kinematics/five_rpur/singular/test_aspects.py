@@ -14,13 +14,13 @@ from kinematics.five_rpur.singular.determinant import Determinant
 from kinematics.five_rpur.solid.workspace import coarseness, workspace
 from kinematics.mechanism import mechanism
 from kinematics.solids import Solid
+from tests.kinematics.five_rpur.machines import preset
 from tests.kinematics.five_rpur.singular.cases import (
     always_singular,
     held,
     moved_base,
     other_reference,
     poses,
-    preset,
     random_case,
     turned,
 )

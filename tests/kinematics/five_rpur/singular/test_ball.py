@@ -14,7 +14,8 @@ from kinematics.five_rpur.singular.determinant import Determinant
 from kinematics.five_rpur.singular.nearest import nearest_singularity
 from kinematics.five_rpur.usable.inscribed import sphere
 from kinematics.mechanism import mechanism
-from tests.kinematics.five_rpur.singular.cases import always_singular, held, preset, random_case
+from tests.kinematics.five_rpur.machines import preset
+from tests.kinematics.five_rpur.singular.cases import always_singular, held, random_case
 
 TABLE_1, PHI, THETA, MODE = preset("rpur-table1"), 0.2, 0.1, "+++++"
 

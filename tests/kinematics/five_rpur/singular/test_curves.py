@@ -13,11 +13,11 @@ from kinematics.five_rpur.singular.curves import SPECS, locus
 from kinematics.five_rpur.singular.determinant import Determinant
 from kinematics.five_rpur.velocity import wrench_matrix
 from kinematics.mechanism import mechanism
+from tests.kinematics.five_rpur.machines import preset
 from tests.kinematics.five_rpur.singular.cases import (
     always_singular,
     closing_points,
     poses,
-    preset,
     random_case,
 )
 

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -14,18 +11,17 @@ from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.inverse import MODES, joint_points, posture
 from kinematics.five_rpur.singular.determinant import Determinant
 from kinematics.five_rpur.velocity import wrench_matrix
+from tests.kinematics.five_rpur.machines import preset
 from tests.kinematics.five_rpur.singular.cases import (
     always_singular,
     closing_points,
     moved_base,
     other_reference,
     poses,
-    preset,
     random_case,
     turned,
 )
-
-FOLDS = Path(__file__).parents[3] / "reference" / "rpur_folds.json"
+from tests.kinematics.references import read
 
 
 @settings(max_examples=30)
@@ -88,7 +84,7 @@ def test_the_polynomials_have_its_values_on_a_grid(seed: int) -> None:
 
 def test_it_changes_sign_where_assembly_modes_merge() -> None:
     design = preset("rpur-table1")
-    for fold in json.loads(FOLDS.read_text())["folds"]:
+    for fold in read("rpur_folds.json")["folds"]:
         pose = np.array(fold["pose_fold"])
         for mode in MODES:
             if not np.allclose(posture(design, pose, mode).joints, fold["rho_fold"], atol=1e-6):

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,12 +19,12 @@ from kinematics.five_rpur.velocity import characteristic_length
 from kinematics.singularities import NEAR, Singularity
 from kinematics.spatial import Array
 from kinematics.wrenches import singular_values
-from tests.kinematics.five_rpur.closing import closing_poses, lengths, preset
+from tests.kinematics.five_rpur.closing import closing_poses, lengths
+from tests.kinematics.five_rpur.machines import preset
 from tests.kinematics.five_rpur.test_arrangements import IN_ALL_MODES, SINGULAR
+from tests.kinematics.references import read
 
-FOLDS = json.loads(
-    (Path(__file__).parents[3] / "reference" / "rpur_folds.json").read_text(encoding="utf-8")
-)
+FOLDS = read("rpur_folds.json")
 
 
 def at(

@@ -11,12 +11,12 @@ from kinematics.errors import InputError
 from kinematics.five_rpur.singular.determinant import Determinant
 from kinematics.five_rpur.singular.nearest import nearest_singularity
 from kinematics.five_rpur.velocity import wrench_matrix
+from tests.kinematics.five_rpur.machines import preset
 from tests.kinematics.five_rpur.singular.cases import (
     always_singular,
     closing_points,
     moved_base,
     poses,
-    preset,
     random_case,
 )
 

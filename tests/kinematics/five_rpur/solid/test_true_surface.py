@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,19 +19,14 @@ from kinematics.five_rpur.solid.workspace import workspace
 from kinematics.mechanism import mechanism
 from kinematics.solids import encode
 from kinematics.spatial import rotation_y
+from tests.kinematics.five_rpur.machines import of_volume_case
+from tests.kinematics.references import read
 
-CASES = json.loads(
-    (Path(__file__).parents[3] / "reference" / "volumes.json").read_text(encoding="utf-8")
-)["cases"]
+CASES = read("volumes.json")["cases"]
 PROMISED = {"normal": 1e-3, "fine": 1e-4}
 DESIGNS = [p.name for p in presets() if p.mechanism == "five_rpur"]
 ANGLES = [(0.0, 0.0), (0.3, -0.4)]
 MISSED = 0.02  # of the vertices, at most, are where surfaces all but coincide
-
-
-def design_of(case) -> FiveRPURDesign:
-    rows = zip(case["r"], case["s"], case["l"], case["rho_min"], case["rho_max"], strict=True)
-    return FiveRPURDesign(tuple(Limb(tuple(r), tuple(s), l_, (a, b)) for r, s, l_, a, b in rows))
 
 
 def modes_of(case) -> tuple[str, ...] | None:
@@ -216,7 +209,9 @@ def test_random_designs(seed, placed):
     "case", CASES[::2], ids=lambda c: f"{c['name']} {c['phi']:.1f} {(modes_of(c) or ('all',))[0]}"
 )
 def test_the_volume_is_as_good_as_the_resolution_promises(case):
-    built = workspace(design_of(case), case["phi"], case["theta"], modes_of(case), "normal", "true")
+    built = workspace(
+        of_volume_case(case), case["phi"], case["theta"], modes_of(case), "normal", "true"
+    )
     error = abs(built.volume - case["volume"])
     assert error <= PROMISED["normal"] * case["volume"]
     assert error <= built.volume_error <= 3 * PROMISED["normal"] * case["volume"]
@@ -224,7 +219,7 @@ def test_the_volume_is_as_good_as_the_resolution_promises(case):
 
 @pytest.mark.parametrize("case", CASES[9:10], ids=lambda c: c["name"])
 def test_a_fine_one(case, placed):
-    design, modes = design_of(case), modes_of(case)
+    design, modes = of_volume_case(case), modes_of(case)
     facets = workspace(design, case["phi"], case["theta"], modes, "fine")
     built = workspace(design, case["phi"], case["theta"], modes, "fine", "true")
     check_closed(built)

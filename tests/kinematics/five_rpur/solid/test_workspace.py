@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import io
-import json
 from itertools import pairwise, product
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,17 +20,12 @@ from kinematics.five_rpur.solid.workspace import limb_part, workspace
 from kinematics.mechanism import RESOLUTIONS
 from kinematics.solids import encode
 from kinematics.spatial import rotation_x, rotation_y
+from tests.kinematics.five_rpur.machines import of_volume_case
+from tests.kinematics.references import read
 
-CASES = json.loads(
-    (Path(__file__).parents[3] / "reference" / "volumes.json").read_text(encoding="utf-8")
-)["cases"]
+CASES = read("volumes.json")["cases"]
 FLOOR = {"preview": 1e-2, "normal": 1e-3, "fine": 1e-4}
 MODES = ["".join(signs) for signs in product("+-", repeat=5)]
-
-
-def design_of(case) -> FiveRPURDesign:
-    rows = zip(case["r"], case["s"], case["l"], case["rho_min"], case["rho_max"], strict=True)
-    return FiveRPURDesign(tuple(Limb(tuple(r), tuple(s), l_, (a, b)) for r, s, l_, a, b in rows))
 
 
 def modes_of(case) -> tuple[str, ...] | None:
@@ -40,7 +33,7 @@ def modes_of(case) -> tuple[str, ...] | None:
     return None if signs is None else ("".join("+" if s > 0 else "-" for s in signs),)
 
 
-TABLE_1, TABLE_2 = design_of(CASES[0]), design_of(CASES[6])
+TABLE_1, TABLE_2 = of_volume_case(CASES[0]), of_volume_case(CASES[6])
 
 
 def check(built) -> None:
@@ -140,7 +133,7 @@ def common_area(centre, radius, inside):
 
 @pytest.mark.parametrize("case", CASES[::4], ids=lambda c: c["name"])
 def test_the_slices_agree_with_the_stored_volumes(case):
-    found = true_volume(design_of(case), case["phi"], case["theta"], modes_of(case), 400)
+    found = true_volume(of_volume_case(case), case["phi"], case["theta"], modes_of(case), 400)
     assert found == pytest.approx(case["volume"], rel=2e-5)
 
 
@@ -152,7 +145,7 @@ def test_the_slices_agree_with_the_stored_volumes(case):
     "case", CASES, ids=lambda c: f"{c['name']} {c['phi']:.1f} {(modes_of(c) or ('all',))[0]}"
 )
 def test_stored_volumes(case, resolution):
-    built = workspace(design_of(case), case["phi"], case["theta"], modes_of(case), resolution)
+    built = workspace(of_volume_case(case), case["phi"], case["theta"], modes_of(case), resolution)
     error = abs(built.volume - case["volume"])
     assert error <= FLOOR[resolution] * case["volume"]
     assert error <= built.volume_error

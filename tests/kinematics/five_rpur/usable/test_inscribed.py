@@ -9,7 +9,6 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from kinematics.designs import load_design
 from kinematics.errors import InputError
 from kinematics.five_rpur import inverse
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
@@ -18,15 +17,10 @@ from kinematics.five_rpur.usable.growing import concave_program
 from kinematics.five_rpur.usable.inscribed import box, sphere
 from kinematics.mechanism import Mechanism
 from kinematics.sections import Box, Sphere
+from tests.kinematics.five_rpur.machines import preset
 
 ZERO = (0.0, 0.0, 0.0)
 TABLES = ("rpur-table1", "rpur-table1-icee", "rpur-table2")
-
-
-def preset(name: str) -> FiveRPURDesign:
-    design = load_design(name)
-    assert isinstance(design, FiveRPURDesign)
-    return design
 
 
 def alike(link: float, low: float, high: float, base=ZERO) -> FiveRPURDesign:

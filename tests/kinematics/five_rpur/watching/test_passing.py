@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
 from scipy.optimize import brentq, minimize_scalar
@@ -15,6 +12,7 @@ from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.watching.passing import passed
 from kinematics.five_rpur.watching.way import Way
 from kinematics.mechanism import Bare, mechanism
+from tests.kinematics.references import read
 
 MECHANISM = mechanism("five_rpur")
 TABLES = ("rpur-table1", "rpur-table2", "rpur-a1a1")
@@ -101,7 +99,7 @@ def test_at_each_event_its_bound_is_met(seed):
 
 def folds():
     """(design, mode, pose, normal): where two assembly modes merge, and d det there."""
-    table = json.loads((Path(__file__).parents[3] / "reference" / "rpur_folds.json").read_text())
+    table = read("rpur_folds.json")
     design = load_design("rpur-table1")
     for fold in table["folds"]:
         pose, rho = np.array(fold["pose_fold"]), np.array(fold["rho_fold"])
