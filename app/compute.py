@@ -12,12 +12,11 @@ import numpy as np
 
 from app.modes import page_mode
 from app.state import Review
+from kinematics.drawings import Body, Drawing
 from kinematics.mechanism import (
     RESOLUTIONS,
-    Body,
     Coordinate,
     Design,
-    Drawing,
     Mechanism,
     Resolution,
     SolidRequest,

@@ -20,7 +20,7 @@ from app.atlas import Atlas, joint_text
 from app.compute import View
 from app.folds import Ahead
 from app.scene import Scene, cylinder, turns_z_to
-from kinematics.mechanism import Body
+from kinematics.drawings import Body
 from kinematics.spatial import Array
 
 THIN, THICK = 0.003, 0.006  # radius of a stick, of the machine's size: as a rule, and who is new

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
 from app.compute import View
-from kinematics.mechanism import Drawing
+from kinematics.drawings import Drawing
 from kinematics.spatial import Array
 
 DURATION = 0.4  # s

@@ -6,7 +6,8 @@ and for beyond a limit, nothing else; the workspace a quiet blue-grey.
 
 from __future__ import annotations
 
-from kinematics.mechanism import Bar, SolidSpec
+from kinematics.drawings import Bar
+from kinematics.mechanism import SolidSpec
 
 Rgb = tuple[int, int, int]
 

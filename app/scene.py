@@ -17,7 +17,8 @@ from app import painting, palette
 from app.compute import SolidWish, View, short_title
 from app.creases import crease_lines
 from app.painting import Coat
-from kinematics.mechanism import Bar, Body, Coordinate, Drawing, Mark, SolidSpec, mechanism
+from kinematics.drawings import Bar, Body, Drawing, Mark
+from kinematics.mechanism import Coordinate, SolidSpec, mechanism
 from kinematics.spatial import Array
 
 if TYPE_CHECKING:

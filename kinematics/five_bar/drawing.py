@@ -11,9 +11,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from kinematics.drawings import Bar, Body, Drawing, Mark
 from kinematics.five_bar.design import LIMBS, SUBSCRIPTS, FiveBarDesign
 from kinematics.five_bar.inverse import elbows
-from kinematics.mechanism import Bar, Body, Drawing, Mark
 from kinematics.solutions import Posture
 from kinematics.spatial import Array
 

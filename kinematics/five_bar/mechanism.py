@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kinematics.bare import Bare
+from kinematics.drawings import Drawing
 from kinematics.five_bar import (
     about,
     drawing,
@@ -26,7 +28,7 @@ from kinematics.five_bar import design as designs
 from kinematics.five_bar import findings as remarks
 from kinematics.five_bar import singular as control
 from kinematics.five_bar.design import FiveBarDesign
-from kinematics.mechanism import Bare, Coordinate, DesignField, Drawing
+from kinematics.mechanism import Coordinate, DesignField
 from kinematics.motion import Motion, Statics, WrenchSystem
 from kinematics.sections import Region, RegionSpec
 from kinematics.singularities import (

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from kinematics.drawings import Bar, Body, Drawing, Mark
 from kinematics.five_rpur.design import SUBSCRIPTS, FiveRPURDesign
 from kinematics.five_rpur.inverse import joint_points, transform
-from kinematics.mechanism import Bar, Body, Drawing, Mark
 from kinematics.solutions import Posture
 from kinematics.spatial import Array, rotation_y
 

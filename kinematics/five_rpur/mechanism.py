@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kinematics.bare import Bare
+from kinematics.drawings import Drawing
 from kinematics.errors import InputError
 from kinematics.five_rpur import (
     about,
@@ -37,10 +39,8 @@ from kinematics.five_rpur.usable import inscribed
 from kinematics.five_rpur.watching import nearness, passing, paths
 from kinematics.mechanism import (
     SURFACES,
-    Bare,
     Coordinate,
     DesignField,
-    Drawing,
     Resolution,
     SolidRequest,
     SolidSpec,

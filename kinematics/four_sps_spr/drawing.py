@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from kinematics.drawings import Bar, Body, Drawing, Mark
 from kinematics.four_sps_spr.design import LIMBS, SPR, SUBSCRIPTS, FourSPSSPRDesign
 from kinematics.four_sps_spr.inverse import platform_points, rotation, transform
-from kinematics.mechanism import Bar, Body, Drawing, Mark
 from kinematics.solutions import Posture
 from kinematics.spatial import Array
 

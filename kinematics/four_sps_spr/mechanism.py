@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics import following
+from kinematics.bare import Bare
+from kinematics.drawings import Drawing
 from kinematics.errors import InputError
 from kinematics.four_sps_spr import (
     about,
@@ -31,10 +33,8 @@ from kinematics.four_sps_spr import design as designs
 from kinematics.four_sps_spr.design import FourSPSSPRDesign
 from kinematics.four_sps_spr.forward import assembly, carrying
 from kinematics.mechanism import (
-    Bare,
     Coordinate,
     DesignField,
-    Drawing,
     Resolution,
     SolidRequest,
     SolidSpec,

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from kinematics.mechanism import Bar, Body, Drawing, Mark
+from kinematics.drawings import Bar, Body, Drawing, Mark
 from kinematics.solutions import Posture
 from kinematics.spatial import Array
 from kinematics.three_rps_spr import posing

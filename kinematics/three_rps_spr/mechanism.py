@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kinematics.bare import Bare
+from kinematics.drawings import Drawing
 from kinematics.errors import InputError
 from kinematics.mechanism import (
-    Bare,
     Coordinate,
     DesignField,
-    Drawing,
     Resolution,
     SolidRequest,
     SolidSpec,

@@ -1,10 +1,11 @@
 """The kernel, compiled where that pays: never does anyone wait for the compiler.
 
-`sweep` and `kernel` are plain Python that numba also compiles. Compiling takes as long as some
-thousand sections in plain Python, loading what was compiled before as long as some dozens. So
-plain Python works until it would have taken as long as the other way: at worst that doubles the
-time, once. `prepare` compiles everything, for processes that nobody waits for; else only what is
-used is. What is compiled is kept in the user's cache folder, by the kernel's text and place.
+The kernel is the modules in `_MODULES`: plain Python that numba also compiles. Compiling takes as
+long as some thousand sections in plain Python, loading what was compiled before as long as some
+dozens. So plain Python works until it would have taken as long as the other way: at worst that
+doubles the time, once. `prepare` compiles everything, for processes that nobody waits for; else
+only what is used is. What is compiled is kept in the user's cache folder, by the kernel's text and
+place.
 """
 
 from __future__ import annotations
@@ -24,14 +25,16 @@ from typing import Any, ClassVar
 import numpy as np
 import platformdirs
 
+from kinematics.five_rpur.slicing import boundary as _boundary
 from kinematics.five_rpur.slicing import integral as _integral
-from kinematics.five_rpur.slicing import kernel as _kernel
+from kinematics.five_rpur.slicing import measures as _measures
 from kinematics.five_rpur.slicing import quadrature as _quadrature
 from kinematics.five_rpur.slicing import sweep as _sweep
+from kinematics.five_rpur.slicing import tracing as _tracing
 
 log = logging.getLogger(__name__)
 
-_MODULES = (_sweep, _quadrature, _kernel, _integral)
+_MODULES = (_sweep, _quadrature, _measures, _boundary, _tracing, _integral)
 _READY = "ready"
 _LOADING = 0.8  # s that it takes to load what was compiled before
 _COMPILING = 10.0  # s that it takes to compile one use of sections

@@ -54,7 +54,7 @@ class Integral:
 @dataclass(frozen=True, eq=False)
 class Outline:
     """A section's boundary: ``low`` and ``high`` (5,) are S(ρ_min) and S(ρ_max), ``moments`` (6,)
-    of 1, v, w, v², w², vw about the origin, the rest as `kernel.describe` has it.
+    of 1, v, w, v², w², vw about the origin, the rest as `boundary.describe` has it.
     """
 
     low: Array

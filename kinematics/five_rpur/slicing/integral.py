@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from kinematics.five_rpur.slicing.kernel import measured
+from kinematics.five_rpur.slicing.measures import measured
 from kinematics.five_rpur.slicing.quadrature import nulls, weights_of
 from kinematics.five_rpur.slicing.sweep import (
     HIGH,

@@ -14,7 +14,7 @@ import pytest
 from kinematics.designs import load_design
 from kinematics.five_rpur.maps import map_cells
 from kinematics.five_rpur.section import section
-from kinematics.five_rpur.slicing import acceleration, kernel
+from kinematics.five_rpur.slicing import acceleration, boundary, measures, tracing
 from kinematics.five_rpur.volume import volume
 
 MEASURED = """
@@ -86,7 +86,13 @@ def test_nothing_is_compiled_a_second_time_in_ordinary_use():
     section(design, 0.1, 0.2, 1e6)
     for modes in ((), ("+++++", "--+-+", "+-+++")):
         volume(design, 0.1, 0.2, modes, relative=1e-3)
-    for function in (kernel.measure, kernel.outline, kernel.describe, kernel.trace, kernel.strokes):
+    for function in (
+        measures.measure,
+        measures.strokes,
+        boundary.outline,
+        boundary.describe,
+        tracing.trace,
+    ):
         assert len(function.signatures) == 1, function
 
 

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, minimize_scalar
 
+from kinematics.bare import Bare
 from kinematics.designs import load_design
 from kinematics.five_rpur import inverse, velocity
 from kinematics.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.five_rpur.watching.passing import passed
 from kinematics.five_rpur.watching.way import Way
-from kinematics.mechanism import Bare, mechanism
+from kinematics.mechanism import mechanism
 from tests.kinematics.references import read
 
 MECHANISM = mechanism("five_rpur")

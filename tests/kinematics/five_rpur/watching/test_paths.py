@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from kinematics.bare import Bare
 from kinematics.designs import load_design
 from kinematics.errors import InputError
 from kinematics.five_rpur import inverse, velocity
 from kinematics.five_rpur.watching.nearness import WARNED
 from kinematics.five_rpur.watching.paths import GAP
 from kinematics.five_rpur.watching.way import Way
-from kinematics.mechanism import Bare, mechanism
+from kinematics.mechanism import mechanism
 
 MECHANISM = mechanism("five_rpur")
 
