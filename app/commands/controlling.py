@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Sequence
 from math import degrees, isfinite
 from typing import TYPE_CHECKING
@@ -41,7 +42,8 @@ def register(command: common.AddCommand) -> None:
         )
     velocity.epilog = (
         "The twist is the platform's angular velocity and the velocity of its origin, base frame. "
-        "JSON has null where a rate does not exist or is not determined."
+        "JSON has null where a rate does not exist or is not determined, and says why in reasons; "
+        "next to a singularity numbers come with a warning."
     )
     common.add_json(velocity)
 
@@ -82,8 +84,8 @@ def _velocity(arguments: argparse.Namespace) -> None:
         second = _optional("--accelerations", arguments.accelerations, place.axes)
         found = machine.inverse_motion(*at, rates, second)
     posture = place.posture()
-    reasons = _reasons(place, posture, _numbers(found))
-    common.warn(place.design, place.mechanism)
+    reasons, warnings = _judged(place, posture, _numbers(found), serial=not forward)
+    _warn(place, warnings)
     if not arguments.json:
         place.head()
         print("\n".join(_motion_lines(place, found, reasons)))
@@ -100,6 +102,7 @@ def _velocity(arguments: argparse.Namespace) -> None:
             "twist": _twist(found.twist, "omega", "v"),
             "twist_rate": _twist(found.twist_rate, "alpha", "a"),
             "reasons": reasons,
+            "warnings": warnings,
         }
     )
 
@@ -118,14 +121,30 @@ def _numbers(found: Motion) -> list[float]:
     return [*found.pose_accelerations.tolist(), *found.joint_accelerations.tolist()]
 
 
-def _reasons(place: Place, posture: Posture, numbers: Sequence[float]) -> list[str]:
-    """Why some of the numbers do not exist; empty where all do."""
-    if all(map(isfinite, numbers)):
-        return []
+def _judged(
+    place: Place, posture: Posture, numbers: Sequence[float], *, serial: bool
+) -> tuple[list[str], list[str]]:
+    """Why some of the numbers do not exist, and what speaks against those that do.
+
+    ``serial``: serial singularities leave them open, else all the other ones.
+    """
     if not posture.closes:
-        return [reason.text for reason in posture.reasons]
+        return [reason.text for reason in posture.reasons], []
     lost = place.mechanism.singularities(place.design, posture)
-    return [each.text for each in lost] or ["The posture is singular to within rounding."]
+    if not all(map(isfinite, numbers)):
+        return [each.text for each in lost] or ["The posture is singular to within rounding."], []
+    return [], [
+        f"the pose is a {each.kind} singularity to within {each.measure:.1g}, so that the last "
+        "digits typed decide what is given here"
+        for each in lost
+        if (each.kind == "serial") == serial
+    ]
+
+
+def _warn(place: Place, warnings: Sequence[str]) -> None:
+    common.warn(place.design, place.mechanism)
+    for text in warnings:
+        print(f"bohemia: warning: {text}", file=sys.stderr)
 
 
 def _named(values: Array, axes: Sequence[Coordinate]) -> dict[str, float | None]:
@@ -184,8 +203,8 @@ def _statics(arguments: argparse.Namespace) -> None:
     system = place.mechanism.wrench_system(place.design, place.pose, place.mode)
     forces = found.forces.tolist()
     posture = place.posture()
-    reasons = _reasons(place, posture, forces)
-    common.warn(place.design, place.mechanism)
+    reasons, warnings = _judged(place, posture, forces, serial=False)
+    _warn(place, warnings)
     turning = {joint.limb: joint.unit == "rad" for joint in place.joints}
     units = [
         "N mm"
@@ -218,6 +237,7 @@ def _statics(arguments: argparse.Namespace) -> None:
             ],
             "residual": common.finite(float(found.residual)),
             "reasons": reasons,
+            "warnings": warnings,
         }
     )
 

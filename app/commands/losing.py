@@ -74,13 +74,14 @@ def _singularity(arguments: argparse.Namespace) -> None:
 
 
 def _at_pose(arguments: argparse.Namespace) -> None:
-    from kinematics.singularities import AT
+    from kinematics.singularities import AT, NEAR
 
     tolerance = AT if arguments.tolerance is None else _tolerance(arguments.tolerance)
     place = Place.of(arguments)
     design, mechanism = place.design, place.mechanism
     posture = place.posture()
     lost = mechanism.singularities(design, posture, tolerance) if posture.closes else ()
+    near = mechanism.singularities(design, posture, NEAR) if posture.closes and not lost else ()
     held = _conditioning(place)
     with common.progress("Clearances"):
         clearances = mechanism.clearances(design, posture)
@@ -91,7 +92,7 @@ def _at_pose(arguments: argparse.Namespace) -> None:
     common.warn(design, mechanism)
     if not arguments.json:
         place.head()
-        print("\n".join(_lost_lines(place, posture, lost, held, clearances, remedy)))
+        print("\n".join(_lost_lines(place, posture, lost, near, held, clearances, remedy)))
         return
     common.print_json(
         {
@@ -211,6 +212,7 @@ def _lost_lines(
     place: Place,
     posture: Posture,
     lost: Sequence[Singularity],
+    near: Sequence[Singularity],
     held: dict[str, float | None],
     clearances: Sequence[Clearance],
     remedy: Remedy | None,
@@ -222,6 +224,9 @@ def _lost_lines(
         lines += [each.text, f"  {each.cause}", f"  measure {each.measure:.2g}", ""]
     if posture.closes and not lost:
         lines.append("Not singular.")
+        for each in near:
+            cause = each.cause.removeprefix("nearly: ")
+            lines.append(f"Near a {each.kind} singularity, measure {each.measure:.2g}: {cause}.")
     smallest, condition = held["smallest_singular_value"], held["condition"]
     if smallest is not None:
         number = "infinite" if condition is None else f"{condition:.4g}"

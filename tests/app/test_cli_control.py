@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 import re
 from collections.abc import Callable
 from dataclasses import replace
@@ -470,3 +471,23 @@ def test_a_mechanism_with_one_mode_names_none(here: Run, monkeypatch: pytest.Mon
     shown = here("ik", "rpur-table1", "--pose", POSE).stdout
     assert "mode" not in shown
     assert shown.rstrip().endswith("Reachable.")
+
+
+def test_numbers_next_to_a_singularity_come_with_a_warning(here: Run) -> None:
+    # The parallel singularity nearest to home; the inverse rates are as good there as elsewhere.
+    beside = "326.7075,94.7561,168.7774,0,0"
+    arguments = ("rpur-table1", "--pose", beside)
+    done = here("statics", *arguments, "--load", "0,0,-10,0,0,0", "--json")
+    (warning,) = json.loads(done.stdout)["warnings"]
+    assert re.search(r"a parallel singularity to within \de-\d+", warning)
+    assert warning in done.stderr
+    done = here("velocity", *arguments, "--joint-rates", "1,0,0,0,0", "--json")
+    assert json.loads(done.stdout)["warnings"] == [warning]
+    answer = answered(here("velocity", *arguments, "--rates", "1,0,0,0,0", "--json"))
+    assert answer["warnings"] == []
+
+
+def test_a_singularity_that_is_near_is_named(here: Run) -> None:
+    done = here("singularity", "rpur-table1", "--pose", "326.7,94.7,169,0,0")
+    assert "Not singular." in done.stdout
+    assert re.search(r"Near a parallel singularity, measure 0\.00017: the lines of", done.stdout)
