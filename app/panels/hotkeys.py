@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
 from app.changes import GoHome, SetAtlas, SetOption, SetPlan, Show, ShowCut
 from app.panels.desk import Desk, safely
@@ -17,9 +17,9 @@ def add_hotkeys(desk: Desk, present: Callable[[], Review]) -> None:
     def toggled(name: str) -> Callable[[], None]:
         return lambda: desk.send(SetOption(name, not getattr(present().options, name)))
 
-    commands: tuple[tuple[str, str, Any, Callable[[], None]], ...] = (
-        ("Undo", "Take back the last change", "Z", desk.undo),
-        ("Redo", "Do it again", "Y", desk.redo),
+    commands: tuple[tuple[str, str, str, Callable[[], None]], ...] = (
+        ("Undo", "Take back the last change", "ctrl+Z", desk.undo),
+        ("Redo", "Do it again", "ctrl+Y", desk.redo),
         ("Fit the view", "Show the machine and its solids whole", "F", desk.fit_view),
         ("Home position", "The design's home pose", "H", lambda: desk.send(GoHome())),
         ("Labels", "Show or hide the joints' names", "L", toggled("labels")),
@@ -58,7 +58,13 @@ def add_hotkeys(desk: Desk, present: Callable[[], Review]) -> None:
         ),
     )
     for label, description, hotkey, act in commands:
-        command = desk.gui.add_command(label, description=description, hotkey=hotkey)
+        *control, key = hotkey.split("+")
+        command = desk.gui.add_command(
+            label,
+            description=description,
+            hotkey=cast(Any, key),
+            modifier="cmd/ctrl" if control else None,
+        )
 
         def triggered(_: object, act: Callable[[], None] = act) -> None:
             safely(desk, None, act)

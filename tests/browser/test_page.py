@@ -197,9 +197,9 @@ def test_undo_and_redo_by_hotkey(tab: Tab) -> None:
     tab.wait(lambda: tab.value("x (mm)") == x + 10, "x + 10")
     tab.page.wait_for_timeout(300)
     tab.page.mouse.click(12, 330)  # a hotkey goes to the page, not to the number box
-    tab.page.keyboard.press("z")
+    tab.page.keyboard.press("Control+z")
     tab.wait(lambda: tab.value("x (mm)") == x, "x again")
-    tab.page.keyboard.press("y")
+    tab.page.keyboard.press("Control+y")
     tab.wait(lambda: tab.value("x (mm)") == x + 10, "x + 10 again")
 
 

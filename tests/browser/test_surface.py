@@ -17,7 +17,7 @@ def _choose(tab: Tab, label: str, option: str) -> None:
 def _undo(tab: Tab) -> None:
     tab.page.wait_for_timeout(300)
     tab.page.mouse.click(12, 330)  # a hotkey goes to the page, not to a box
-    tab.page.keyboard.press("z")
+    tab.page.keyboard.press("Control+z")
 
 
 def test_the_true_surface_is_shown_told_and_taken_back(tab: Tab) -> None:
