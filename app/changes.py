@@ -24,6 +24,7 @@ from app.state import (
     checked_flat,
     checked_way,
     new_review,
+    usual_load,
     within,
     within_reach,
 )
@@ -406,7 +407,7 @@ def _use_design(review: Review, design: Design) -> Review:
         cut=replace(fresh.cut, on=review.cut.on),
         chart=_chart_for(fresh, review.chart),
         surface=review.surface,
-        control=_control_for(fresh, review.control),
+        control=_control_for(fresh, review),
         flat=_flat_for(fresh, review.flat),
         gives_way=_way_for(fresh, review.gives_way),
         plan=plan_for(fresh, review.plan),
@@ -427,8 +428,11 @@ def _chart_for(review: Review, chart: Chart) -> Chart:
         return review.chart
 
 
-def _control_for(review: Review, control: Control) -> Control:
+def _control_for(review: Review, before: Review) -> Control:
     """Without the measure, the chart or the rates that the other mechanism has not."""
+    control = before.control
+    if control.load == usual_load(before):
+        control = replace(control, load=usual_load(review))
     for name, nothing in (("shade", ""), ("chart", ""), ("rates", ()), ("accelerations", ())):
         try:
             checked_control(replace(Control(), **{name: getattr(control, name)}), review)

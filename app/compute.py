@@ -23,7 +23,7 @@ from kinematics.mechanism import (
     SolidSpec,
     mechanism,
 )
-from kinematics.singularities import ModeChange
+from kinematics.singularities import Clearance, ModeChange
 from kinematics.solutions import Finding, Margin, Posture
 from kinematics.spatial import Array
 
@@ -172,6 +172,14 @@ def beside(review: Review) -> Beside | None:
 def in_page_units(coordinate: Coordinate, value: float) -> float:
     """mm stay, radians become degrees."""
     return value if coordinate.unit == "mm" else math.degrees(value)
+
+
+def how_far(way: Clearance, decimals: int = 1) -> str:
+    """ "47.5 mm", or of a way that is a turn "53.7°"."""
+    value, unit = way.distance, " mm"
+    if way.angle is not None:
+        value, unit = math.copysign(math.degrees(way.angle), way.distance), "°"
+    return f"{round(value, decimals) + 0.0:.{decimals}f}{unit}".replace("-", "−")
 
 
 def from_page_units(coordinate: Coordinate, value: float) -> float:

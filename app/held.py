@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from app import palette
-from app.atlas import number as signed
-from app.compute import View
+from app.compute import View, how_far
 from app.controller import Here
 from app.inside import Ball
 from app.scene import Scene, body_mesh, wxyz
@@ -166,7 +165,7 @@ class Held:
             if label.visible != seen:
                 label.visible = seen
             if seen:
-                label.text = f"{signed(named[n].distance)} mm · {_WHAT[named[n].kind]}"
+                label.text = f"{how_far(named[n])} · {_WHAT[named[n].kind]}"
                 label.position = tuple(float(v) for v in named[n].point)
 
     def swing(self, view: View, motion: tuple[float, ...], elapsed: float) -> bool:

@@ -46,7 +46,7 @@ from app.requests import Request
 from app.scene import FIELD_OF_VIEW, Scene, machine_bounds
 from app.slicing import Slicing
 from app.solving import Solving
-from app.state import Review
+from app.state import Review, is_planar
 from app.worker import Built, Busy, Event, Failed, Worker
 from kinematics.errors import InputError
 
@@ -496,8 +496,7 @@ class Page:
         for more in (self._regions.bounds, self._moving.bounds):
             if more is not None:
                 low, high = np.minimum(low, more[0]), np.maximum(high, more[1])
-        axes = review.mechanism.pose_coordinates(review.design)
-        planar = all(c.key in ("x", "y") for c in axes)
+        planar = is_planar(review)
         position, target = self.scene.frame((low, high), from_above=planar)
         first = self.server.initial_camera
         first.near, first.far = drawing.size / 100.0, drawing.size * 80.0

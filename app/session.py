@@ -189,7 +189,7 @@ def _control(content: dict[str, Any], review: Review, origin: str) -> Control:
         raise InputError(f"{origin}: 'control' is not of the right kind")
     values: dict[str, Any] = {}
     for f in fields(Control):
-        value = given.get(f.name, f.default)
+        value = given.get(f.name, getattr(review.control, f.name))
         if isinstance(value, list):
             value = tuple(_number(v, f"control: {f.name}", origin) for v in value)
         if not isinstance(value, type(f.default)):

@@ -190,7 +190,19 @@ def new_review(design: Design) -> Review:
         solids=tuple(s for s in review.solids if s.key in known),
         cut=Cut(at=point_in_section(review)[0]),
         plan=fresh_plan(review),
+        control=Control(load=usual_load(review)),
     )
+
+
+def is_planar(review: Review) -> bool:
+    """Whether the platform moves in a plane, x and y."""
+    axes = review.mechanism.pose_coordinates(review.design)
+    return all(axis.key in ("x", "y") for axis in axes)
+
+
+def usual_load(review: Review) -> tuple[float, ...]:
+    """100 N downwards, as the machine stands on the page: [F, T], N and N·mm."""
+    return (0.0, -100.0, 0.0, 0.0, 0.0, 0.0) if is_planar(review) else Control().load
 
 
 def point_in_section(review: Review) -> tuple[float, float, float]:

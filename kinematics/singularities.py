@@ -67,6 +67,9 @@ class Clearance:
         limb: from 1, of strokes, modes and the boundary.
         bound: "rho_min", "rho_max" or "link", likewise.
         error: mm, an estimate from above of the error of ``distance``.
+        angle: rad, where the way is a turn; ``distance`` is then about that of the platform's
+            joints.
+        along: the only line that the orientation leaves, as "along z"; "" where all ways count.
     """
 
     kind: ClearanceKind
@@ -76,6 +79,8 @@ class Clearance:
     limb: int | None = None
     bound: str = ""
     error: float = 0.0
+    angle: float | None = None
+    along: str = ""
 
 
 @dataclass(frozen=True, slots=True)

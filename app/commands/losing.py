@@ -170,6 +170,7 @@ def _clearance(each: Clearance) -> dict[str, Any]:
         "kind": each.kind,
         "distance_mm": common.finite(each.distance),
         "error_mm": each.error,
+        "angle_deg": None if each.angle is None else degrees(each.angle),
         "point_mm": list(each.point),
         "limb": each.limb,
         "bound": each.bound,

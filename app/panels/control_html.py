@@ -8,7 +8,7 @@ import time
 import numpy as np
 
 from app import painting, palette
-from app.compute import short_title
+from app.compute import how_far, short_title
 from app.controller import Here
 from app.panels.desk import Controlled, Logged, Sheet, box, chip, esc, red, tone, volume_text
 from app.worker import Built
@@ -21,6 +21,7 @@ TOLD = 9  # clearances
 LINES = 20  # of the log
 WAYS = 5
 """in which the design may change."""
+ROUNDING = 1e-9  # of a measure in its unit: less is nothing
 
 
 def here_html(controlled: Controlled) -> str:
@@ -59,6 +60,7 @@ def _card(singular: Singularity) -> str:
 
 def _measure(measure: Measure, value: float) -> str:
     unit = f" {measure.unit}" if measure.unit else ""
+    value = value if abs(value) >= ROUNDING else 0.0
     bar = ""
     low, high = measure.limits
     if low is not None and high is not None:
@@ -99,11 +101,12 @@ def _clearance(way: Clearance) -> str:
         palette.BEYOND if lost else palette.limb_color(way.limb) if way.limb else palette.WORKSPACE
     )
     whose = f"limb {way.limb}, " if way.limb else ""
-    what = f"{whose}{_WHAT[way.kind]}{_ENDS.get(way.bound, '')}"
+    way_there = " by turning" if way.angle is not None else f" {way.along}" if way.along else ""
+    what = f"{whose}{_WHAT[way.kind]}{_ENDS.get(way.bound, '')}{way_there}"
     return (
         f'<tr title="{esc(way.text)}"><td>{mark}{esc(what)}</td>'
         f'<td style="text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums">'
-        f"{way.distance:.2f} mm</td></tr>".replace(">-", ">−")
+        f"{how_far(way, 2)}</td></tr>"
     )
 
 

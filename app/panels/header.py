@@ -6,7 +6,7 @@ import math
 import time
 
 from app import palette
-from app.compute import View
+from app.compute import View, how_far
 from app.controller import Here
 from app.panels.boxes import NUMBERS_GO_BACK
 from app.panels.desk import (
@@ -110,7 +110,7 @@ def held_text(here: Here | None) -> str:
     if kinds:
         return f"singular ({', '.join(kinds)})"
     nearest = here.nearest("parallel", "constraint")
-    return "" if nearest is None else f"{nearest.distance:.1f} mm to a singularity"
+    return "" if nearest is None else f"{how_far(nearest)} to a singularity"
 
 
 def _status(sheet: Sheet, held: str, late: bool) -> str:

@@ -211,7 +211,7 @@ def _row(row: JointRow) -> str:
 
 def _residual(sheet: Sheet) -> str:
     return box(
-        f'<span style="opacity:0.75">loop closure to {sheet.view.posture.residual:.0e} mm</span>'
+        f'<span style="opacity:0.75">loop closure {_closure(sheet.view.posture.residual)}</span>'
     )
 
 
@@ -224,3 +224,8 @@ def _other_modes(sheet: Sheet) -> str:
         return box(f"No {noun} reaches this pose within the strokes.")
     some = ", ".join(page_mode(m) for m in able[:6]) + (" …" if len(able) > 6 else "")
     return box(f"{len(able)} of {len(answered.modes)} {noun}s reach this pose: {some}")
+
+
+def _closure(residual: float) -> str:
+    """ "to 6e-14 mm"."""
+    return f"to {residual:.0e} mm" if residual else "exact"

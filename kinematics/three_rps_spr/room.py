@@ -58,7 +58,7 @@ def _along(design: TripodDesign, posture: Posture) -> list[Clearance]:
         amount = abs(value - v)
         text = f"{amount:.2f} mm {what} to a parallel singularity"
         point = _place(design, reduced, value, posture.mode)
-        found.append(Clearance("parallel", amount, point, text, error=error))
+        found.append(Clearance("parallel", amount, point, text, error=error, along=what))
     for i in range(LIMBS):
         for bound, end in zip(_ENDS, design.stroke, strict=True):
             if end <= abs(outward[i]):
@@ -74,7 +74,9 @@ def _along(design: TripodDesign, posture: Posture) -> list[Clearance]:
                 f"({bound.replace('rho_', 'ρ ')})"
             )
             point = _place(design, reduced, v + way, posture.mode)
-            found.append(Clearance("stroke", amount, point, text, i + 1, bound, error))
+            found.append(
+                Clearance("stroke", amount, point, text, i + 1, bound, error, along=what)
+            )
     return found
 
 
@@ -130,6 +132,7 @@ def _turning(design: TripodDesign, posture: Posture) -> list[Clearance]:
                 circle.limb,
                 circle.bound,
                 circle.error * design.platform_radius,
+                angle=circle.radius,
             )
         )
     return found

@@ -13,6 +13,7 @@ import pytest
 
 from app import palette, session
 from app.changes import Flip, GoHome, Restore, SetControl, SetFlat, UseDesign
+from app.compute import how_far
 from app.controller import Here
 from app.requests import SaveLoci, SaveRegions
 from app.state import Review, new_review
@@ -259,7 +260,10 @@ def test_wrenches_and_clearances_are_drawn(opened: Open, name: str) -> None:
     assert bool(page.seen("/control/ways")) == bool(here.clearances)
     told = page.text()
     for way in here.clearances[:9]:
-        assert f"{way.distance:.2f} mm" in told.replace("−", "-")
+        assert how_far(way, 2) in told
+        assert way.along in told
+    turned = [way for way in here.clearances[:9] if way.angle is not None]
+    assert len(re.findall(r"by turning [\d.]+°", told)) == len(turned)
 
 
 @pytest.mark.parametrize("name", MACHINES)
