@@ -209,15 +209,7 @@ class Page:
                     items.append(self._inbox.get_nowait())
                 except queue.Empty:
                     break
-            try:
-                self._take(items)
-            except Exception:
-                log.exception("the page's loop failed on %s", items)
-                self._notify(
-                    "Something went wrong in the page itself; the last change was lost.", None
-                )
-                if any(item != "redraw" for item in items):  # else it would fail for ever
-                    self._inbox.put("redraw")
+            self._turn(items)
         self._save_session()
         self.worker.stop()
         for part in self._parts:
@@ -227,6 +219,18 @@ class Page:
         """End `run`; the session is saved on the way out."""
         self._stopping.set()
         self._inbox.put("redraw")
+
+    def _turn(self, items: Sequence[Any]) -> None:
+        """Take what came; a change that fails, be it in drawing, is not kept."""
+        before = self._history
+        try:
+            self._take(items)
+        except Exception:
+            self._history = before
+            log.exception("the page's loop failed on %s", items)
+            self._notify("Something went wrong in the page itself; the last change was lost.", None)
+            if any(item != "redraw" for item in items):  # else it would fail for ever
+                self._inbox.put("redraw")
 
     def _patience(self, owing: bool) -> float:
         """How long to wait for the next input, s."""

@@ -74,9 +74,7 @@ def _along(design: TripodDesign, posture: Posture) -> list[Clearance]:
                 f"({bound.replace('rho_', 'ρ ')})"
             )
             point = _place(design, reduced, v + way, posture.mode)
-            found.append(
-                Clearance("stroke", amount, point, text, i + 1, bound, error, along=what)
-            )
+            found.append(Clearance("stroke", amount, point, text, i + 1, bound, error, along=what))
     return found
 
 

@@ -6,13 +6,14 @@ import json
 import math
 import re
 from collections.abc import Callable, Iterator
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
 from app import palette, session
-from app.changes import Flip, GoHome, Restore, SetControl, SetFlat, UseDesign
+from app.changes import Flip, GoHome, Place, Restore, SetControl, SetFlat, UseDesign
 from app.compute import how_far
 from app.controller import Here
 from app.requests import SaveLoci, SaveRegions
@@ -523,3 +524,29 @@ def test_five_bar_modes_turn_over_limb_by_limb(opened: Open) -> None:
         before = page.review
         page.do(Flip(mode))
         assert page.review.pose == before.pose or page.told
+
+
+def test_a_change_that_cannot_be_drawn_is_not_kept(
+    opened: Open, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    seated = opened("five-bar")
+    page, home = seated.page, seated.review
+    draw, said = page.scene.show, []
+    monkeypatch.setattr(page, "_notify", lambda text, client: said.append(text))
+
+    def show(view: Any, **options: Any) -> None:
+        if view.review.pose != home.pose:
+            raise RuntimeError("no such picture")
+        draw(view, **options)
+
+    monkeypatch.setattr(page.scene, "show", show)
+    page.send(Place((100.0, 700.0), gesture=""))
+    page._turn([page._inbox.get_nowait()])
+    assert len(said) == 1
+    assert "the last change was lost" in said[0]
+    assert "no such picture" in caplog.text
+    seated.settle()
+    assert seated.review == home
+    assert not page.sheet().can_undo
+    page._turn(["redraw"])
+    assert len(said) == 1
