@@ -12,6 +12,7 @@ from html import escape
 from math import atan2, ceil, cos, floor, hypot, isfinite, log10, pi, sin
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.painting import Scale
 from app.palette import BEYOND, INK, INK_DARK, WORKSPACE, limb_color
@@ -38,12 +39,13 @@ LARGEST_TURN = 2.0  # rad; longer arcs are several, as SVG's flags are unsure ne
 @dataclass(frozen=True, eq=False, slots=True)
 class Shade:
     """A measure over the plane: ``values`` (rows upwards, columns), NaN where there is none, over
-    ``bounds``, coloured by ``steps``.
+    ``bounds``, coloured by ``steps``; of the section only ``part`` has it (None: all).
     """
 
     values: Array
     bounds: Bounds
     steps: Scale
+    part: Section | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +84,7 @@ def section_svg(
     title: str = "",
     bounds: Bounds | None = None,
     curves: Sequence[Array] = (),
+    beyond: Sequence[Array] = (),
     shade: Shade | None = None,
 ) -> str:
     """A section as SVG text, equal scale in both directions.
@@ -95,6 +98,7 @@ def section_svg(
         bounds: mm to be seen at least; None to fit the section. Keeps the picture still while
             the plane moves.
         curves: each (N, 2) mm, where control is lost.
+        beyond: likewise, where the machine does not come; drawn faint.
         shade: a measure to colour the section by.
     """
     ink = INK_DARK if dark else INK
@@ -120,6 +124,7 @@ def section_svg(
     if faint:
         inner += _faint(section.construction, frame)
     inner += _strong(section, frame)
+    inner += [_curve(run, frame, faint=True) for run in beyond]
     inner += [_curve(run, frame) for run in curves]
     if mark is not None:
         inner.append(_cross(frame.px(mark), ink))
@@ -293,37 +298,56 @@ def _region(section: Section, frame: _Frame) -> str:
 
 
 def _shaded(section: Section, frame: _Frame, shade: Shade, dark: bool) -> str:
-    """The measure's cells in steps of colour, and paper over all that is not the section."""
+    """The measure's cells in steps of colour, and over all that does not have it paper, or what
+    the region is else drawn with.
+    """
     (u0, u1), (v0, v1) = shade.bounds
     rows, columns = shade.values.shape
     left, low = frame.px((u0, v0))
     right, top = frame.px((u1, v1))
     wide, high = (right - left) / columns, (low - top) / rows
     step = np.searchsorted(shade.steps.edges[1:-1], np.nan_to_num(shade.values, nan=0.0))
+    step[~np.isfinite(shade.values)] = -1
     parts = []
     for n in range(len(shade.steps.edges) - 1):
-        cells = np.argwhere((step == n) & np.isfinite(shade.values))
         path = "".join(
-            f"M{left + c * wide:.2f} {low - (r + 1) * high:.2f}h{wide + 0.3:.2f}v{high + 0.3:.2f}"
-            f"h{-wide - 0.3:.2f}z"
-            for r, c in cells.tolist()
+            f"M{left + c * wide:.2f} {low - (r + 1) * high:.2f}h{count * wide + 0.3:.2f}"
+            f"v{high + 0.3:.2f}h{-count * wide - 0.3:.2f}z"
+            for r, c, count in _runs(step == n)
         )
         if path:
             parts.append(f'<path class="shade" d="{path}" fill="{shade.steps.color(n)}"/>')
+    part = section if shade.part is None else shade.part
     paper = PAPER_DARK if dark else PAPER
     outside = f"M{frame.left - 1:g} {frame.top - 1:g}h{frame.width + 2:g}v{frame.height + 2:g}"
     outside += f"h{-frame.width - 2:g}z"
     parts.append(
-        f'<path class="region" d="{outside}{_region(section, frame)}" fill="{paper}" '
+        f'<path class="paper" d="{outside}{_region(part, frame)}" fill="{paper}" '
         'fill-rule="evenodd" stroke="none"/>'
     )
+    if shade.part is not None:
+        parts.append(
+            f'<path class="region" d="{_region(section, frame)}{_region(part, frame)}" '
+            f'fill="{WORKSPACE}" fill-opacity="{0.5 if dark else 0.38}" fill-rule="evenodd" '
+            'stroke="none"/>'
+        )
     return "".join(parts)
 
 
-def _curve(points: Array, frame: _Frame) -> str:
+def _runs(cells: NDArray[np.bool_]) -> Iterator[tuple[int, int, int]]:
+    """Row, first column and number of the neighbours in a row that are set."""
+    edges = np.diff(np.pad(cells.astype(np.int8), ((0, 0), (1, 1))), axis=1)
+    rows, first = np.nonzero(edges == 1)
+    behind = np.nonzero(edges == -1)[1]
+    yield from zip(rows.tolist(), first.tolist(), (behind - first).tolist(), strict=True)
+
+
+def _curve(points: Array, frame: _Frame, *, faint: bool = False) -> str:
     """One of the curves where control is lost."""
     line = "L".join("{:.2f} {:.2f}".format(*frame.px(p)) for p in points.tolist())
-    return f'<path class="lost" d="M{line}" fill="none" stroke="{BEYOND}" stroke-width="2.2"/>'
+    how = 'stroke-width="1" stroke-opacity="0.35"' if faint else 'stroke-width="2.2"'
+    name = "lost-beyond" if faint else "lost"
+    return f'<path class="{name}" d="M{line}" fill="none" stroke="{BEYOND}" {how}/>'
 
 
 def _strong(section: Section, frame: _Frame) -> Iterator[str]:

@@ -10,6 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -19,12 +20,14 @@ from app.painting import scale
 from app.section_plot import Bounds, Shade, section_bounds, section_svg
 from app.state import Review, point_in_section
 from kinematics.mechanism import Design, mechanism
+from kinematics.outlines import contains
 from kinematics.sections import Box, Section, Sphere, Volume
 from kinematics.spatial import Array
 
 LOOKS = 24  # sections from which the extent of a workspace in its planes is taken
 CHART = "section"  # of a mechanism's loci: the one in this plane
-CELLS = 72  # of a measure's picture, along its longer side
+CHORD = 1.0  # mm of a section's outline, to see what is within
+CELLS = 100  # of a measure's picture, along its longer side
 STEP = 6.0  # mm, the longest chord of an arc in the scene
 HATCHES = 40  # lines across a square as large as the extent
 ON_PLANE = 0.05  # mm; the platform is in a plane that it is not farther from
@@ -148,7 +151,8 @@ def draw(wanted: Wish) -> Drawn:
     reach = extent(of)
     lines, limbs = edges(section)
     hatch = hatched(lines, reach.across) if reach.across and len(lines) else lines[:0]
-    curves = _curves(wanted)
+    held = _held(wanted, section)
+    curves, beyond = _parted(_curves(wanted), held)
     svg = section_svg(
         section,
         spec,
@@ -159,7 +163,8 @@ def draw(wanted: Wish) -> Drawn:
         mark=wanted.mark,
         bounds=reach.across,
         curves=curves,
-        shade=_shade(wanted, section, reach.across),
+        beyond=beyond,
+        shade=_shade(wanted, section, held),
     )
     at = section.at
     pairs = [np.stack([run[:-1], run[1:]], axis=1) for run in curves]
@@ -189,14 +194,40 @@ def _curves(wanted: Wish) -> list[Array]:
     ]
 
 
-def _shade(wanted: Wish, section: Section, across: Bounds | None) -> Shade | None:
+def _held(wanted: Wish, section: Section) -> Section | None:
+    """The part of a section that the mode has of which control is shown; None where it has none."""
+    of, lost = wanted.region, wanted.lost
+    if lost is None or not (of.modes is None or lost.mode in of.modes):
+        return None
+    if of.modes == (lost.mode,):
+        return section
+    return mechanism(of.design.mechanism).section(of.design, of.pose, (lost.mode,), wanted.at)
+
+
+def _parted(curves: Sequence[Array], held: Section | None) -> tuple[list[Array], list[Array]]:
+    """The parts of curves within a section, and the others."""
+    within: list[Array] = []
+    beyond: list[Array] = []
+    for points in curves:
+        inside = np.zeros(len(points), dtype=bool)
+        if held is not None:
+            for loop in range(held.loops):
+                inside ^= contains(held.polyline(loop, CHORD), points)
+        edges = np.flatnonzero(np.diff(inside)) + 1
+        for first, behind in pairwise([0, *edges.tolist(), len(points)]):
+            # Up to the first point of the next part, so that no gap is left.
+            (within if inside[first] else beyond).append(points[first : behind + 1])
+    return within, beyond
+
+
+def _shade(wanted: Wish, section: Section, held: Section | None) -> Shade | None:
     """The measure over the plane, as a picture; None where it is not asked for."""
     of, lost = wanted.region, wanted.lost
-    if lost is None or not lost.shade or across is None or not section.loops:
+    if lost is None or not lost.shade or held is None or not held.loops:
         return None
     kind = mechanism(of.design.mechanism)
     measure = next(m for m in kind.measures(of.design) if m.key == lost.shade)
-    (u0, u1), (v0, v1) = across
+    across = (u0, u1), (v0, v1) = section_bounds(held)
     wide = max(2, min(CELLS, round(CELLS * (u1 - u0) / max(u1 - u0, v1 - v0))))
     high = max(2, min(CELLS, round(CELLS * (v1 - v0) / max(u1 - u0, v1 - v0))))
     u = u0 + (np.arange(wide) + 0.5) / wide * (u1 - u0)
@@ -208,7 +239,9 @@ def _shade(wanted: Wish, section: Section, across: Bounds | None) -> Shade | Non
     load = lost.load if measure.needs_load else None
     values = np.asarray(kind.measure(of.design, poses, lost.mode, measure.key, load))
     steps = scale(values, high=measure.better == "high", limits=measure.limits)
-    return None if steps is None else Shade(values.reshape(high, wide), across, steps)
+    if steps is None:
+        return None
+    return Shade(values.reshape(high, wide), across, steps, None if held is section else held)
 
 
 @lru_cache(maxsize=16)

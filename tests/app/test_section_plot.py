@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from math import cos, hypot, pi, sin, tau
 from xml.etree import ElementTree
 
@@ -193,8 +194,13 @@ def test_lost_control_and_shade_are_drawn_and_clipped(section: Section, dark: bo
     shaded = paths(picture, "shade")
     assert set(shaded) <= set(inner)
     assert bool(shaded) == bool(section.loops)
-    cells = sum(p.get("d", "").count("M") for p in shaded)
-    assert cells == (79 if section.loops else 0)
+    # Neighbours of one colour in a row are one rectangle; all but the one that is none are there.
+    sizes = [re.findall(rf"h({NUMBER})v({NUMBER})", p.get("d", "")) for p in shaded]
+    widths = [float(w) - 0.3 for each in sizes for w, _ in each]
+    if section.loops:
+        cells = sum(round(w / min(widths)) for w in widths)
+        assert cells == 79
+        assert sum(widths) == pytest.approx(79 * min(widths), rel=1e-2)
     assert "nan" not in ElementTree.tostring(picture, encoding="unicode")
 
 
@@ -214,7 +220,7 @@ def test_a_shade_covers_the_section_and_paper_all_the_rest() -> None:
     picture = drawn(RING, shade=_shade(values, ((-100.0, 100.0), (-100.0, 100.0))))
     (u0, *_, u1), _ = ticks(picture)
     scale_ = (u1[1] - u0[1]) / (u1[0] - u0[0])
-    (paper,) = paths(picture, "region")
+    (paper,) = paths(picture, "paper")
     assert paper.get("fill") == PAPER
     assert paper.get("fill-rule") == "evenodd"
     outer, *loops = re.findall(r"M[^M]*", paper.get("d", ""))
@@ -234,3 +240,18 @@ def test_a_shade_covers_the_section_and_paper_all_the_rest() -> None:
     rest = paths(drawn(RING, shade=_shade(upright)), "shade")[0]
     others = [float(y) for y in re.findall(rf"M{NUMBER} ({NUMBER})", rest.get("d", ""))]
     assert min(heights) > max(others)
+
+
+def test_what_the_mode_does_not_have_is_region_without_a_shade_and_its_curves_are_faint() -> None:
+    values = np.tile(np.linspace(0.0, 1.0, 10), (4, 1))
+    shade = replace(_shade(values), part=RING)
+    picture = drawn(RING, shade=shade, curves=CURVES[:1], beyond=CURVES[1:])
+    (paper,), (region,) = paths(picture, "paper"), paths(picture, "region")
+    inner = list(_clip(picture))
+    assert inner.index(region) == inner.index(paper) + 1
+    # The region without its part: both, by the even-odd rule.
+    assert region.get("d", "").endswith(re.sub(r"^M[^M]*", "", paper.get("d", "")))
+    assert region.get("fill-rule") == "evenodd"
+    (lost,), (faint,) = paths(picture, "lost"), paths(picture, "lost-beyond")
+    assert float(faint.get("stroke-width", "")) < float(lost.get("stroke-width", ""))
+    assert float(faint.get("stroke-opacity", "1")) < 0.5

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from app import slicer
-from app.changes import ChooseModes, Flip, Move, MoveCut, change
+from app.changes import ChooseModes, Flip, Move, MoveCut, SetControl, Show, change
 from app.state import Review, new_review
 from kinematics.designs import load_design
 from kinematics.sections import Section
@@ -84,3 +84,24 @@ def test_the_platform_is_marked_only_where_it_stands_in_the_plane(review: Review
 def test_a_dark_page_asks_for_another_plot(review: Review) -> None:
     dark = replace(review, options=replace(review.options, dark=True))
     assert slicer.wish(dark) != slicer.wish(review)
+
+
+def test_lost_control_is_drawn_where_the_present_mode_comes(review: Review) -> None:
+    review = change(review, Show("aspects", True))[0]
+    review = change(review, SetControl("shade", "conditioning"))[0]
+    drawn = slicer.draw(slicer.wish(review))
+    kind, design = review.mechanism, review.design
+    assert len(drawn.locus) > 20
+    frame = kind.section_frame(design, review.pose)
+    middles = drawn.locus.mean(axis=1) @ frame[:3, :3].T + frame[:3, 3]
+    poses = slicer.placed(kind, design, review.pose, middles)
+    held = [kind.posture(design, pose, review.mode).reachable for pose in poses]
+    assert np.mean(held) > 0.95  # all but where the curve leaves
+    assert 'class="lost"' in drawn.svg
+    assert 'class="lost-beyond"' in drawn.svg
+    assert 'class="shade"' in drawn.svg
+    # Another mode than those that are cut has nothing to tell here.
+    other = change(review, ChooseModes(("-----",)))[0]
+    drawn = slicer.draw(slicer.wish(other))
+    assert len(drawn.locus) == 0
+    assert 'class="shade"' not in drawn.svg
