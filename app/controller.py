@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinematics.errors import InputError
 from kinematics.mechanism import Design, Mechanism, mechanism
@@ -25,6 +26,8 @@ from kinematics.singularities import (
 )
 from kinematics.solutions import Posture
 from kinematics.spatial import Array
+
+SLACK = 0.02  # of a stroke: facets of a solid lie a little beside its true surface
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,15 +177,32 @@ def passed(before: Place, pose: tuple[float, ...]) -> tuple[Event, ...]:
 
 
 def field(place: Place, key: str, solid: str, points: Array) -> Array:
-    """A measure (N,) at points (N, 3) of a solid as placed; NaN where there is none."""
+    """A measure (N,) at points (N, 3) of a solid as placed.
+
+    NaN where there is none, or where the place's mode does not come (to within the deviation of a
+    solid's facets).
+    """
     kind, design = place.kind, place.design
     measure = next(m for m in kind.measures(design) if m.key == key)
     poses = kind.solid_poses(design, solid, place.pose, place.mode, points)
-    known = np.isfinite(poses).all(axis=1)
+    known = np.flatnonzero(np.isfinite(poses).all(axis=1))
+    known = known[_comes(place, poses[known])]
     values = np.full(len(poses), np.nan)
     load = place.load if measure.needs_load else None
     values[known] = kind.measure(design, poses[known], place.mode, key, load)
     return values
+
+
+def _comes(place: Place, poses: Array) -> NDArray[np.bool_]:
+    """Whether the mode has poses (N, P) within its strokes, or all but."""
+    kind, design = place.kind, place.design
+    solved = kind.inverse(design, poses)
+    joints = solved.joints[:, solved.modes.index(place.mode)]
+    axes = kind.joint_coordinates(design)
+    low, high = (np.array([getattr(a, end) for a in axes]) for end in ("lower", "upper"))
+    slack = SLACK * (high - low)
+    within: NDArray[np.bool_] = ((joints >= low - slack) & (joints <= high + slack)).all(axis=1)
+    return within
 
 
 def placed(kind: Mechanism, design: Design, pose: Sequence[float], points: Array) -> Array:

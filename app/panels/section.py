@@ -82,7 +82,8 @@ class SectionPanel(Panel):
         )
         self._through = button(desk, "Through the platform", self._go_through)
         self._window = gui.add_panel(visible=review.cut.on)
-        self._window.float(x=8, y=8, width=WIDTH)  # beside the machine; can be docked by hand
+        self._window.dock_left()
+        self._window.set_width(WIDTH)
         with self._window.add_tab(self._spec.title):
             self._plot = gui.add_html("")
         self._numbers = gui.add_html("")
