@@ -13,13 +13,12 @@ from typing import Any
 import numpy as np
 
 from app import palette
+from app.edges import NO_LINE, Edges
 from app.scene import Scene, wxyz
 from app.slicer import Drawn, Extent
 from kinematics.spatial import Array
 
-LIMBS = 8  # nodes of edges; more than any mechanism has
 ROOM = 0.06  # of the region's size around it in the outline of the plane
-_NO_LINE = np.zeros((1, 2, 3), dtype=np.float32)
 
 
 class Plane:
@@ -31,8 +30,7 @@ class Plane:
         self._frame: Any = None
         self._hatch: Any = None
         self._outline: Any = None
-        self._edges: list[Any] = []
-        self._locus: Any = None
+        self._edges: Edges | None = None
         self._handle: Any = None
         self._drawn: Drawn | None = None
         self._placed: object = None
@@ -43,37 +41,19 @@ class Plane:
         self._frame = scene.add_frame("/section", show_axes=False, visible=False)
         self._hatch = scene.add_line_segments(
             "/section/hatch",
-            _NO_LINE,
+            NO_LINE,
             palette.rgb(palette.mixed(palette.WORKSPACE, -0.15)),
             thickness=1.2,
             thickness_units="screen",
         )
         self._outline = scene.add_line_segments(
             "/section/outline",
-            _NO_LINE,
+            NO_LINE,
             palette.rgb(palette.WORKSPACE),
             thickness=1.5,
             thickness_units="screen",
         )
-        self._edges = [
-            scene.add_line_segments(
-                f"/section/edges{limb}",
-                _NO_LINE,
-                palette.rgb(palette.limb_color(limb)),
-                thickness=3.0,
-                thickness_units="screen",
-                visible=False,
-            )
-            for limb in range(1, LIMBS + 1)
-        ]
-        self._locus = scene.add_line_segments(
-            "/section/locus",
-            _NO_LINE,
-            palette.rgb(palette.BEYOND),
-            thickness=3.0,
-            thickness_units="screen",
-            visible=False,
-        )
+        self._edges = Edges(self._scene, "/section", 3.0)
         self._handle = scene.add_transform_controls(
             "/section/handle",
             scale=0.3 * size,
@@ -108,7 +88,7 @@ class Plane:
         self._frame.position = frame[:3, 3]
         across = None if extent is None else extent.across
         if across is None:
-            self._outline.points = _NO_LINE
+            self._outline.points = NO_LINE
             corner = (0.0, 0.0)
         else:
             low, high = np.array(across).T
@@ -127,18 +107,10 @@ class Plane:
         """Show a section in the plane."""
         if drawn is self._drawn:
             return
+        assert self._edges is not None
         before, self._drawn = self._drawn, drawn
-        seen = bool(len(drawn.locus))
-        if self._locus.visible != seen:
-            self._locus.visible = seen
-        if seen:
-            self._locus.points = drawn.locus.astype(np.float32)
+        self._edges.show_locus(drawn.locus)
         if before is not None and before.section is drawn.section:
             return
-        self._hatch.points = drawn.hatch.astype(np.float32) if len(drawn.hatch) else _NO_LINE
-        for limb, node in enumerate(self._edges, 1):
-            own = drawn.lines[drawn.line_limb == limb]
-            if node.visible != bool(len(own)):
-                node.visible = bool(len(own))
-            if len(own):
-                node.points = own.astype(np.float32)
+        self._hatch.points = drawn.hatch.astype(np.float32) if len(drawn.hatch) else NO_LINE
+        self._edges.show(drawn.lines, drawn.line_limb)

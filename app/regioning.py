@@ -8,6 +8,7 @@ import numpy as np
 
 from app import palette, regions
 from app.changes import Change
+from app.edges import Edges
 from app.exporting import ExportedFile, sanitized
 from app.lane import Done, Job, Lane, Lost
 from app.panels.desk import Laying
@@ -26,9 +27,7 @@ if TYPE_CHECKING:
     import viser
 
 MOST = 12  # regions with a mesh of their own
-LIMBS = 5
 OPACITY = 0.55
-_NO_LINE = np.zeros((1, 2, 3), dtype=np.float32)
 _NOTHING = np.zeros((3, 3), dtype=np.float32)
 _ONE_FACE = np.array([[0, 1, 2]], dtype=np.uint32)
 
@@ -124,13 +123,12 @@ class _Nodes:
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
         self._fills: list[Any] = []
-        self._edges: list[Any] = []
-        self._locus: Any = None
+        self._edges: Edges | None = None
 
     def prepare(self, offered: bool) -> None:
         """Make them, with nothing to see; none where the mechanism has no regions."""
         scene = self._scene.server.scene
-        self._fills, self._edges, self._locus = [], [], None
+        self._fills, self._edges = [], None
         if not offered:
             return
         self._fills = [
@@ -148,25 +146,7 @@ class _Nodes:
             )
             for n in range(MOST)
         ]
-        self._edges = [
-            scene.add_line_segments(
-                f"/regions/edges{limb}",
-                _NO_LINE,
-                palette.rgb(palette.limb_color(limb)),
-                thickness=2.5,
-                thickness_units="screen",
-                visible=False,
-            )
-            for limb in range(1, LIMBS + 1)
-        ]
-        self._locus = scene.add_line_segments(
-            "/regions/locus",
-            _NO_LINE,
-            palette.rgb(palette.BEYOND),
-            thickness=2.5,
-            thickness_units="screen",
-            visible=False,
-        )
+        self._edges = Edges(self._scene, "/regions", 2.5)
 
     def show(self, laid: Laid | None) -> None:
         """Bring them to these regions; None hides them."""
@@ -179,19 +159,13 @@ class _Nodes:
                 node.color = palette.rgb(colors[n])
             if node.visible != seen:
                 node.visible = seen
-        for limb, node in enumerate(self._edges, 1):
-            own = _NO_LINE[:0] if laid is None else laid.lines[laid.line_limb == limb]
-            _draw(node, own)
-        if self._locus is not None:
-            _draw(self._locus, _NO_LINE[:0] if laid is None else laid.locus)
-
-
-def _draw(node: Any, lines: np.ndarray) -> None:
-    seen = bool(len(lines))
-    if seen:
-        node.points = lines.astype(np.float32)
-    if node.visible != seen:
-        node.visible = seen
+        if self._edges is None:
+            return
+        if laid is None:
+            self._edges.hide()
+        else:
+            self._edges.show(laid.lines, laid.line_limb)
+            self._edges.show_locus(laid.locus)
 
 
 def region_colors(found: tuple[Region, ...]) -> tuple[str, ...]:

@@ -22,6 +22,9 @@ _REACH = 0.03  # of the machine's size, the first and the longest step
 STEPS = 40
 """More than a body ever took to grow."""
 _CLOSER = 0.5 ** np.arange(24)
+_AROUND = np.concatenate([-(0.25 ** np.arange(8)), [0.0], 0.25 ** np.arange(8)])
+_THIN = 8.0  # samples' distances: a tube of less radius is thin
+_BESIDE = np.linspace(-1.5, 1.5, 25)  # radii that the axis passes beside a corner
 _GAIN = 1e-7  # the part by which a box must still be hoped to grow
 
 
@@ -349,7 +352,26 @@ class _Faces:
         return points
 
     def samples(self, beta: Array) -> Array:
-        return beta
+        region, tube, sx, sz = self.region, *self._kinds.T
+        sets, radius = region.tubes[0][tube], region.tubes[1][tube]
+        limb, step = sets // 2, beta[:, 1] - beta[:, 0]
+        link = region.link[limb]
+        # Distances have their kinks, and so their least, next to the faces across y.
+        y = (self.corners[:, 1] - region.offset[limb, 1:2]) / link[:, None]
+        closer = step[:, None, None] * _AROUND
+        faces = (np.arccos(np.clip(y, -1.0, 1.0))[..., None] + closer).reshape(len(limb), -1)
+        more = [faces]
+        # A corner meets a circle only in planes where the axis passes close to it: where the tube
+        # is thin, there may be no sample among these.
+        if (radius < _THIN * link * step).any():
+            dx = self.corners[(sx > 0).astype(np.intp), 0] - region.offset[limb, 0]
+            dz = self.corners[(sz > 0).astype(np.intp), 2] - region.offset[limb, 2]
+            along = SIGN[sets] * (dx * region.lean[0] + dz * region.lean[1])
+            shares = (along[:, None] + radius[:, None] * _BESIDE) / link[:, None]
+            passing = np.arcsin(np.clip(shares, 0.0, 1.0))
+            more += [passing, np.pi - passing]
+        added = np.clip(np.concatenate(more, axis=1), beta[:, :1], beta[:, -1:])
+        return np.sort(np.concatenate([beta, added], axis=1), axis=1)
 
     def measure(self, points: Array) -> Array:
         half, middle = 0.5 * (self.corners[1] - self.corners[0]), self.corners.mean(axis=0)

@@ -417,6 +417,30 @@ def test_one_vertex_space_of_any_measures(link, low, stroke, theta):
     check_ball(case, ball)
 
 
+@pytest.mark.parametrize(
+    ("link", "stroke", "theta"),
+    [
+        # Tubes thinner than the distance of samples along them: no corner met any.
+        (865.812356820165, (0.0, 1.5982055049244648), 0.5369187750447773),
+        (20.999646774490966, (0.0, 0.0038366784985954688), -1.2217580952934313),
+        # Shells so thin that the box is met next to its faces across y only.
+        (991.7671470703186, (12.447068331030152, 12.541457991391443), -0.9276659976657977),
+        (331.29789685502885, (899.2536748095519, 900.0501128730754), 2.2064471195209956),
+    ],
+)
+def test_boxes_in_thin_vertex_spaces(link, stroke, theta):
+    case = (alike(link, *stroke), 0.0, theta, ("+++++",))
+    ball = sphere(*case)
+    assert ball is not None
+    rng = np.random.default_rng(4)
+    near = ball.center + 0.5 * ball.radius * directions(3, 5) * rng.random((3, 1))
+    for center in (ball.center, *near):
+        found = box(*case, center=center)
+        assert found is not None
+        check_box(case, found)
+    check_box(case, box(*case))
+
+
 def test_through_the_mechanism():
     from kinematics.five_rpur.mechanism import MECHANISM
 
