@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -33,7 +33,7 @@ from app.requests import (
     Shortest,
     StopHere,
 )
-from app.state import Review
+from app.state import Review, within
 from app.trail import Trail
 from app.trajectory import Asked, Computed, Reach
 from app.trajectory_files import trajectory_csv
@@ -49,8 +49,16 @@ REST = 0.2  # s for which a trajectory must stay asked for before it is computed
 SETTLED = 0.5  # s for which a hand must rest on the scrub bar before the machine is put there
 OPENED = 0.7  # s in which a browser has opened or closed the plots, and says how wide it is
 FRAME = 1 / 31  # s between two pictures
+SAME = 1e-6  # mm and rad: poses that are one
 MEDIA_TYPES = {"csv": "text/csv", "svg": "image/svg+xml"}
 QUIET = ""  # the title of work that has a progress bar of its own
+
+
+@dataclass(frozen=True, slots=True)
+class _Rested:
+    """A hand has come to rest on the scrub bar."""
+
+    client: viser.ClientHandle | None
 
 
 class Moving:
@@ -112,7 +120,10 @@ class Moving:
     def prepare(self) -> None:
         self._trail.prepare(self._stage.view.drawing.size)
         self._computed = self._reach = self._told = None
+        self._player = Player(1.0)
         self._leave()
+        if self._stage.view.review.plan.on:  # its window has been closed and is opened again
+            self._fit_at = time.monotonic() + OPENED
 
     # --- what is wanted
 
@@ -126,6 +137,7 @@ class Moving:
         if asked != self._asked:
             self._asked, self._trouble, self._given_up = asked, "", False
             self._leave()
+            self._player = self._player.to(0.0)
             if asked is None:
                 self._computed = None
         now = time.monotonic()
@@ -134,9 +146,20 @@ class Moving:
         self._late = True
 
     def _leave(self) -> None:
-        """The machine is shown where the review has it."""
+        """The machine is shown where the review has it: at the start, if it is not on its way."""
         self._player = self._player.pause(time.monotonic())
         self._away, self._settle_at = False, None
+        if not self._stands_at(self._player.at(time.monotonic())):
+            self._player = self._player.to(0.0)
+
+    def _stands_at(self, at: float) -> bool:
+        """Whether the review has the machine where the trajectory has it at a time."""
+        computed = self._computed
+        if computed is None or not self._current:
+            return False
+        review = self._stage.view.review
+        there = np.subtract(computed.pose_at(at), review.pose)
+        return computed.asked.mode == review.mode and bool(np.abs(there).max() <= SAME)
 
     @property
     def _current(self) -> bool:
@@ -232,7 +255,9 @@ class Moving:
             case NextWarning(client):
                 self._to_warning(now, client)
             case StopHere(client):
-                return self._settle(client)
+                return self._settle(client, asked=True)
+            case _Rested(client):
+                return self._settle(client, asked=False)
             case LeaveWay():
                 self._leave()
                 self._late = True
@@ -244,10 +269,8 @@ class Moving:
         count = len(computed.found.times)
         self._distance = np.full(count, np.nan)
         self._parts = trajectory.parts(count)
-        plan, now = self._stage.view.review.plan, time.monotonic()
-        at = self._player.at(now)
-        duration = computed.law.duration
-        self._player = Player(duration, plan.playback, plan.pace, min(at, duration))
+        plan = self._stage.view.review.plan
+        self._player = Player(computed.law.duration, plan.playback, plan.pace)
         self._want()
 
     def _measured(self, part: tuple[int, ...], values: Array) -> None:
@@ -291,13 +314,27 @@ class Moving:
         later = [e.start for e in events if e.start > at + 1e-9]
         self._scrub(later[0] if later else events[0].start, client)
 
-    def _settle(self, client: viser.ClientHandle | None) -> bool:
-        """Put the machine where it is shown; one step of undo."""
-        computed, self._settle_at = self._computed, None
+    def _settle(self, client: viser.ClientHandle | None, *, asked: bool) -> bool:
+        """Put the machine where it is shown; one step of undo.
+
+        Not where its sliders do not reach: that is told if it was ``asked`` for.
+        """
+        self._settle_at = None
+        computed, review = self._computed, self._stage.view.review
         if computed is None or not self._away:
             return False
-        self._player = self._player.pause(time.monotonic())
-        pose = computed.pose_at(self._player.phase)
+        now = time.monotonic()
+        self._player = self._player.pause(now)
+        pose = computed.pose_at(self._player.at(now))
+        axes = review.mechanism.pose_coordinates(review.design)
+        notes = [within(c, v)[1] for c, v in zip(axes, pose, strict=True)]
+        if any(notes):  # elsewhere than on the way it would be of no use
+            if asked:
+                told = " ".join(note for note in notes if note)
+                self._stage.complain(f"The machine cannot be put there: {told}", client)
+            self._late = True
+            return False
+        self._away = False
         return self._stage.apply(Place(pose, gesture=""), client)
 
     def _shorten(self, client: viser.ClientHandle | None) -> bool:
@@ -334,7 +371,7 @@ class Moving:
         now = time.monotonic()
         if self._settle_at is not None and now >= self._settle_at:
             self._settle_at = None
-            self._stage.put(StopHere(self._settler))
+            self._stage.put(_Rested(self._settler))
         if self._fit_at is not None and now >= self._fit_at:
             self._fit_at = None
             self._stage.put("fit")
@@ -349,7 +386,9 @@ class Moving:
         computed = self._computed
         view = self.shown(self._stage.view)
         sheet = replace(self._stage.sheet(), view=view)
-        moment = Moment(self._player.at(now), self._player.playing, self._away, self._nearest(now))
+        at = self._player.at(now)
+        there = self._away or self._stands_at(at)
+        moment = Moment(at, self._player.playing, self._away, self._nearest(now), there)
         with self._stage.server.atomic():
             self._stage.scene.veil(self._away)
             if self._away:
@@ -420,7 +459,9 @@ class Moving:
 
 
 def rounded_up(value: float) -> float:
-    """To six digits and never less, so that what is at a limit is not beyond it by rounding."""
+    """A positive number to six digits and never less, so that what is at a limit is not beyond it
+    by rounding.
+    """
     digit = 10.0 ** (math.floor(math.log10(value)) - 5)
     return float(f"{math.ceil(value * (1.0 + 1e-9) / digit) * digit:.6g}")
 

@@ -15,7 +15,7 @@ class Player:
         duration: of the trajectory.
         playback: "once" stays at the end, "loop" begins again, "swing" runs to and fro.
         pace: how much faster than in truth.
-        phase: what had been played of it, turns before this one included, at ``since``.
+        phase: what had been played of it at ``since``; of "swing" up to twice the duration.
         since: when it was set going; None while it stands still.
     """
 
@@ -33,15 +33,23 @@ class Player:
     def _played(self, now: float) -> float:
         return self.phase if self.since is None else self.phase + (now - self.since) * self.pace
 
+    def _phase(self, now: float) -> float:
+        """What is kept of what has been played: of "swing" also whether it is on its way back."""
+        return self._played(now) % (2.0 * self.duration) if self._swings else self.at(now)
+
+    @property
+    def _swings(self) -> bool:
+        return self.playback == "swing"
+
     def at(self, now: float) -> float:
         """The time on the trajectory that is to be shown, 0 to its duration."""
         played = self._played(now)
-        if self.since is None or self.playback == "once":
-            folded = played
-        elif self.playback == "loop":
+        if self._swings:
+            folded = self.duration - abs(self.duration - played % (2.0 * self.duration))
+        elif self.playback == "loop" and self.playing:
             folded = played % self.duration
         else:
-            folded = self.duration - abs(self.duration - played % (2.0 * self.duration))
+            folded = played
         return min(max(folded, 0.0), self.duration)
 
     def over(self, now: float) -> bool:
@@ -50,13 +58,12 @@ class Player:
 
     def play(self, now: float) -> Player:
         """Set going from where it stands, from the start if that is the end."""
-        at = self.at(now)
-        again = at >= self.duration * (1.0 - 1e-9) and self.playback != "swing"
-        return replace(self, phase=0.0 if again else at, since=now)
+        again = self.at(now) >= self.duration * (1.0 - 1e-9) and not self._swings
+        return replace(self, phase=0.0 if again else self._phase(now), since=now)
 
     def pause(self, now: float) -> Player:
         """Stand still where it is."""
-        return replace(self, phase=self.at(now), since=None)
+        return replace(self, phase=self._phase(now), since=None)
 
     def to(self, time: float) -> Player:
         """Stand still at a time."""
@@ -67,4 +74,5 @@ class Player:
         if (playback, pace) == (self.playback, self.pace):
             return self
         since = None if self.since is None else now
-        return replace(self, playback=playback, pace=pace, phase=self.at(now), since=since)
+        phase = self._phase(now) if playback == self.playback else self.at(now)
+        return replace(self, playback=playback, pace=pace, phase=phase, since=since)

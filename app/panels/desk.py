@@ -250,13 +250,14 @@ class Moment:
     """Where on its trajectory the machine is shown.
 
     ``away``: that is not where the review has it. ``distance`` to a singularity, mm, NaN if it is
-    not known.
+    not known. ``there``: the machine is where the trajectory has it at that time.
     """
 
     at: float
     playing: bool
     away: bool
     distance: float
+    there: bool = True
 
 
 class Panel:

@@ -267,13 +267,15 @@ class TrajectoryPanel(Panel):
         put(desk, self._pace, next((t for t, v in PACES.items() if v == plan.pace), "1×"))
         put(desk, self._playback, next(t for t, v in PLAYBACKS.items() if v == plan.playback))
         put(desk, self._shown, next(t for t, v in PLOTS.items() if v == plan.plot))
-        put_prop(self._window, "visible", plan.on)
+        if not plan.on:
+            put_prop(self._window, "visible", False)
 
     def draw_trajectory(self, sheet: Sheet, moved: Moved) -> None:
         plan = sheet.view.review.plan
         computed = self._computed = moved.computed
         hint = box("Show the trajectory to have it computed, drawn and plotted.")
         put_prop(self._summary, "content", summary_html(moved) if plan.on else hint)
+        put_prop(self._window, "visible", plan.on and not moved.missing)
         there = plan.on and computed is not None and not moved.stale
         put_prop(self._progress, "visible", there and moved.measuring)
         put_prop(self._progress, "value", round(100.0 * moved.share, 1))
@@ -311,7 +313,7 @@ class TrajectoryPanel(Panel):
 
     def _draw_cursor(self) -> None:
         computed, drawn = self._computed, self._plot.figure
-        if computed is None or drawn is None:
+        if computed is None or drawn is None or not self._moment.there:
             self._plot.mark("")
             return
         plot = self._sheet.view.review.plan.plot

@@ -12,8 +12,9 @@ from app import trajectory
 from app.changes import Change, Place, SetPlan, change
 from app.compute import View, view
 from app.lane import Done, Job, Lost
-from app.moving import Moving, rounded_up
+from app.moving import Moving, _Rested, rounded_up
 from app.panels.desk import Moved
+from app.player import Player
 from app.requests import Distances, LeaveWay, NextWarning, Play, Scrub, Shortest, StopHere
 from app.state import Review, new_review
 from app.trajectory import Asked, Computed
@@ -189,6 +190,65 @@ def test_warnings_are_gone_through_and_limits_kept(desk: Desk) -> None:
     desk.part.take(Shortest())
     assert desk.stage.told[-2].startswith("Nothing is wrong")
     assert desk.stage.told[-1].startswith("Give limits")
+
+
+def test_the_cursor_is_where_the_machine_is(desk: Desk) -> None:
+    desk.do(desk.wanted[0])
+    part, computed = desk.part, desk.part._computed
+    assert computed is not None
+    home = desk.stage.review
+    part.take(Scrub(1.25))
+    part.take(StopHere())
+    part.follow()
+    assert part._player.at(0.0) == 1.25  # it stands there now
+    assert part._stands_at(1.25)
+    # Put there again: nothing changes, and nothing is left to go back to.
+    part.take(Play(on=True))
+    part.take(Play(on=False))
+    part.take(Scrub(1.25))
+    part.take(StopHere())
+    part.follow()
+    assert not part._away
+    # Undo: it stands where it was, which is not on the way at that time.
+    desk.stage.review = home
+    part.follow()
+    assert part._player.at(0.0) == 0.0
+    # Back to where it was; another path.
+    part.take(Scrub(0.75))
+    part.take(LeaveWay())
+    assert part._player.at(0.0) == 0.0
+    part.take(Scrub(0.5))
+    desk.set(way="line")
+    desk.do(desk.wanted[0])
+    assert part._player.at(0.0) == 0.0
+    assert not part._away
+
+
+def test_the_machine_is_not_put_beside_its_way(desk: Desk) -> None:
+    desk.set(way="straight", start=(0.0, 804.0), end=(0.0, 3000.0))
+    desk.do(desk.wanted[0])
+    computed = desk.part._computed
+    assert computed is not None
+    desk.part.take(Scrub(0.6 * computed.law.duration))
+    made = list(desk.stage.made)
+    assert not desk.part.take(_Rested(None))
+    assert desk.stage.told == []
+    assert not desk.part.take(StopHere())
+    assert desk.stage.told == ["The machine cannot be put there: y is kept within −960 … 960 mm."]
+    assert desk.stage.made == made
+    assert desk.part._away  # and is still shown there
+
+
+def test_to_and_fro_goes_on_as_it_went() -> None:
+    player = Player(2.0, "swing").play(0.0)
+    back = player.pause(2.5)  # on its way back
+    assert back.at(9.0) == pytest.approx(1.5)
+    assert back.play(10.0).at(10.25) == pytest.approx(1.25)
+    faster = player.paced("swing", 2.0, 2.5)
+    assert faster.at(2.75) == pytest.approx(1.0)
+    looped = player.paced("loop", 1.0, 2.5)
+    assert looped.at(2.75) == pytest.approx(1.75)
+    assert back.to(2.0).at(0.0) == 2.0
 
 
 @pytest.mark.parametrize("value", [0.0123456789, 1.0, 1.2345601, 99.99999, 123456.7])
