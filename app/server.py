@@ -29,7 +29,7 @@ from kinematics.mechanism import Design
 
 log = logging.getLogger(__name__)
 
-MAX_UPLOAD = 1 << 20  # bytes; the largest file that has a use here is a session
+MAX_UPLOAD = 16 << 20  # bytes; the largest file that has a use here is a path in CSV
 LOOPBACK = frozenset({"127.0.0.1", "localhost", "::1"})
 
 
@@ -112,24 +112,43 @@ def refused(headers: Headers, *, loopback_only: bool) -> str:
 
 
 def _bound_uploads(server: viser.ViserServer) -> None:
-    """Refuse uploads that announce or send more than any file of use here has."""
+    """Refuse uploads that announce or send more than any file of use here has.
+
+    How far an upload has come is told to whoever sends it: viser tells all browsers, and again
+    those that come later. A refused one is told to have come, else its button waits for ever.
+    """
     gui: Any = server.gui
-    connection = server._websock_server
+    connection: Any = server._websock_server
     start, part = viser._messages.FileTransferStartUpload, viser._messages.FileTransferPart
+    acknowledged = viser._messages.FileTransferPartAck
+    senders: dict[str, int] = {}  # of transfers
+    queue_message = connection.queue_message
+
+    def queued(message: Any) -> None:
+        if not isinstance(message, acknowledged):
+            queue_message(message)
+            return
+        client = server.get_clients().get(senders.get(message.transfer_uuid, -1))
+        if message.transferred_bytes >= message.total_bytes:
+            senders.pop(message.transfer_uuid, None)
+        if client is not None:
+            client._websock_connection.queue_message(message)
 
     async def started(client_id: int, message: Any) -> None:
-        if message.size_bytes > MAX_UPLOAD or message.part_count > MAX_UPLOAD:
-            client = server.get_clients().get(client_id)
-            if client is not None:
-                client.add_notification(
-                    "Bohemia",
-                    f"{message.filename} is too large: a file to open is smaller than "
-                    f"{MAX_UPLOAD // 1024} kB.",
-                    color="red",
-                    auto_close_seconds=12.0,
-                )
+        senders[message.transfer_uuid] = client_id
+        if message.size_bytes <= MAX_UPLOAD and message.part_count <= MAX_UPLOAD:
+            gui._handle_file_transfer_start(client_id, message)
             return
-        gui._handle_file_transfer_start(client_id, message)
+        client = server.get_clients().get(client_id)
+        if client is not None:
+            client.add_notification(
+                "Bohemia",
+                f"{message.filename} is too large: a file to open is smaller than "
+                f"{MAX_UPLOAD >> 20} MB.",
+                color="red",
+                auto_close_seconds=12.0,
+            )
+        give_up(message.source_component_uuid, message.transfer_uuid, message.size_bytes)
 
     async def came(client_id: int, message: Any) -> None:
         state = gui._current_file_upload_states.get(message.transfer_uuid)
@@ -137,9 +156,15 @@ def _bound_uploads(server: viser.ViserServer) -> None:
             return
         if state["transferred_bytes"] + len(message.content) > MAX_UPLOAD:
             gui._current_file_upload_states.pop(message.transfer_uuid, None)
+            source = message.source_component_uuid
+            give_up(source, message.transfer_uuid, state["total_bytes"])
             return
         gui._handle_file_transfer_part(client_id, message)
 
+    def give_up(source: str | None, transfer: str, size: int) -> None:
+        queued(acknowledged(source, transfer, transferred_bytes=size, total_bytes=size))
+
+    connection.queue_message = queued
     connection.unregister_handler(start)
     connection.unregister_handler(part)
     connection.register_handler(start, started)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import http.client
 from collections.abc import Iterator
+from types import SimpleNamespace
 
 import pytest
 import viser
@@ -91,7 +92,9 @@ def test_who_is_refused(host: str, origin: str | None, loopback: bool, passes: b
     assert (refused(headers, loopback_only=loopback) == "") is passes
 
 
-def test_large_uploads_are_not_even_begun(server: viser.ViserServer) -> None:
+def test_large_uploads_are_not_even_begun(
+    server: viser.ViserServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
     gui = server.gui
     button = gui.add_upload_button("file")
     start = server._websock_server._incoming_handlers[messages.FileTransferStartUpload]
@@ -118,14 +121,26 @@ def test_large_uploads_are_not_even_begun(server: viser.ViserServer) -> None:
         )
         _finish(part[0](0, piece))  # type: ignore[arg-type]
 
-    begin("honest", 10, 2)
+    told: list[messages.FileTransferPartAck] = []
+    browser = SimpleNamespace(
+        add_notification=lambda *_, **__: None,
+        _websock_connection=SimpleNamespace(queue_message=told.append),
+    )
+    monkeypatch.setattr(server, "get_clients", lambda: {0: browser})
+    begin("honest", MAX_UPLOAD, 2)
     begin("large", MAX_UPLOAD + 1, 2)
     begin("many", 10, MAX_UPLOAD + 1)
     assert list(gui._current_file_upload_states) == ["honest"]
-    # One that announces little and sends much is dropped on the way.
+    # One that sends more than it announces is dropped on the way.
     send("honest", 0, b"x" * MAX_UPLOAD)
     send("honest", 1, b"x")
     assert "honest" not in gui._current_file_upload_states
+    # Whoever sent it is told that it is over, else its button would wait for ever; nobody else is.
+    done = [ack.transfer_uuid for ack in told if ack.transferred_bytes == ack.total_bytes]
+    assert done == ["large", "many", "honest"]
+    buffer = server._websock_server.get_message_buffer()
+    kept = buffer.message_from_id.values()
+    assert not any(isinstance(message, messages.FileTransferPartAck) for message in kept)
 
 
 def _finish(coroutine: object) -> None:
