@@ -9,18 +9,20 @@ follow from Green's theorem. Lengths mm, angles rad.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kinematics.crossings import factors, half_chord
 from kinematics.sections import Ints
 from kinematics.spatial import Array
 
 Inside = Callable[[Array], NDArray[np.bool_]]
 
 MEETING = 1e-9  # of the size: points closer together than this are one
+_TOUCH = 1e-12  # of the size: circles that overlap by less only touch
 _PANEL = 1.6  # rad of an arc for 16 nodes
 _TOUCHES = 0.05  # rad: edges whose ways back and on are so near to one another only touch
 _ASIDE = 1e-7  # of the size: how far beside a part its sides are asked for
@@ -84,11 +86,16 @@ def arc(
 class Edge:
     """A part of a boundary from ``first`` to ``last`` (2,), the region on its left.
 
+    Neighbours in a loop share their ends, which may lie beside the curve by what rounding or a
+    tolerance leaves; the way from there to the curve counts as a part of the edge, so that what is
+    integrated along a loop is closed.
+
     Attributes:
         shown: arcs one after another that are the edge, or come within ``deviation`` of it, mm.
         nodes: (Q, 2) points on the true edge.
         steps: (Q, 2) their weights: ∫ f dx ≈ Σ f(nodes) steps[:, 0], likewise dy.
         point: gives the true point (2,) at a share of the way, 0 to 1.
+        area_error: mm², an estimate from above of the error of an area that the edge bounds.
     """
 
     first: Array
@@ -98,6 +105,23 @@ class Edge:
     steps: Array
     point: Callable[[float], Array]
     deviation: float = 0.0
+    area_error: float = 0.0
+
+    def between(self, first: Array, last: Array) -> Edge:
+        """The same edge between ends (2,) that it shares with others, no more than near its own."""
+        before, after = self.first - first, last - self.last
+        if not before.any() and not after.any():
+            return self
+        return replace(
+            self,
+            first=first,
+            last=last,
+            nodes=np.concatenate(
+                [[first + 0.5 * before], self.nodes, [self.last + 0.5 * after]]
+            ),
+            steps=np.concatenate([[before], self.steps, [after]]),
+            area_error=self.area_error + float(before @ before + after @ after),
+        )
 
     def reversed(self) -> Edge:
         """The same the other way round."""
@@ -111,21 +135,16 @@ class Edge:
             -self.steps[::-1],
             lambda share: self.point(1.0 - share),
             self.deviation,
+            self.area_error,
         )
 
 
 def arc_edge(one: Arcs, first: Array | None = None, last: Array | None = None) -> Edge:
-    """An edge that is one arc; its ends may be given more exactly, or as others know them."""
+    """An edge that is one arc; its ends may be given as others know them."""
     nodes, steps = quadrature(one)
-    ends = one.at(0.0)[0], one.at(1.0)[0]
-    return Edge(
-        ends[0] if first is None else first,
-        ends[1] if last is None else last,
-        one,
-        nodes,
-        steps,
-        lambda share: one.at(share)[0],
-    )
+    start, end = one.at(0.0)[0], one.at(1.0)[0]
+    edge = Edge(start, end, one, nodes, steps, lambda share: one.at(share)[0])
+    return edge.between(start if first is None else first, end if last is None else last)
 
 
 def quadrature(arcs: Arcs) -> tuple[Array, Array]:
@@ -192,11 +211,9 @@ def boundary(arcs: Arcs, inside: Inside, size: float) -> list[list[Edge]]:
         inside: which of the points (N, 2) lie in the region.
         size: mm, a typical length: what is smaller than 1e-7 of it may be passed over.
     """
-    parts = _cut(arcs, MEETING * size)
+    parts, first, last = _cut(arcs, size)
     if not len(parts.radius):
         return []
-    length = parts.radius * parts.sweep
-    parts = parts.take(length > 10.0 * MEETING * size)
     length = parts.radius * parts.sweep
     aside = np.minimum(_ASIDE * size, 0.05 * length)
     middle = parts.at(0.5)
@@ -213,7 +230,7 @@ def boundary(arcs: Arcs, inside: Inside, size: float) -> list[list[Edge]]:
         ):
             continue
         seen.append((middle[n], bool(far[n])))
-        edge = arc_edge(parts.take([n]))
+        edge = arc_edge(parts.take([n]), first[n], last[n])
         edges.append(edge.reversed() if far[n] else edge)
     return chained(edges, size)
 
@@ -224,8 +241,7 @@ def chained(edges: Sequence[Edge], size: float) -> list[list[Edge]]:
     """
     if not edges:
         return []
-    tail = places([e.first for e in edges] + [e.last for e in edges], 1e-7 * size)
-    tail, head = tail[: len(edges)], tail[len(edges) :]
+    edges, tail, head = sharing(edges, 1e-7 * size)
     leaving: dict[int, list[int]] = {}
     for n, vertex in enumerate(tail.tolist()):
         leaving.setdefault(vertex, []).append(n)
@@ -279,62 +295,106 @@ def extent(edge: Edge) -> float:
     return float(np.hypot(away[:, 0], away[:, 1]).max())
 
 
-def places(points: Sequence[Array], near: float) -> Ints:
+def places(points: Sequence[Array] | Array, near: float) -> Ints:
     """Numbers (N,) of points that are told apart if they are more than ``near`` apart."""
-    known = np.empty((len(points), 2))
-    count = 0
-    numbers = np.empty(len(points), dtype=int)
-    for n, point in enumerate(points):
-        close = np.flatnonzero(np.hypot(*(known[:count] - point).T) <= near)
-        if close.size:
-            numbers[n] = close[0]
-        else:
-            known[count], numbers[n] = point, count
-            count += 1
+    p = np.asarray(points, dtype=float).reshape(-1, 2)
+    apart = p[:, None] - p
+    close = np.hypot(apart[..., 0], apart[..., 1]) <= near
+    owner = np.arange(len(p))
+    known = np.ones(len(p), dtype=bool)
+    for n in np.flatnonzero(np.triu(close, 1).any(axis=0)).tolist():
+        owners = np.flatnonzero(close[n, :n] & known[:n])
+        if owners.size:
+            owner[n], known[n] = owners[0], False
+    numbers: Ints = (np.cumsum(known) - 1)[owner]
     return numbers
 
 
-def _cut(arcs: Arcs, near: float) -> Arcs:
-    """All parts between the points in which arcs meet."""
-    parts: list[Arcs] = []
+def sharing(edges: Sequence[Edge], near: float) -> tuple[list[Edge], Ints, Ints]:
+    """Edges between ends that they share, and the numbers (N,) of their first and last points.
+
+    Ends that are no more than ``near`` apart are one, the first of them.
+    """
+    count = len(edges)
+    points = np.array([edge.first for edge in edges] + [edge.last for edge in edges])
+    numbers = places(points, near)
+    points = points[_first_of(numbers)]
+    shared = [edge.between(points[n], points[n + count]) for n, edge in enumerate(edges)]
+    return shared, numbers[:count], numbers[count:]
+
+
+def _first_of(numbers: Ints) -> Ints:
+    """(N,) where each number comes first."""
+    _, first, back = np.unique(numbers, return_index=True, return_inverse=True)
+    result: Ints = first[back]
+    return result
+
+
+def _cut(arcs: Arcs, size: float) -> tuple[Arcs, Array, Array]:
+    """All parts between the points in which arcs meet, and these points, (N, 2) first and last.
+
+    Every such point is one for all arcs that pass it, and the angles of each follow from it.
+    """
+    near = MEETING * size
     count = len(arcs.radius)
+    each = np.arange(count)
     ends = np.concatenate([arcs.at(0.0), arcs.at(1.0)])
+    met, pair = _meetings(arcs, size)
+    points = np.concatenate([ends, met])
+    points = points[_first_of(places(points, near))]
+    away = ends - arcs.center[:, None]
+    on_end = np.abs(np.hypot(away[..., 0], away[..., 1]) - arcs.radius[:, None]) <= near
+    on_end &= np.tile(each, 2) != each[:, None]
+    on = np.concatenate([on_end, (pair == each[:, None, None]).any(axis=-1)], axis=1)
+    parts: list[Arcs] = []
+    vertices: list[Array] = []
     for n in range(count):
-        points = [ends[[m, m + count]] for m in range(count) if m != n]
-        points += [_meeting(arcs, n, m, near) for m in range(count) if m != n]
-        at = np.concatenate([p.reshape(-1, 2) for p in points]) if points else np.zeros((0, 2))
-        away = at - arcs.center[n]
-        on = np.abs(np.hypot(away[:, 0], away[:, 1]) - arcs.radius[n]) <= near
-        angle = np.arctan2(away[on, 1], away[on, 0])
-        along = (angle - arcs.start[n]) % (2 * np.pi)
         sweep, slack = float(arcs.sweep[n]), near / float(arcs.radius[n])
-        whole = sweep >= 2 * np.pi - slack
-        cuts = np.sort(along[(along > slack) & (along < sweep - slack)])
-        cuts = cuts[np.concatenate([[True], np.diff(cuts) > slack])] if len(cuts) else cuts
-        if whole and len(cuts) and not (along < slack).any():
-            marks = np.append(cuts, cuts[0] + 2 * np.pi)  # it begins at a meeting, not anywhere
+        ray = points[on[n]] - arcs.center[n]
+        along = (np.arctan2(ray[:, 1], ray[:, 0]) - arcs.start[n]) % (2 * np.pi)
+        order = np.argsort(along)
+        marks, at = along[order], points[on[n]][order]
+        if sweep < 2 * np.pi - slack:
+            inner = (marks > slack) & (marks < sweep - slack)
+            marks = np.concatenate([[0.0], marks[inner], [sweep]])
+            at = np.concatenate([points[n, None], at[inner], points[n + count, None]])
+        elif len(marks):  # a whole circle begins at a meeting, not anywhere
+            marks, at = np.append(marks, marks[0] + 2 * np.pi), np.concatenate([at, at[:1]])
         else:
-            marks = np.concatenate([[0.0], cuts, [sweep]])
-        if whole and len(marks) == 2:
-            marks = np.append(marks[0] + np.array([0.0, np.pi]), marks[0] + 2 * np.pi)
+            marks, at = np.array([0.0, 2 * np.pi]), points[[n, n]]
+        apart = np.concatenate([[True], np.diff(marks[:-1]) > slack, [True]])
+        marks, at = marks[apart], at[apart]
+        if len(marks) == 2 and sweep >= 2 * np.pi - slack:
+            half = arcs.take([n])._replace(start=arcs.start[[n]] + marks[0] + np.pi).at(0.0)
+            marks, at = np.insert(marks, 1, marks[0] + np.pi), np.insert(at, 1, half, axis=0)
         rows = np.full(len(marks) - 1, n)
         parts.append(
             arcs.take(rows)._replace(start=arcs.start[n] + marks[:-1], sweep=np.diff(marks))
         )
-    return joined(parts)
+        vertices.append(np.stack([at[:-1], at[1:]]))
+    every = joined(parts)
+    first, last = np.concatenate(vertices, axis=1)
+    long = every.radius * every.sweep > 10.0 * near
+    return every.take(long), first[long], last[long]
 
 
-def _meeting(arcs: Arcs, n: int, m: int, near: float) -> Array:
-    """The points (K, 2) in which two circles meet, K up to 2."""
+def _meetings(arcs: Arcs, size: float) -> tuple[Array, Ints]:
+    """The points (K, 2) in which two circles meet, one or two a pair, and the pairs (K, 2)."""
+    n, m = np.triu_indices(len(arcs.radius), 1)
     between = arcs.center[m] - arcs.center[n]
-    d = float(np.hypot(*between))
-    r, s = float(arcs.radius[n]), float(arcs.radius[m])
-    if d <= near or d > r + s + near or d < abs(r - s) - near:
-        return np.zeros((0, 2))
+    d = np.hypot(between[:, 0], between[:, 1])
+    apart = d > MEETING * size
+    n, m, between, d = n[apart], m[apart], between[apart], d[apart]
+    r, s = arcs.radius[n], arcs.radius[m]
+    f = factors(d, r, s)
+    meet = f.least >= -MEETING * size
+    # Of circles that all but touch the crossings, so told, would be rounding.
+    up = np.where(f.least > _TOUCH * size, half_chord(f, d), 0.0)
     along = 0.5 * (d + (r - s) * (r + s) / d)
-    square = max((r + s + d) * (r + s - d), 0.0) * max((d + r - s) * (d - r + s), 0.0)
-    up = np.sqrt(square) / (2.0 * d)
-    unit = between / d
-    left = np.array([-unit[1], unit[0]])
-    foot = arcs.center[n] + along * unit
-    return np.array([foot + up * left, foot - up * left])
+    unit = between / d[:, None]
+    left = np.stack([-unit[:, 1], unit[:, 0]], axis=-1)
+    foot = arcs.center[n] + along[:, None] * unit
+    points = np.concatenate([foot + up[:, None] * left, foot - up[:, None] * left])
+    pairs = np.stack([n, m], axis=-1)
+    rows = np.concatenate([meet, meet & (up > 0.0)])
+    return points[rows], np.concatenate([pairs, pairs])[rows]

@@ -144,8 +144,7 @@ def _traced(rim: list[Edge], inner: list[Edge], size: float) -> list[list[Edge]]
         """The same curve the other way; the boundary has none."""
         return -1 if n < len(rim) else n + step if n < len(rim) + step else n - step
 
-    vertex = arcs.places([e.first for e in walks] + [e.last for e in walks], _SNAP * size)
-    tail, head = vertex[:count], vertex[count:]
+    walks, tail, head = arcs.sharing(walks, _SNAP * size)
     leaving: dict[int, list[int]] = {}
     for n in range(count):
         leaving.setdefault(int(tail[n]), []).append(n)
