@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -94,7 +95,7 @@ class Edge:
         shown: arcs one after another that are the edge, or come within ``deviation`` of it, mm.
         nodes: (Q, 2) points on the true edge.
         steps: (Q, 2) their weights: ∫ f dx ≈ Σ f(nodes) steps[:, 0], likewise dy.
-        point: gives the true point (2,) at a share of the way, 0 to 1.
+        point: gives the true points (..., 2) at shares (...) of the way, 0 to 1.
         area_error: mm², an estimate from above of the error of an area that the edge bounds.
     """
 
@@ -103,7 +104,7 @@ class Edge:
     shown: Arcs
     nodes: Array
     steps: Array
-    point: Callable[[float], Array]
+    point: Callable[[float | Array], Array]
     deviation: float = 0.0
     area_error: float = 0.0
 
@@ -143,8 +144,12 @@ def arc_edge(one: Arcs, first: Array | None = None, last: Array | None = None) -
     """An edge that is one arc; its ends may be given as others know them."""
     nodes, steps = quadrature(one)
     start, end = one.at(0.0)[0], one.at(1.0)[0]
-    edge = Edge(start, end, one, nodes, steps, lambda share: one.at(share)[0])
+    edge = Edge(start, end, one, nodes, steps, partial(_on_arc, one))
     return edge.between(start if first is None else first, end if last is None else last)
+
+
+def _on_arc(one: Arcs, share: float | Array) -> Array:
+    return one.at(np.asarray(share)[..., None])[..., 0, :]
 
 
 def quadrature(arcs: Arcs) -> tuple[Array, Array]:
@@ -275,16 +280,20 @@ def heading(edge: Edge, reach: float) -> float:
     Tangent edges are so told apart by their curvature, if all are seen from the same distance.
     """
 
-    def gone(share: float) -> float:
-        return float(np.hypot(*(edge.point(share) - edge.first)))
+    def first_beyond(shares: Array) -> int:
+        away = edge.point(shares) - edge.first
+        beyond = np.hypot(away[..., 0], away[..., 1]) >= reach
+        return int(beyond.argmax()) if beyond.any() else len(shares) - 1
 
-    high = 0.5 if gone(1.0) < reach else 1.0  # a whole loop comes back
-    while high > 1e-12 and gone(0.5 * high) >= reach:
-        high *= 0.5
-    low = 0.5 * high
-    for _ in range(50):
-        half = 0.5 * (low + high)
-        low, high = (low, half) if gone(half) >= reach else (half, high)
+    end = np.hypot(*(edge.point(1.0) - edge.first))
+    high = 0.5 if end < reach else 1.0  # a whole loop comes back
+    doubled = high * 2.0 ** np.arange(-42.0, 1.0)
+    n = first_beyond(doubled)
+    low, high = doubled[max(n - 1, 0)], doubled[n]
+    for _ in range(7):
+        shares = np.linspace(low, high, 65)
+        n = first_beyond(shares)
+        low, high = shares[max(n - 1, 0)], shares[n]
     away = edge.point(high) - edge.first
     return float(np.arctan2(away[1], away[0]))
 

@@ -85,8 +85,8 @@ class Loop:
                 half = np.arctan2(np.sqrt(far * near), long * short)
             else:
                 half = np.arctan2(np.sqrt(far) * short, long * np.sqrt(near))
-            back = (w - size) + 2.0 * size * np.sin(0.5 * delta) ** 2
-            theta1 = np.arctan2(-size * np.sin(delta), back) + sign * 2.0 * half
+            vx, vy = (size - w) - 2.0 * size * np.sin(0.5 * delta) ** 2, size * np.sin(delta)
+            theta1 = np.arctan2(-vy, -vx) + sign * 2.0 * half
         b1 = d.base[0] + r1 * np.stack([np.cos(theta1), np.sin(theta1)], axis=-1)
         u = way * np.stack([np.cos(delta), np.sin(delta)], axis=-1)
         arm = b1 + k * u - d.base[1]
