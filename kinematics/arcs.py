@@ -117,9 +117,7 @@ class Edge:
             self,
             first=first,
             last=last,
-            nodes=np.concatenate(
-                [[first + 0.5 * before], self.nodes, [self.last + 0.5 * after]]
-            ),
+            nodes=np.concatenate([[first + 0.5 * before], self.nodes, [self.last + 0.5 * after]]),
             steps=np.concatenate([[before], self.steps, [after]]),
             area_error=self.area_error + float(before @ before + after @ after),
         )

@@ -24,7 +24,7 @@ TOLERANCE = 1e-13
 _ROUNDING = 1e-15  # of the size: by how much points are off at best
 _WIDE = 0.4  # rad: a panel's width at first
 _HALVINGS = 40
-_MOST = 4000  # panels of a piece
+_MOST = 600  # panels of a piece
 _NODES = 12
 _PARALLEL = BOUNDS.index("parallel")
 

@@ -30,7 +30,7 @@ from kinematics.five_bar.inverse import in_range, mode_of, normal_angles
 from kinematics.spatial import Array
 
 _EQUAL = 1e-11  # of the size: lengths that differ by less are equal
-_FLAT = 1e-14  # of the size²: what is left of a square by rounding where a four-bar lies flat
+_FLAT = 1e-14  # of the size: sums of lengths that differ by less are equal
 _SAME = 1e-9  # rad: values of τ that are one
 _SHORT = 1e-6  # rad of τ: a piece between two values of one double root is none
 _ALWAYS = 1e-9  # a sine below which links are taken to be in line
@@ -99,7 +99,6 @@ class Loop:
 
         As products, or sums of what is not negative, which keep their digits to the turning points.
         """
-        r1, r1b = self.design.proximal.tolist()
         size = abs(k)
         sweep = self.half * np.sin(t)
         delta = self.offset + sweep if self.kind == "swinging" else t - _base(k)
@@ -115,10 +114,9 @@ class Loop:
             near = scale * np.sin(0.5 * (beyond - self.half)) * np.sin(lower if up else upper)
             return delta, np.maximum(far, 0.0), np.maximum(near, 0.0)
         within = scale * np.sin(upper) * np.sin(lower)
-        far_gap, near_gap = _gaps(r1, r1b, w, size)
-        none = _FLAT * self.design.size**2
-        far = (far_gap if far_gap > none else 0.0) + scale * np.cos(0.5 * delta) ** 2
-        near = (near_gap if near_gap > none else 0.0) + scale * np.sin(0.5 * delta) ** 2
+        far_gap, near_gap = _gaps(self.design, k)
+        far = far_gap + scale * np.cos(0.5 * delta) ** 2
+        near = near_gap + scale * np.sin(0.5 * delta) ** 2
         far = within if self.ends == "far" else far
         near = within if self.ends == "near" else near
         return delta, np.maximum(far, 0.0), np.maximum(near, 0.0)
@@ -191,10 +189,10 @@ def _coupler_loops(design: FiveBarDesign, side: int, k: float) -> list[Loop]:
     if least > size - tiny / w or most < -size + tiny / w:
         return []
     base = _base(k)
-    near = most < size - tiny / w  # cannot pass γ = base
-    far = least > -size + tiny / w  # cannot pass the opposite direction
+    far_gap, near_gap = _gaps(design, k)
+    near = near_gap < 0.0  # cannot pass γ = base
+    far = far_gap < 0.0  # cannot pass the opposite direction
     # 2 w (|k| − |k| cos γ) and 2 w (|k| + |k| cos γ) where v is least, and greatest.
-    far_gap, near_gap = _gaps(r1, r1b, w, size)
     whole = 4.0 * size * w
     low = 2.0 * float(np.arctan2(np.sqrt(-near_gap), np.sqrt(whole + near_gap))) if near else 0.0
     high = 2.0 * float(np.arctan2(np.sqrt(whole + far_gap), np.sqrt(-far_gap))) if far else np.pi
@@ -211,9 +209,7 @@ def _coupler_loops(design: FiveBarDesign, side: int, k: float) -> list[Loop]:
 def _swinging(
     design: FiveBarDesign, side: int, base: float, offset: float, half: float, ends: LoopEnds
 ) -> Loop:
-    return Loop(
-        design, side, "swinging", middle=base + offset, half=half, offset=offset, ends=ends
-    )
+    return Loop(design, side, "swinging", middle=base + offset, half=half, offset=offset, ends=ends)
 
 
 def _base(k: float) -> float:
@@ -221,12 +217,21 @@ def _base(k: float) -> float:
     return 0.0 if k >= 0.0 else np.pi
 
 
-def _gaps(r1: float, r1b: float, w: float, size: float) -> tuple[float, float]:
-    """(r_1 + r_1')² − v² where v is greatest, and v² − (r_1 − r_1')² where it is least, mm²."""
-    most, least = r1 + r1b, abs(r1 - r1b)
-    shortest = abs(size - w)
-    far = (most - (size + w)) * (most + (size + w))
-    return far, (shortest - least) * (shortest + least)
+def _gaps(design: FiveBarDesign, k: float) -> tuple[float, float]:
+    """(r_1 + r_1')² − v² where v is greatest, and v² − (r_1 − r_1')² where it is least, mm².
+
+    Zero where that is all rounding: there the four-bar passes a position in which it lies flat.
+    """
+    r1, r1b = design.proximal.tolist()
+    w, size = 2.0 * design.half_base, abs(k)
+    slack = _FLAT * design.size
+    most, least, longest, shortest = r1 + r1b, abs(r1 - r1b), size + w, abs(size - w)
+    far, near = most - longest, shortest - least
+    if abs(far) <= slack:
+        far = 0.0
+    if abs(near) <= slack or max(shortest, least) <= _EQUAL * design.size:
+        near = 0.0
+    return far * (most + longest), near * (shortest + least)
 
 
 # --- pieces in one working mode ------------------------------------------------------------
