@@ -30,6 +30,7 @@ from kinematics.sections import BOUNDS
 from kinematics.spatial import Array
 
 _SNAP = 2e-7  # of the size: an end of a curve this near to the boundary is on it
+_ON = 1e-9  # of the size: a curve this near to the boundary all along is a part of it
 _OTHERS = (1e-9, 3e-6, 1e-11)  # where that fails
 _FILLED = 1e-12  # of the size²: by how much all faces together may miss the workspace
 _LINK = BOUNDS.index("link")
@@ -84,11 +85,13 @@ def _faces(design: FiveBarDesign, mode: str) -> list[Aspect]:
         for piece in pieces(design)
         if piece.mode == mode and not piece.serial
     ]
+    rim = [edge for loop in loops for edge in loop]
+    inner = [edge for edge in inner if not _on(edge, rim, _ON * design.size)]
     whole = sum(_area(loop) for loop in loops)
     best: list[Aspect] = []
     least = np.inf
     for near in (_SNAP, *_OTHERS):
-        faces = _told(design, mode, [edge for loop in loops for edge in loop], inner, near)
+        faces = _told(design, mode, rim, inner, near)
         missing = abs(sum(face.area for face in faces) - whole)
         negative = -sum(min(face.area, 0.0) for face in faces)
         if missing + negative < least:
@@ -96,6 +99,18 @@ def _faces(design: FiveBarDesign, mode: str) -> list[Aspect]:
         if least <= _FILLED * design.size**2:
             return best
     return [replace(face, area_error=face.area_error + least) for face in best]
+
+
+def _on(edge: Edge, rim: Sequence[Edge], near: float) -> bool:
+    """Whether a curve runs along an edge of the boundary, and so divides nothing."""
+    k = len(edge.nodes) // 2
+    for one in (each.shown for each in rim):
+        away = edge.nodes - one.center
+        if np.abs(np.hypot(away[:, 0], away[:, 1]) - one.radius).max() <= near:
+            turned = (np.arctan2(away[k, 1], away[k, 0]) - one.start[0]) * np.sign(one.sweep[0])
+            if turned % (2 * np.pi) <= abs(one.sweep[0]):
+                return True
+    return False
 
 
 def _told(
