@@ -27,6 +27,7 @@ _TOUCH = 1e-12  # of the size: circles that overlap by less only touch
 _PANEL = 1.6  # rad of an arc for 16 nodes
 _TOUCHES = 0.05  # rad: edges whose ways back and on are so near to one another only touch
 _ASIDE = 1e-7  # of the size: how far beside a part its sides are asked for
+_CLOSER = 1e-2
 _PROBES = (0.5, 0.27, 0.81)  # of a part: by one of them another arc may pass nearer than that
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 
@@ -219,13 +220,11 @@ def boundary(arcs: Arcs, inside: Inside, size: float) -> list[list[Edge]]:
     if not len(parts.radius):
         return []
     length = parts.radius * parts.sweep
-    aside = np.minimum(_ASIDE * size, 0.05 * length)[:, None]
-    beside = []
-    for share in _PROBES:
-        ray = (parts.at(share) - parts.center) / parts.radius[:, None]
-        beside += [parts.at(share) + side * aside * ray for side in (-1.0, 1.0)]
-    held = inside(np.concatenate(beside)).reshape(len(_PROBES), 2, -1)
-    near, far = held.sum(axis=0) > len(_PROBES) // 2
+    aside = np.minimum(_ASIDE * size, 0.05 * length)
+    near, far = _sides(parts, inside, aside)
+    # Beside a part between nearly tangent arcs the region may be thinner than that.
+    again = np.flatnonzero(near == far)
+    near[again], far[again] = _sides(parts.take(again), inside, _CLOSER * aside[again])
     middle = parts.at(0.5)
     edges: list[Edge] = []
     seen: list[tuple[Array, bool]] = []
@@ -240,6 +239,17 @@ def boundary(arcs: Arcs, inside: Inside, size: float) -> list[list[Edge]]:
         edge = arc_edge(parts.take([n]), first[n], last[n])
         edges.append(edge.reversed() if far[n] else edge)
     return chained(edges, size)
+
+
+def _sides(parts: Arcs, inside: Inside, aside: Array) -> tuple[Array, Array]:
+    """Whether the region is on the center's side of each part, and on the other, (N,) each."""
+    beside = []
+    for share in _PROBES:
+        ray = (parts.at(share) - parts.center) / parts.radius[:, None]
+        beside += [parts.at(share) + side * aside[:, None] * ray for side in (-1.0, 1.0)]
+    held = inside(np.concatenate(beside)).reshape(len(_PROBES), 2, -1)
+    near, far = held.sum(axis=0) > len(_PROBES) // 2
+    return near, far
 
 
 def chained(edges: Sequence[Edge], size: float) -> list[list[Edge]]:
