@@ -28,6 +28,7 @@ _PANEL = 1.6  # rad of an arc for 16 nodes
 _TOUCHES = 0.05  # rad: edges whose ways back and on are so near to one another only touch
 _ASIDE = 1e-7  # of the size: how far beside a part its sides are asked for
 _CLOSER = 1e-2
+_BRIDGED = 1e-3  # of the size: over how long a lost part, slender as it is, a loop is closed
 _PROBES = (0.5, 0.27, 0.81)  # of a part: by one of them another arc may pass nearer than that
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 
@@ -258,7 +259,7 @@ def chained(edges: Sequence[Edge], size: float) -> list[list[Edge]]:
     """
     if not edges:
         return []
-    edges, tail, head = sharing(edges, 1e-7 * size)
+    edges, tail, head = sharing(edges, 1e-7 * size, _BRIDGED * size)
     leaving: dict[int, list[int]] = {}
     for n, vertex in enumerate(tail.tolist()):
         leaving.setdefault(vertex, []).append(n)
@@ -331,14 +332,28 @@ def places(points: Sequence[Array] | Array, near: float) -> Ints:
     return numbers
 
 
-def sharing(edges: Sequence[Edge], near: float) -> tuple[list[Edge], Ints, Ints]:
+def sharing(
+    edges: Sequence[Edge], near: float, bridged: float = 0.0
+) -> tuple[list[Edge], Ints, Ints]:
     """Edges between ends that they share, and the numbers (N,) of their first and last points.
 
-    Ends that are no more than ``near`` apart are one, the first of them.
+    Ends that are no more than ``near`` apart are one, the first of them; so are those up to
+    ``bridged`` apart at which more edges end than begin, and begin than end: between them a part
+    was lost that is too slender to be told.
     """
     count = len(edges)
     points = np.array([edge.first for edge in edges] + [edge.last for edge in edges])
     numbers = places(points, near)
+    surplus = np.bincount(numbers[count:], minlength=numbers.max(initial=-1) + 1)
+    surplus = surplus - np.bincount(numbers[:count], minlength=len(surplus))
+    if bridged > 0.0 and surplus.any():
+        where = points[np.unique(numbers, return_index=True)[1]]
+        begin = np.flatnonzero(surplus < 0)
+        for end in np.flatnonzero(surplus > 0).tolist():
+            apart = np.hypot(*(where[begin] - where[end]).T)
+            if len(begin) and apart.min() <= bridged:
+                numbers[numbers == begin[apart.argmin()]] = end
+                begin = np.delete(begin, apart.argmin())
     points = points[_first_of(numbers)]
     shared = [edge.between(points[n], points[n + count]) for n, edge in enumerate(edges)]
     return shared, numbers[:count], numbers[count:]
