@@ -27,7 +27,6 @@ _TOUCH = 1e-12  # of the size: circles that overlap by less only touch
 _PANEL = 1.6  # rad of an arc for 16 nodes
 _TOUCHES = 0.05  # rad: edges whose ways back and on are so near to one another only touch
 _ASIDE = 1e-7  # of the size: how far beside a part its sides are asked for
-_CLOSER = 1e-2
 _BRIDGED = 1e-3  # of the size: over how long a lost part, slender as it is, a loop is closed
 _PROBES = (0.5, 0.27, 0.81)  # of a part: by one of them another arc may pass nearer than that
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
@@ -223,9 +222,6 @@ def boundary(arcs: Arcs, inside: Inside, size: float) -> list[list[Edge]]:
     length = parts.radius * parts.sweep
     aside = np.minimum(_ASIDE * size, 0.05 * length)
     near, far = _sides(parts, inside, aside)
-    # Beside a part between nearly tangent arcs the region may be thinner than that.
-    again = np.flatnonzero(near == far)
-    near[again], far[again] = _sides(parts.take(again), inside, _CLOSER * aside[again])
     middle = parts.at(0.5)
     edges: list[Edge] = []
     seen: list[tuple[Array, bool]] = []
