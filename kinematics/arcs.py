@@ -199,13 +199,14 @@ def nearest(arcs: Arcs, point: Array) -> tuple[int, Array]:
 # --- loops ---------------------------------------------------------------------------------
 
 
-def chained(edges: Sequence[Edge], size: float) -> list[list[Edge]]:
+def chained(edges: Sequence[Edge], size: float, bridged: float = 0.0) -> list[list[Edge]]:
     """Edges as closed loops: at a point that several pass, each turns to its left as sharply as
     it can, but not straight back, so that whatever only touches has loops of its own.
     """
     if not edges:
         return []
-    edges, tail, head = sharing(edges, 1e-7 * size, _BRIDGED * size)
+    given = edges
+    edges, tail, head = sharing(edges, 1e-7 * size, bridged)
     leaving: dict[int, list[int]] = {}
     for n, vertex in enumerate(tail.tolist()):
         leaving.setdefault(vertex, []).append(n)
@@ -230,6 +231,8 @@ def chained(edges: Sequence[Edge], size: float) -> list[list[Edge]]:
                 n = ways[0]
         if head[loop[-1]] == tail[first]:
             loops.append([edges[m] for m in loop])
+        elif not bridged and any(extent(edges[m]) > 10.0 * _BRIDGED * size for m in loop):
+            return chained(given, size, _BRIDGED * size)  # a loop has lost a part
     return loops
 
 
