@@ -1,29 +1,25 @@
-"""Regions of a plane bounded by circular arcs: which parts of given arcs are the boundary.
+"""Edges of plane regions, circular arcs above all, and loops of them.
 
-A mechanism hands in every arc that may bound its region, and a test that says which points are
-inside. The arcs are cut where they meet; a part belongs to the boundary if the region is on one of
-its sides only, and parts are chained to loops with the region on their left. Areas and moments
-follow from Green's theorem. Lengths mm, angles rad.
+Edges are chained to loops with the region on their left, neighbours sharing their ends. Areas and
+moments follow from Green's theorem. Lengths mm, angles rad.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinematics.sections import Ints
 from kinematics.spatial import Array
 
-Inside = Callable[[Array], NDArray[np.bool_]]
-
 MEETING = 1e-9  # of the size: points closer together than this are one
 _PANEL = 1.6  # rad of an arc for 16 nodes
 _TOUCHES = 0.05  # rad: edges whose ways back and on are so near to one another only touch
-_ASIDE = 1e-7  # of the size: how far beside a part its sides are asked for
+_BRIDGED = 1e-3  # of the size: over how long a lost part, slender as it is, a loop is closed
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 
 
@@ -84,11 +80,16 @@ def arc(
 class Edge:
     """A part of a boundary from ``first`` to ``last`` (2,), the region on its left.
 
+    Neighbours in a loop share their ends, which may lie beside the curve by what rounding or a
+    tolerance leaves; the way from there to the curve counts as a part of the edge, so that what is
+    integrated along a loop is closed.
+
     Attributes:
         shown: arcs one after another that are the edge, or come within ``deviation`` of it, mm.
         nodes: (Q, 2) points on the true edge.
         steps: (Q, 2) their weights: ∫ f dx ≈ Σ f(nodes) steps[:, 0], likewise dy.
-        point: gives the true point (2,) at a share of the way, 0 to 1.
+        point: gives the true points (..., 2) at shares (...) of the way, 0 to 1.
+        area_error: mm², an estimate from above of the error of an area that the edge bounds.
     """
 
     first: Array
@@ -96,8 +97,23 @@ class Edge:
     shown: Arcs
     nodes: Array
     steps: Array
-    point: Callable[[float], Array]
+    point: Callable[[float | Array], Array]
     deviation: float = 0.0
+    area_error: float = 0.0
+
+    def between(self, first: Array, last: Array) -> Edge:
+        """The same edge between ends (2,) that it shares with others, no more than near its own."""
+        before, after = self.first - first, last - self.last
+        if not before.any() and not after.any():
+            return self
+        return replace(
+            self,
+            first=first,
+            last=last,
+            nodes=np.concatenate([[first + 0.5 * before], self.nodes, [self.last + 0.5 * after]]),
+            steps=np.concatenate([[before], self.steps, [after]]),
+            area_error=self.area_error + float(before @ before + after @ after),
+        )
 
     def reversed(self) -> Edge:
         """The same the other way round."""
@@ -111,21 +127,20 @@ class Edge:
             -self.steps[::-1],
             lambda share: self.point(1.0 - share),
             self.deviation,
+            self.area_error,
         )
 
 
 def arc_edge(one: Arcs, first: Array | None = None, last: Array | None = None) -> Edge:
-    """An edge that is one arc; its ends may be given more exactly, or as others know them."""
+    """An edge that is one arc; its ends may be given as others know them."""
     nodes, steps = quadrature(one)
-    ends = one.at(0.0)[0], one.at(1.0)[0]
-    return Edge(
-        ends[0] if first is None else first,
-        ends[1] if last is None else last,
-        one,
-        nodes,
-        steps,
-        lambda share: one.at(share)[0],
-    )
+    start, end = one.at(0.0)[0], one.at(1.0)[0]
+    edge = Edge(start, end, one, nodes, steps, partial(_on_arc, one))
+    return edge.between(start if first is None else first, end if last is None else last)
+
+
+def _on_arc(one: Arcs, share: float | Array) -> Array:
+    return one.at(np.asarray(share)[..., None])[..., 0, :]
 
 
 def quadrature(arcs: Arcs) -> tuple[Array, Array]:
@@ -181,51 +196,17 @@ def nearest(arcs: Arcs, point: Array) -> tuple[int, Array]:
     return k, candidates[k].copy()
 
 
-# --- the boundary of a region --------------------------------------------------------------
+# --- loops ---------------------------------------------------------------------------------
 
 
-def boundary(arcs: Arcs, inside: Inside, size: float) -> list[list[Edge]]:
-    """The boundary of the region, loop by loop.
-
-    Args:
-        arcs: all that may bound it, each counter-clockwise (positive sweep); more do no harm.
-        inside: which of the points (N, 2) lie in the region.
-        size: mm, a typical length: what is smaller than 1e-7 of it may be passed over.
-    """
-    parts = _cut(arcs, MEETING * size)
-    if not len(parts.radius):
-        return []
-    length = parts.radius * parts.sweep
-    parts = parts.take(length > 10.0 * MEETING * size)
-    length = parts.radius * parts.sweep
-    aside = np.minimum(_ASIDE * size, 0.05 * length)
-    middle = parts.at(0.5)
-    ray = (middle - parts.center) / parts.radius[:, None]
-    near = inside(middle - aside[:, None] * ray)
-    far = inside(middle + aside[:, None] * ray)
-    edges: list[Edge] = []
-    seen: list[tuple[Array, bool]] = []
-    for n in np.flatnonzero(near != far):
-        # Of arcs that lie on one another only the first counts.
-        if any(
-            turned == far[n] and np.hypot(*(middle[n] - other)) < 1e-8 * size
-            for other, turned in seen
-        ):
-            continue
-        seen.append((middle[n], bool(far[n])))
-        edge = arc_edge(parts.take([n]))
-        edges.append(edge.reversed() if far[n] else edge)
-    return chained(edges, size)
-
-
-def chained(edges: Sequence[Edge], size: float) -> list[list[Edge]]:
+def chained(edges: Sequence[Edge], size: float, bridged: float = 0.0) -> list[list[Edge]]:
     """Edges as closed loops: at a point that several pass, each turns to its left as sharply as
     it can, but not straight back, so that whatever only touches has loops of its own.
     """
     if not edges:
         return []
-    tail = places([e.first for e in edges] + [e.last for e in edges], 1e-7 * size)
-    tail, head = tail[: len(edges)], tail[len(edges) :]
+    given = edges
+    edges, tail, head = sharing(edges, 1e-7 * size, bridged)
     leaving: dict[int, list[int]] = {}
     for n, vertex in enumerate(tail.tolist()):
         leaving.setdefault(vertex, []).append(n)
@@ -250,6 +231,8 @@ def chained(edges: Sequence[Edge], size: float) -> list[list[Edge]]:
                 n = ways[0]
         if head[loop[-1]] == tail[first]:
             loops.append([edges[m] for m in loop])
+        elif not bridged and any(extent(edges[m]) > 10.0 * _BRIDGED * size for m in loop):
+            return chained(given, size, _BRIDGED * size)  # a loop has lost a part
     return loops
 
 
@@ -259,16 +242,20 @@ def heading(edge: Edge, reach: float) -> float:
     Tangent edges are so told apart by their curvature, if all are seen from the same distance.
     """
 
-    def gone(share: float) -> float:
-        return float(np.hypot(*(edge.point(share) - edge.first)))
+    def first_beyond(shares: Array) -> int:
+        away = edge.point(shares) - edge.first
+        beyond = np.hypot(away[..., 0], away[..., 1]) >= reach
+        return int(beyond.argmax()) if beyond.any() else len(shares) - 1
 
-    high = 0.5 if gone(1.0) < reach else 1.0  # a whole loop comes back
-    while high > 1e-12 and gone(0.5 * high) >= reach:
-        high *= 0.5
-    low = 0.5 * high
-    for _ in range(50):
-        half = 0.5 * (low + high)
-        low, high = (low, half) if gone(half) >= reach else (half, high)
+    end = np.hypot(*(edge.point(1.0) - edge.first))
+    high = 0.5 if end < reach else 1.0  # a whole loop comes back
+    doubled = high * 2.0 ** np.arange(-42.0, 1.0)
+    n = first_beyond(doubled)
+    low, high = doubled[max(n - 1, 0)], doubled[n]
+    for _ in range(7):
+        shares = np.linspace(low, high, 65)
+        n = first_beyond(shares)
+        low, high = shares[max(n - 1, 0)], shares[n]
     away = edge.point(high) - edge.first
     return float(np.arctan2(away[1], away[0]))
 
@@ -279,62 +266,50 @@ def extent(edge: Edge) -> float:
     return float(np.hypot(away[:, 0], away[:, 1]).max())
 
 
-def places(points: Sequence[Array], near: float) -> Ints:
+def places(points: Sequence[Array] | Array, near: float) -> Ints:
     """Numbers (N,) of points that are told apart if they are more than ``near`` apart."""
-    known = np.empty((len(points), 2))
-    count = 0
-    numbers = np.empty(len(points), dtype=int)
-    for n, point in enumerate(points):
-        close = np.flatnonzero(np.hypot(*(known[:count] - point).T) <= near)
-        if close.size:
-            numbers[n] = close[0]
-        else:
-            known[count], numbers[n] = point, count
-            count += 1
+    p = np.asarray(points, dtype=float).reshape(-1, 2)
+    apart = p[:, None] - p
+    close = np.hypot(apart[..., 0], apart[..., 1]) <= near
+    owner = np.arange(len(p))
+    known = np.ones(len(p), dtype=bool)
+    for n in np.flatnonzero(np.triu(close, 1).any(axis=0)).tolist():
+        owners = np.flatnonzero(close[n, :n] & known[:n])
+        if owners.size:
+            owner[n], known[n] = owners[0], False
+    numbers: Ints = (np.cumsum(known) - 1)[owner]
     return numbers
 
 
-def _cut(arcs: Arcs, near: float) -> Arcs:
-    """All parts between the points in which arcs meet."""
-    parts: list[Arcs] = []
-    count = len(arcs.radius)
-    ends = np.concatenate([arcs.at(0.0), arcs.at(1.0)])
-    for n in range(count):
-        points = [ends[[m, m + count]] for m in range(count) if m != n]
-        points += [_meeting(arcs, n, m, near) for m in range(count) if m != n]
-        at = np.concatenate([p.reshape(-1, 2) for p in points]) if points else np.zeros((0, 2))
-        away = at - arcs.center[n]
-        on = np.abs(np.hypot(away[:, 0], away[:, 1]) - arcs.radius[n]) <= near
-        angle = np.arctan2(away[on, 1], away[on, 0])
-        along = (angle - arcs.start[n]) % (2 * np.pi)
-        sweep, slack = float(arcs.sweep[n]), near / float(arcs.radius[n])
-        whole = sweep >= 2 * np.pi - slack
-        cuts = np.sort(along[(along > slack) & (along < sweep - slack)])
-        cuts = cuts[np.concatenate([[True], np.diff(cuts) > slack])] if len(cuts) else cuts
-        if whole and len(cuts) and not (along < slack).any():
-            marks = np.append(cuts, cuts[0] + 2 * np.pi)  # it begins at a meeting, not anywhere
-        else:
-            marks = np.concatenate([[0.0], cuts, [sweep]])
-        if whole and len(marks) == 2:
-            marks = np.append(marks[0] + np.array([0.0, np.pi]), marks[0] + 2 * np.pi)
-        rows = np.full(len(marks) - 1, n)
-        parts.append(
-            arcs.take(rows)._replace(start=arcs.start[n] + marks[:-1], sweep=np.diff(marks))
-        )
-    return joined(parts)
+def sharing(
+    edges: Sequence[Edge], near: float, bridged: float = 0.0
+) -> tuple[list[Edge], Ints, Ints]:
+    """Edges between ends that they share, and the numbers (N,) of their first and last points.
+
+    Ends that are no more than ``near`` apart are one, the first of them; so are those up to
+    ``bridged`` apart at which more edges end than begin, and begin than end: between them a part
+    was lost that is too slender to be told.
+    """
+    count = len(edges)
+    points = np.array([edge.first for edge in edges] + [edge.last for edge in edges])
+    numbers = places(points, near)
+    surplus = np.bincount(numbers[count:], minlength=numbers.max(initial=-1) + 1)
+    surplus = surplus - np.bincount(numbers[:count], minlength=len(surplus))
+    if bridged > 0.0 and surplus.any():
+        where = points[np.unique(numbers, return_index=True)[1]]
+        begin = np.flatnonzero(surplus < 0)
+        for end in np.flatnonzero(surplus > 0).tolist():
+            apart = np.hypot(*(where[begin] - where[end]).T)
+            if len(begin) and apart.min() <= bridged:
+                numbers[numbers == begin[apart.argmin()]] = end
+                begin = np.delete(begin, apart.argmin())
+    points = points[first_of(numbers)]
+    shared = [edge.between(points[n], points[n + count]) for n, edge in enumerate(edges)]
+    return shared, numbers[:count], numbers[count:]
 
 
-def _meeting(arcs: Arcs, n: int, m: int, near: float) -> Array:
-    """The points (K, 2) in which two circles meet, K up to 2."""
-    between = arcs.center[m] - arcs.center[n]
-    d = float(np.hypot(*between))
-    r, s = float(arcs.radius[n]), float(arcs.radius[m])
-    if d <= near or d > r + s + near or d < abs(r - s) - near:
-        return np.zeros((0, 2))
-    along = 0.5 * (d + (r - s) * (r + s) / d)
-    square = max((r + s + d) * (r + s - d), 0.0) * max((d + r - s) * (d - r + s), 0.0)
-    up = np.sqrt(square) / (2.0 * d)
-    unit = between / d
-    left = np.array([-unit[1], unit[0]])
-    foot = arcs.center[n] + along * unit
-    return np.array([foot + up * left, foot - up * left])
+def first_of(numbers: Ints) -> Ints:
+    """(N,) where each number comes first."""
+    _, first, back = np.unique(numbers, return_index=True, return_inverse=True)
+    result: Ints = first[back]
+    return result

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinematics.arcs import Arcs, Edge, arc_edge, chained, moments, quadrature
+from kinematics.crossings import factors, half_angle
 from kinematics.outlines import section_of
 from kinematics.sections import BOUNDS, Ints, Section
 from kinematics.spatial import Array
@@ -188,10 +189,7 @@ def _crossings(c: _Circles, k: int) -> Array:
     apart = np.sqrt((d * d).sum(axis=1))
     apart[k] = np.nan
     r, s = c.radius[k], c.radius
-    # tan²(half/2) from factors that keep their digits where one circle is nearly a line.
-    near, far = (s - (apart - r)) * (s + (apart - r)), (apart + r - s) * (apart + r + s)
-    meets = (near >= 0.0) & (far >= 0.0) & (apart > 0.0)
-    half = 2.0 * np.arctan2(np.sqrt(np.where(meets, near, np.nan)), np.sqrt(np.maximum(far, 0.0)))
+    half = np.where(apart > 0.0, half_angle(factors(apart, r, s)), np.nan)
     toward = np.arctan2(d[:, 1], d[:, 0])
     angles = np.concatenate([toward - half, toward + half])
     return np.asarray(angles[np.isfinite(angles)])

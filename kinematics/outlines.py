@@ -28,7 +28,7 @@ def section_of(
     nodes = [np.concatenate([edge.nodes for edge in loop]) for loop in loops]
     about = np.concatenate(nodes).mean(axis=0) if nodes else np.zeros(2)  # keeps the digits
     steps = [np.concatenate([edge.steps for edge in loop]) for loop in loops]
-    every = np.array([moments(n - about, s) for n, s in zip(nodes, steps, strict=True)])
+    every = np.array([_moments(n, s, about) for n, s in zip(nodes, steps, strict=True)])
     every = every.reshape(-1, 6)
     piece = _pieces(loops, every[:, 0])
     order = np.lexsort((-every[:, 0], piece))
@@ -65,6 +65,7 @@ def section_of(
         centroid=centroid,
         second_moments=second,
         construct=kept(Construction.of_circles(made.center, made.radius, made.limb, made.bound)),
+        area_error=float(sum(edge.area_error for loop in loops for edge in loop)),
     )
 
 
@@ -130,6 +131,23 @@ def point_inside(loops: Sequence[Sequence[Edge]]) -> Array:
     distance = np.array([np.hypot(*(rim - point).T).min() for point in inner])
     best: Array = inner[int(distance.argmax())]
     return best
+
+
+def _moments(nodes: Array, steps: Array, about: Array) -> Array:
+    """`moments` about a point, (6,), taken about the loop's own middle, where they keep digits."""
+    middle = nodes.mean(axis=0)
+    area, x, y, xx, yy, xy = moments(nodes - middle, steps).tolist()
+    u, v = (middle - about).tolist()
+    return np.array(
+        [
+            area,
+            x + u * area,
+            y + v * area,
+            xx + 2.0 * u * x + u * u * area,
+            yy + 2.0 * v * y + v * v * area,
+            xy + u * y + v * x + u * v * area,
+        ]
+    )
 
 
 def _length(edge: Edge) -> float:

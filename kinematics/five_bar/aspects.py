@@ -19,32 +19,36 @@ from functools import lru_cache
 import numpy as np
 
 from kinematics import arcs, outlines
-from kinematics.arcs import Arcs, Edge
+from kinematics.arcs import Edge
 from kinematics.five_bar import workspace
-from kinematics.five_bar.curves import Piece, pieces
+from kinematics.five_bar.curve_edges import curve_edge
+from kinematics.five_bar.curves import pieces
 from kinematics.five_bar.design import LIMBS, FiveBarDesign
 from kinematics.five_bar.inverse import MODES, joints_of
 from kinematics.five_bar.velocity import sines
 from kinematics.sections import BOUNDS
 from kinematics.spatial import Array
 
-DEVIATION = 1e-6
-"""Part of the size by which a drawn arc may leave the true curve."""
 _SNAP = 2e-7  # of the size: an end of a curve this near to the boundary is on it
-_NODES = 12
-_PARALLEL = BOUNDS.index("parallel")
+_ON = 1e-9  # of the size: a curve this near to the boundary all along is a part of it
+_OTHERS = (1e-9, 3e-6, 1e-11)  # where that fails
+_FILLED = 1e-12  # of the size²: by how much all faces together may miss the workspace
 _LINK = BOUNDS.index("link")
 
 
 @dataclass(frozen=True, eq=False)
 class Aspect:
-    """One part: its boundary loops, working mode, sign of the determinant, and group from 1."""
+    """One part: its boundary loops, working mode, sign of the determinant, and group from 1.
+
+    ``area_error``: mm², an estimate from above of the error of ``area``.
+    """
 
     mode: str
     sign: int
     loops: tuple[tuple[Edge, ...], ...]
     area: float
     group: int
+    area_error: float
 
     def holds(self, points: Array, size: float) -> np.ndarray:
         """Which points (N, 2) lie in it, to within the chords' deviation of about size/1e4."""
@@ -68,24 +72,67 @@ def aspects(design: FiveBarDesign) -> tuple[Aspect, ...]:
 
 
 def _faces(design: FiveBarDesign, mode: str) -> list[Aspect]:
-    size = design.size
-    rim = [edge for loop in workspace.loops(design, (mode,)) for edge in loop]
-    if not rim:
+    """The faces of one mode's map, which together fill its workspace.
+
+    What does not is told again with points held apart, or together, that are nearer or farther; if
+    nothing helps, the faces say by how much they fail.
+    """
+    loops = workspace.loops(design, (mode,))
+    if not loops:
         return []
     inner = [
         curve_edge(design, piece)
         for piece in pieces(design)
         if piece.mode == mode and not piece.serial
     ]
-    rim = _split(rim, [end for edge in inner for end in (edge.first, edge.last)], size)
-    loops = _traced(rim, inner, size)
+    rim = [edge for loop in loops for edge in loop]
+    inner = [edge for edge in inner if not _on(edge, rim, _ON * design.size)]
+    whole = sum(_area(loop) for loop in loops)
+    best: list[Aspect] = []
+    least = np.inf
+    for near in (_SNAP, *_OTHERS):
+        faces = _told(design, mode, rim, inner, near)
+        missing = abs(sum(face.area for face in faces) - whole)
+        negative = -sum(min(face.area, 0.0) for face in faces)
+        if missing + negative < least:
+            best, least = faces, missing + negative
+        if least <= _FILLED * design.size**2:
+            return best
+    return [replace(face, area_error=face.area_error + least) for face in best]
+
+
+def _on(edge: Edge, rim: Sequence[Edge], near: float) -> bool:
+    """Whether a curve runs along an edge of the boundary, and so divides nothing."""
+    k = len(edge.nodes) // 2
+    for one in (each.shown for each in rim):
+        away = edge.nodes - one.center
+        if np.abs(np.hypot(away[:, 0], away[:, 1]) - one.radius).max() <= near:
+            turned = (np.arctan2(away[k, 1], away[k, 0]) - one.start[0]) * np.sign(one.sweep[0])
+            if turned % (2 * np.pi) <= abs(one.sweep[0]):
+                return True
+    return False
+
+
+def _told(
+    design: FiveBarDesign, mode: str, rim: list[Edge], inner: list[Edge], near: float
+) -> list[Aspect]:
+    """The faces between a boundary and the curves within; points ``near`` (of the size) are one."""
+    size = design.size
+    rim = _split(rim, [end for edge in inner for end in (edge.first, edge.last)], near * size)
+    loops = _traced(rim, inner, size, near * size)
     areas = [_area(loop) for loop in loops]
     faces: list[list[int]] = [[n] for n, area in enumerate(areas) if area > 0.0]
     polygons = {face[0]: outlines.outline(loops[face[0]], 0.01 * size) for face in faces}
     for n, area in enumerate(areas):
         if area <= 0.0:
-            probe = loops[n][0].nodes[:1]
-            around = [f for f in faces if outlines.contains(polygons[f[0]], probe)[0]]
+            # What lies within a hole has no larger area; the face around it has.
+            probes = np.concatenate([edge.nodes for edge in loops[n]])
+            around = [
+                f
+                for f in faces
+                if areas[f[0]] > (1.0 + 1e-9) * abs(area)
+                and outlines.contains(polygons[f[0]], probes).mean() > 0.5
+            ]
             if around:
                 min(around, key=lambda f: areas[f[0]]).append(n)
     return [
@@ -95,14 +142,14 @@ def _faces(design: FiveBarDesign, mode: str) -> list[Aspect]:
             tuple(tuple(loops[n]) for n in face),
             sum(areas[n] for n in face),
             0,
+            sum(edge.area_error for n in face for edge in loops[n]),
         )
         for face in faces
     ]
 
 
-def _split(rim: list[Edge], points: Sequence[Array], size: float) -> list[Edge]:
+def _split(rim: list[Edge], points: Sequence[Array], near: float) -> list[Edge]:
     """The boundary's edges, cut where curves end on them."""
-    near = _SNAP * size
     done: list[Edge] = []
     for edge in rim:
         one = edge.shown
@@ -132,7 +179,7 @@ def _split(rim: list[Edge], points: Sequence[Array], size: float) -> list[Edge]:
     return done
 
 
-def _traced(rim: list[Edge], inner: list[Edge], size: float) -> list[list[Edge]]:
+def _traced(rim: list[Edge], inner: list[Edge], size: float, near: float) -> list[list[Edge]]:
     """The faces' boundary loops: at each vertex the next edge to the right of the one come by.
 
     The outside of the boundary is no face: its edges are walked one way only.
@@ -144,8 +191,7 @@ def _traced(rim: list[Edge], inner: list[Edge], size: float) -> list[list[Edge]]
         """The same curve the other way; the boundary has none."""
         return -1 if n < len(rim) else n + step if n < len(rim) + step else n - step
 
-    vertex = arcs.places([e.first for e in walks] + [e.last for e in walks], _SNAP * size)
-    tail, head = vertex[:count], vertex[count:]
+    walks, tail, head = arcs.sharing(walks, near)
     leaving: dict[int, list[int]] = {}
     for n in range(count):
         leaving.setdefault(int(tail[n]), []).append(n)
@@ -197,88 +243,9 @@ def _sign(design: FiveBarDesign, mode: str, edges: Sequence[Edge]) -> int:
 
 
 def _area(loop: Sequence[Edge]) -> float:
-    return float(
-        sum(0.5 * (e.nodes[:, 0] @ e.steps[:, 1] - e.nodes[:, 1] @ e.steps[:, 0]) for e in loop)
-    )
-
-
-# --- curves as edges -----------------------------------------------------------------------
-
-
-@lru_cache(maxsize=512)
-def curve_edge(design: FiveBarDesign, piece: Piece) -> Edge:
-    """A piece of a curve as an edge: arcs through three points each, and a spectral rule.
-
-    On panels of τ the points are interpolated in Chebyshev nodes and differentiated there, which
-    leaves a relative error of about 1e-12 in areas.
-    """
-    panels = max(2, int(np.ceil(abs(piece.end - piece.start) / 0.2)))
-    nodes, weights, slope = _chebyshev(_NODES)
-    share = (np.arange(panels)[:, None] + 0.5 * (nodes + 1.0)) / panels
-    points, _ = piece.loop.points(piece.tau(share))  # (panels, nodes, 2)
-    steps = weights[:, None] * (slope @ points)
-    shown, off = _as_arcs(design, piece)
-    ends, _ = piece.loop.points(piece.tau([0.0, 1.0]))
-    return Edge(
-        ends[0],
-        ends[1],
-        shown,
-        points.reshape(-1, 2),
-        steps.reshape(-1, 2),
-        lambda share: piece.loop.points(piece.tau(share))[0],
-        off,
-    )
-
-
-def _as_arcs(design: FiveBarDesign, piece: Piece) -> tuple[Arcs, float]:
-    """Arcs through three points each, and by how much they leave the curve, mm."""
-    wanted = DEVIATION * design.size
-    share = np.linspace(0.0, 1.0, 9)
-    off = np.zeros(1)
-    for _ in range(12):
-        middle = 0.5 * (share[:-1] + share[1:])
-        first, last = (piece.loop.points(piece.tau(s))[0] for s in (share[:-1], share[1:]))
-        between = piece.loop.points(piece.tau(middle))[0]
-        found = _three_points(first, between, last)
-        quarters = [0.5 * (share[:-1] + middle), 0.5 * (middle + share[1:])]
-        probes = [piece.loop.points(piece.tau(s))[0] - found.center for s in quarters]
-        off = np.max([np.abs(np.hypot(p[:, 0], p[:, 1]) - found.radius) for p in probes], axis=0)
-        wide = (off > wanted) | (np.abs(found.sweep) > 2.0)
-        if not wide.any():
-            break
-        share = np.sort(np.concatenate([share, middle[wide]]))
-    return found, float(off.max())
-
-
-def _three_points(a: Array, b: Array, c: Array) -> Arcs:
-    """The arcs from a over b to c, each (N, 2); of points in line one of a very large radius."""
-    u, v = b - a, c - a
-    twice = 2.0 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
-    length = np.hypot(v[:, 0], v[:, 1])
-    least = 1e-12 * length**2
-    twice = np.where(np.abs(twice) < least, np.where(twice < 0.0, -least, least), twice)
-    uu, vv = (u**2).sum(axis=1), (v**2).sum(axis=1)
-    offset = np.stack([v[:, 1] * uu - u[:, 1] * vv, u[:, 0] * vv - v[:, 0] * uu], axis=-1)
-    center = a + offset / twice[:, None]
-    radius = np.hypot(*(a - center).T)
-    start = np.arctan2(a[:, 1] - center[:, 1], a[:, 0] - center[:, 0])
-    end = np.arctan2(c[:, 1] - center[:, 1], c[:, 0] - center[:, 0])
-    left = twice > 0.0
-    sweep = np.where(left, (end - start) % (2 * np.pi), -((start - end) % (2 * np.pi)))
-    none = np.zeros(len(a), dtype=int)
-    return Arcs(center, radius, start, sweep, none, np.full(len(a), _PARALLEL))
-
-
-@lru_cache(maxsize=4)
-def _chebyshev(count: int) -> tuple[Array, Array, Array]:
-    """Nodes on [−1, 1], Gauss weights, and the matrix that differentiates at them."""
-    x, weights = np.polynomial.legendre.leggauss(count)
-    apart = x[:, None] - x[None, :] + np.eye(count)
-    scale = apart.prod(axis=1)
-    slope = scale[:, None] / scale[None, :] / apart
-    np.fill_diagonal(slope, 0.0)
-    np.fill_diagonal(slope, -slope.sum(axis=1))
-    return x, weights, slope
+    nodes = np.concatenate([edge.nodes for edge in loop])
+    steps = np.concatenate([edge.steps for edge in loop])
+    return float(arcs.moments(nodes - nodes.mean(axis=0), steps)[0])  # so it keeps its digits
 
 
 # --- what joins ----------------------------------------------------------------------------

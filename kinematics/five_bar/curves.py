@@ -30,12 +30,14 @@ from kinematics.five_bar.inverse import in_range, mode_of, normal_angles
 from kinematics.spatial import Array
 
 _EQUAL = 1e-11  # of the size: lengths that differ by less are equal
+_FLAT = 1e-14  # of the size: sums of lengths that differ by less are equal
 _SAME = 1e-9  # rad: values of τ that are one
 _SHORT = 1e-6  # rad of τ: a piece between two values of one double root is none
 _ALWAYS = 1e-9  # a sine below which links are taken to be in line
 _SAMPLES = 1440
 
 LoopKind = Literal["turning", "swinging", "circle", "parallelogram"]
+LoopEnds = Literal["", "far", "near", "both"]
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,8 @@ class Loop:
             still; "parallelogram": the coupler stays parallel to the base.
         sign: which of the two ways in which the four-bar closes; a swinging one has both.
         middle, half: rad, of a swinging one.
+        offset: rad, ``middle`` from the direction in which v is least.
+        ends: at which of its limits a swinging one turns back: v greatest, least, or both.
     """
 
     design: FiveBarDesign
@@ -57,34 +61,65 @@ class Loop:
     sign: float = 1.0
     middle: float = 0.0
     half: float = 0.0
+    offset: float = 0.0
+    ends: LoopEnds = ""
 
     def points(self, tau: ArrayLike) -> tuple[Array, Array]:
         """P (..., 2) mm and θ (..., 2) rad at τ (...)."""
         t = np.asarray(tau, dtype=float)
         d = self.design
         (r1, r1b), (r2, r2b), w = d.proximal, d.distal, 2.0 * d.half_base
-        k = r2 + self.side * r2b
+        k = 0.0 if self.kind == "circle" else float(r2 + self.side * r2b)
+        size, way = abs(k), 1.0 if k >= 0.0 else -1.0
         if self.kind == "parallelogram":
-            gamma = np.full_like(t, 0.0 if k > 0 else np.pi)
+            delta = np.zeros_like(t)
             theta1 = t
         else:
-            swing = self.kind == "swinging"
-            gamma = self.middle + self.half * np.sin(t) if swing else t
-            sign = np.where(np.cos(t) >= 0.0, 1.0, -1.0) if swing else self.sign
-            if self.kind == "circle":
-                k = 0.0
-            # |v + r_1 e(θ_1)| = r_1', v from A_2 to A_1 and on by the coupler.
-            vx, vy = -w + k * np.cos(gamma), k * np.sin(gamma)
-            v = np.hypot(vx, vy)
-            over, under = (r1b - v + r1) * (r1b + v - r1), (v + r1 + r1b) * (v + r1 - r1b)
-            half = np.arctan2(np.sqrt(np.maximum(over, 0.0)), np.sqrt(np.maximum(under, 0.0)))
+            delta, far, near = self._room(t, w, k)
+            sign = np.where(np.cos(t) >= 0.0, 1.0, -1.0) if self.kind == "swinging" else self.sign
+            # |v + r_1 e(θ_1)| = r_1', v from A_2 to A_1 and on by the coupler. Of the triangle
+            # (v, r_1, r_1') the squares far and near say how much is left to where it is flat.
+            v = np.sqrt((size - w) ** 2 + 4.0 * w * size * np.sin(0.5 * delta) ** 2)
+            long, short = v + (r1 + r1b), v + abs(r1 - r1b)
+            if r1 >= r1b:
+                half = np.arctan2(np.sqrt(far * near), long * short)
+            else:
+                half = np.arctan2(np.sqrt(far) * short, long * np.sqrt(near))
+            vx, vy = (size - w) - 2.0 * size * np.sin(0.5 * delta) ** 2, size * np.sin(delta)
             theta1 = np.arctan2(-vy, -vx) + sign * 2.0 * half
         b1 = d.base[0] + r1 * np.stack([np.cos(theta1), np.sin(theta1)], axis=-1)
-        u = np.stack([np.cos(gamma), np.sin(gamma)], axis=-1)
+        u = way * np.stack([np.cos(delta), np.sin(delta)], axis=-1)
         arm = b1 + k * u - d.base[1]
         theta2 = np.arctan2(arm[..., 1], arm[..., 0])
         theta1 = theta1 + 0.0 * theta2
         return b1 + r2 * u, normal_angles(d, np.stack([theta1, theta2], axis=-1))
+
+    def _room(self, t: Array, w: float, k: float) -> tuple[Array, Array, Array]:
+        """δ = γ − its value where v is least, (r_1 + r_1')² − v², and v² − (r_1 − r_1')², (...).
+
+        As products, or sums of what is not negative, which keep their digits to the turning points.
+        """
+        size = abs(k)
+        sweep = self.half * np.sin(t)
+        delta = self.offset + sweep if self.kind == "swinging" else t - _base(k)
+        scale = 4.0 * w * size
+        # Halves of what γ lacks to the ends of its swing.
+        upper = self.half * np.sin(0.25 * np.pi - 0.5 * t) ** 2
+        lower = self.half * np.sin(0.25 * np.pi + 0.5 * t) ** 2
+        if self.ends == "both":
+            up = self.offset > 0.0
+            mid = abs(self.offset)
+            beyond = 2.0 * mid + (sweep if up else -sweep)
+            far = scale * np.sin(0.5 * (beyond + self.half)) * np.sin(upper if up else lower)
+            near = scale * np.sin(0.5 * (beyond - self.half)) * np.sin(lower if up else upper)
+            return delta, np.maximum(far, 0.0), np.maximum(near, 0.0)
+        within = scale * np.sin(upper) * np.sin(lower)
+        far_gap, near_gap = _gaps(self.design, k)
+        far = far_gap + scale * np.cos(0.5 * delta) ** 2
+        near = near_gap + scale * np.sin(0.5 * delta) ** 2
+        far = within if self.ends == "far" else far
+        near = within if self.ends == "near" else near
+        return delta, np.maximum(far, 0.0), np.maximum(near, 0.0)
 
 
 @dataclass(frozen=True)
@@ -153,22 +188,50 @@ def _coupler_loops(design: FiveBarDesign, side: int, k: float) -> list[Loop]:
     # Where only one configuration closes, flat, there is a point and no curve.
     if least > size - tiny / w or most < -size + tiny / w:
         return []
-    base = 0.0 if k > 0 else np.pi  # γ where k cos γ is largest
-    near = most < size - tiny / w  # cannot pass γ = base
-    far = least > -size + tiny / w  # cannot pass the opposite direction
-    low = float(np.arccos(np.clip(most / size, -1.0, 1.0))) if near else 0.0
-    high = float(np.arccos(np.clip(least / size, -1.0, 1.0))) if far else np.pi
+    base = _base(k)
+    far_gap, near_gap = _gaps(design, k)
+    near = near_gap < 0.0  # cannot pass γ = base
+    far = far_gap < 0.0  # cannot pass the opposite direction
+    # 2 w (|k| − |k| cos γ) and 2 w (|k| + |k| cos γ) where v is least, and greatest.
+    whole = 4.0 * size * w
+    low = 2.0 * float(np.arctan2(np.sqrt(-near_gap), np.sqrt(whole + near_gap))) if near else 0.0
+    high = 2.0 * float(np.arctan2(np.sqrt(whole + far_gap), np.sqrt(-far_gap))) if far else np.pi
     if near and far:
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
-        return [
-            Loop(design, side, "swinging", middle=base + way * middle, half=half)
-            for way in (1.0, -1.0)
-        ]
+        return [_swinging(design, side, base, way * middle, half, "both") for way in (1.0, -1.0)]
     if far:
-        return [Loop(design, side, "swinging", middle=base, half=high)]
+        return [_swinging(design, side, base, 0.0, high, "far")]
     if near:
-        return [Loop(design, side, "swinging", middle=base + np.pi, half=np.pi - low)]
+        return [_swinging(design, side, base, np.pi, np.pi - low, "near")]
     return [Loop(design, side, "turning", sign) for sign in (1.0, -1.0)]
+
+
+def _swinging(
+    design: FiveBarDesign, side: int, base: float, offset: float, half: float, ends: LoopEnds
+) -> Loop:
+    return Loop(design, side, "swinging", middle=base + offset, half=half, offset=offset, ends=ends)
+
+
+def _base(k: float) -> float:
+    """γ where v, from A_2 to A_1 and on by the coupler k, is least."""
+    return 0.0 if k >= 0.0 else np.pi
+
+
+def _gaps(design: FiveBarDesign, k: float) -> tuple[float, float]:
+    """(r_1 + r_1')² − v² where v is greatest, and v² − (r_1 − r_1')² where it is least, mm².
+
+    Zero where that is all rounding: there the four-bar passes a position in which it lies flat.
+    """
+    r1, r1b = design.proximal.tolist()
+    w, size = 2.0 * design.half_base, abs(k)
+    slack = _FLAT * design.size
+    most, least, longest, shortest = r1 + r1b, abs(r1 - r1b), size + w, abs(size - w)
+    far, near = most - longest, shortest - least
+    if abs(far) <= slack:
+        far = 0.0
+    if abs(near) <= slack or max(shortest, least) <= _EQUAL * design.size:
+        near = 0.0
+    return far * (most + longest), near * (shortest + least)
 
 
 # --- pieces in one working mode ------------------------------------------------------------

@@ -14,7 +14,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from kinematics import arcs
+from kinematics import arcs, boundaries
 from kinematics.arcs import Arcs, Edge
 from kinematics.five_bar import inverse
 from kinematics.five_bar.design import LIMBS, FiveBarDesign
@@ -34,7 +34,7 @@ def loops(design: FiveBarDesign, modes: tuple[str, ...] | None = None) -> list[l
     """
     chosen = inverse.MODES if modes is None else modes
     candidates = made_of(design, chosen)
-    return arcs.boundary(
+    return boundaries.boundary(
         candidates, lambda points: inverse.inside(design, points, chosen), design.size
     )
 
