@@ -42,6 +42,8 @@ class Laid:
     """Regions as the page shows them; lines (S, 2, 3) mm in the base frame.
 
     Attributes:
+        fills, lines: of the regions of one mode, the present one if it has any; those of others
+            would lie over them. Of a region that is not drawn the fill is empty.
         lines, line_limb: the edges, and whose each is, from 1.
         locus: where control is lost.
     """
@@ -79,7 +81,11 @@ def lay(wanted: Wish) -> Laid:
     found = kind.regions(wanted.design, spec.key, wanted.pose, modes)
     frame = kind.region_frame(wanted.design, wanted.pose)
     fills, lines, limbs = [], [], []
+    drawn = _drawn([region.mode for region in found], wanted.mode)
     for region in found:
+        if region.mode not in ("", drawn):
+            fills.append(Fill(np.empty((0, 3), np.float32), np.empty((0, 3), np.uint32)))
+            continue
         points, faces = flat_mesh(_loops(region.section))
         fills.append(Fill(_raised(points, frame).astype(np.float32), faces.astype(np.uint32)))
         flat, limb = edges(region.section, STEP)
@@ -95,6 +101,11 @@ def lay(wanted: Wish) -> Laid:
         np.concatenate([*limbs, np.empty(0)]).astype(np.int64),
         _locus(wanted, spec, frame),
     )
+
+
+def _drawn(modes: list[str], present: str) -> str:
+    """The mode whose regions are drawn: the present one, else the first."""
+    return present if present in modes or not modes else modes[0]
 
 
 def _locus(wanted: Wish, spec: RegionSpec, frame: Array) -> Array:

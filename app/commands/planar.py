@@ -12,7 +12,7 @@ from kinematics.errors import ComputationError, InputError
 
 if TYPE_CHECKING:
     from kinematics.mechanism import Design, Mechanism
-    from kinematics.sections import Region, RegionSpec
+    from kinematics.sections import Region, RegionSpec, Section
 
 
 def workspace(
@@ -89,6 +89,13 @@ def _entry(region: Region) -> dict[str, Any]:
     }
 
 
+def _area(section: Section) -> str:
+    """In cm², with its error if that shows in the digits."""
+    error = section.area_error / 100
+    shown = f" ± {error:.1g}" if error > 5e-7 else ""
+    return f"{section.area / 100:.6f}{shown} cm²"
+
+
 def _lines(found: Sequence[Region], path: Path | None) -> list[str]:
     from app import tables
 
@@ -98,7 +105,7 @@ def _lines(found: Sequence[Region], path: Path | None) -> list[str]:
         rows.append(
             (
                 region.title,
-                f"{section.area / 100:.6f} cm²",
+                _area(section),
                 f"{section.perimeter:.3f} mm",
                 f"{section.pieces}",
                 f"{len(section.start)}",

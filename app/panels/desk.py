@@ -398,6 +398,17 @@ class Slider:
             put(self._desk, self._handle, round(value, self._digits))
 
 
+class Elsewhere:
+    """A line at the head of what is told of the review's pose, while the machine is not there."""
+
+    def __init__(self, gui: viser.GuiApi) -> None:
+        text = "Of the pose that the review holds: the trajectory shows the machine elsewhere."
+        self._note = gui.add_html(box(f'<i style="opacity:.75">{text}</i>'), visible=False)
+
+    def draw(self, moment: Moment) -> None:
+        put_prop(self._note, "visible", moment.away)
+
+
 def button(
     desk: Desk,
     label: str,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import time
 from functools import partial
 
 import viser
@@ -17,6 +19,7 @@ from app.compute import (
 from app.modes import page_mode, signed
 from app.panels.desk import (
     Desk,
+    Moment,
     Panel,
     Sheet,
     Slider,
@@ -36,6 +39,7 @@ from kinematics.singularities import ModeChange
 STEP = {"mm": 0.1, "rad": 0.1}  # on the page: mm and degrees
 
 FREE = "what suits best"
+FOLLOWING = 0.12  # s between two looks at a machine that plays its trajectory
 
 HELP = """
 The mechanism at one pose. **Drag the coloured handle** on the platform, or move the **pose**
@@ -98,6 +102,7 @@ class MovePanel(Panel):
         )
         explain(gui, kind.about("move"), HELP)
         self._mode = view.posture.mode
+        self._followed = 0.0
 
     def _offer_modes(self, desk: Desk, kind: Mechanism, mode: str) -> None:
         """A switch for each limb where modes are signs of limbs, else a list."""
@@ -114,26 +119,16 @@ class MovePanel(Panel):
             answer(desk, switch, partial(self._flip, desk, n))
 
     def draw(self, sheet: Sheet) -> None:
-        view = sheet.view
-        kind, design = view.review.mechanism, view.review.design
-        for slider, c, value in zip(
-            self._pose, kind.pose_coordinates(design), view.posture.pose, strict=True
-        ):
-            slider.draw(
-                in_page_units(c, c.lower), in_page_units(c, c.upper), in_page_units(c, value)
-            )
+        view, kind = sheet.view, sheet.view.review.mechanism
+        self._draw_machine(sheet)
         if self._way is not None:
             symbols = {key: symbol for symbol, key in self._ways.items()}
             put(self._desk, self._way, symbols.get(view.review.gives_way, FREE))
-        for slider, row in zip(self._joints, view.joints, strict=True):
-            slider.draw(row.low, row.high, row.value)
         self._mode = view.posture.mode
         if self._choice is not None:
             put(self._desk, self._choice, self._mode)
         for switch, sign in zip(self._modes, self._mode, strict=bool(self._modes)):
             put(self._desk, switch, sign == "+")
-        put_prop(self._table, "content", _table(view.joints))
-        put_prop(self._residual, "content", _residual(sheet))
         if kind.mode_noun:
             put_prop(self._other, "content", _other_modes(sheet))
             self._meeting = view.mode_change
@@ -141,6 +136,25 @@ class MovePanel(Panel):
             put_prop(self._change, "content", text)
             away = self._meeting is not None and not self._meeting.here
             put_prop(self._go, "visible", away)
+
+    def draw_moment(self, sheet: Sheet, moment: Moment) -> None:
+        now = time.monotonic()
+        if moment.away and (not moment.playing or now - self._followed > FOLLOWING):
+            self._followed = now
+            self._draw_machine(sheet)
+
+    def _draw_machine(self, sheet: Sheet) -> None:
+        """Pose and actuators, be it on a trajectory."""
+        view = sheet.view
+        axes = view.review.mechanism.pose_coordinates(view.review.design)
+        for slider, c, value in zip(self._pose, axes, view.posture.pose, strict=True):
+            slider.draw(
+                in_page_units(c, c.lower), in_page_units(c, c.upper), in_page_units(c, value)
+            )
+        for slider, row in zip(self._joints, view.joints, strict=True):
+            slider.draw(row.low, row.high, row.value)
+        put_prop(self._table, "content", _table(view.joints))
+        put_prop(self._residual, "content", _residual(sheet))
 
     @staticmethod
     def _slider(desk: Desk, c: Coordinate, act: object, value: float) -> Slider:
@@ -228,4 +242,6 @@ def _other_modes(sheet: Sheet) -> str:
 
 def _closure(residual: float) -> str:
     """ "to 6e-14 mm"."""
+    if not math.isfinite(residual):
+        return "impossible here"
     return f"to {residual:.0e} mm" if residual else "exact"

@@ -79,13 +79,15 @@ def _report(laid: Laid) -> str:
     if not any(region.section.loops for region in laid.regions):
         return box("At this orientation the workspace is empty.")
     rows = []
-    for region, color in zip(laid.regions, region_colors(laid.regions), strict=True):
+    drawn = [len(fill.faces) > 0 for fill in laid.fills]
+    colors = region_colors(laid.regions)
+    for region, color, shown in zip(laid.regions, colors, drawn, strict=True):
         section = region.section
-        exact = f"{section.area:,.6f} mm²".replace(",", " ")
+        exact = f"{section.area:,.6f} ± {section.area_error:.1g} mm²".replace(",", " ")
         pieces = f"{section.pieces} piece{'' if section.pieces == 1 else 's'}"
         group = f"group {region.group}" if region.group else ""
         rows.append(
-            f"<tr><td>{chip(color)}{esc(region.title)}</td>"
+            f"<tr><td>{chip(color if shown else 'transparent')}{esc(region.title)}</td>"
             f'<td style="text-align:right;white-space:nowrap" title="{exact}">'
             f"{area_text(section.area)}</td>"
             f'<td style="opacity:.75;white-space:nowrap">{pieces}</td>'
@@ -100,7 +102,8 @@ def _report(laid: Laid) -> str:
         if len(laid.locus)
         else ""
     )
+    some = "" if all(drawn) else " Drawn are those of one mode, as others lie over them."
     return box(
         f'<table style="width:100%">{"".join(rows)}</table>'
-        f'<span style="opacity:.75">{exactly}.{joined}</span>{curves}'
+        f'<span style="opacity:.75">{exactly}.{joined}{some}</span>{curves}'
     )

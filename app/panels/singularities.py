@@ -20,6 +20,8 @@ from app.panels.control_html import (
 from app.panels.desk import (
     Controlled,
     Desk,
+    Elsewhere,
+    Moment,
     Panel,
     Sheet,
     answer,
@@ -60,6 +62,7 @@ class SingularitiesPanel(Panel):
         kind, design = review.mechanism, review.design
         self._desk = desk
         self._sheet = sheet
+        self._elsewhere = Elsewhere(gui)
         self._here = gui.add_html(box("Looking …"))
         self._swing = button(desk, "Show the free motion", lambda _: desk.ask(Swing(0)))
         self._swing.visible = False
@@ -117,6 +120,9 @@ class SingularitiesPanel(Panel):
     def draw_solids(self, sheet: Sheet) -> None:
         if self._aspects is not None:
             self._aspects.draw_solids(sheet)
+
+    def draw_moment(self, sheet: Sheet, moment: Moment) -> None:
+        self._elsewhere.draw(moment)
 
     def draw_control(self, sheet: Sheet, controlled: Controlled) -> None:
         self._sheet = sheet

@@ -15,6 +15,8 @@ from app.folds import Ahead, title, words
 from app.modes import matching, page_mode, signed
 from app.panels.desk import (
     Desk,
+    Elsewhere,
+    Moment,
     Panel,
     Sheet,
     Solutions,
@@ -67,6 +69,7 @@ class SolutionsPanel(Panel):
         self._axes = kind.pose_coordinates(design)
         self._known = kind.modes
         self._mode = review.mode
+        self._elsewhere = Elsewhere(gui)
         self._style = gui.add_html(style(stale=False))
         self._count = gui.add_html("")
         self._ghosts = gui.add_checkbox(
@@ -132,6 +135,9 @@ class SolutionsPanel(Panel):
         limbs = len(self._known[0]) if signed(self._known) else 0
         gui.add_html(box(f'<div style="opacity:0.75">{key_html(self._axes, limbs)}</div>'))
         explain(gui, HELP, kind.about("solutions"))
+
+    def draw_moment(self, sheet: Sheet, moment: Moment) -> None:
+        self._elsewhere.draw(moment)
 
     def draw(self, sheet: Sheet) -> None:
         review = sheet.view.review

@@ -9,6 +9,7 @@ import viser
 
 from app.changes import SetPlan
 from app.panels.desk import (
+    TYPED,
     Desk,
     Moment,
     Moved,
@@ -139,6 +140,8 @@ class TrajectoryPanel(Panel):
                 "Acceleration (mm/s²)", plan.acceleration, min=0.001, step=1.0
             )
             self._samples = gui.add_number("Samples", plan.samples, min=2, max=MOST_SAMPLES, step=1)
+        for typed in (self._duration, self._speed, self._acceleration):
+            put_prop(typed, "precision", TYPED)
         answer(desk, self._law, lambda title, client: self._do(client, law=LAWS[title]))
         answer(desk, self._duration, lambda v, client: self._set(client, duration=float(v)))
         answer(desk, self._speed, lambda v, client: self._set(client, speed=float(v)))

@@ -208,18 +208,17 @@ def _of_distance(strip: Strip) -> bool:
 def mark(computed: Computed, plot: str, axes: Axes, at: float, *, measuring: bool = False) -> str:
     """The cursor where the machine is shown, and every quantity there."""
     shown = strips(computed, plot)
+    boxes = strip_axes(shown, axes)
     x, _ = axes.px(at, 0.0)
-    low = axes.top + axes.inner[1]
-    parts = [
-        f'<path class="cursor" d="M{x:.1f} {axes.top + HEAD:g}V{low:.1f}" stroke="currentColor" '
-        'stroke-width="1.5"/>'
-    ]
+    # Through the boxes only: between them stand the values.
+    line = "".join(f"M{x:.1f} {box.top:g}v{box.inner[1]:.1f}" for box in boxes)
+    parts = [f'<path class="cursor" d="{line}" stroke="currentColor" stroke-width="1.5"/>']
     parts += [
         _symbols(strip, box, _at(computed.found.times, strip, at))
-        for strip, box in zip(shown, strip_axes(shown, axes), strict=True)
+        for strip, box in zip(shown, boxes, strict=True)
     ]
     if measuring:
-        for strip, box in zip(shown, strip_axes(shown, axes), strict=True):
+        for strip, box in zip(shown, boxes, strict=True):
             if _of_distance(strip):
                 parts += _strip(strip, computed.found, box, last=strip is shown[-1])
     return "".join(parts)
@@ -331,7 +330,7 @@ def _frame(strip: Strip, axes: Axes, *, last: bool) -> str:
         f'<text x="{axes.left:g}" y="{axes.top - 5:g}" fill="currentColor" font-size="10">'
         f"{esc(strip.title)}</text>"
     ]
-    for value in ticks(*axes.y, 3 if high < ALONE else 7):
+    for value in _levels(axes.y, 3 if high < ALONE else 7):
         _, y = axes.px(0.0, value)
         parts.append(
             f'<path d="M{axes.left:g} {y:.1f}h-4" stroke="currentColor" stroke-opacity=".6"/>'
@@ -341,8 +340,9 @@ def _frame(strip: Strip, axes: Axes, *, last: bool) -> str:
         )
     for value in ticks(*axes.x, 8):
         x, _ = axes.px(value, 0.0)
+        anchor = "middle" if x < axes.left + wide - 14 else "end"
         label = (
-            f'<text x="{x:.1f}" y="{low + 14:g}" text-anchor="middle" fill="currentColor" '
+            f'<text x="{x:.1f}" y="{low + 14:g}" text-anchor="{anchor}" fill="currentColor" '
             f'font-size="10">{number(value)}</text>'
         )
         parts.append(
@@ -352,7 +352,7 @@ def _frame(strip: Strip, axes: Axes, *, last: bool) -> str:
     if last:
         parts.append(
             f'<text x="{axes.left + wide / 2:g}" y="{low + 28:g}" text-anchor="middle" '
-            'fill="currentColor">t (s)</text>'
+            'fill="currentColor" font-size="10">t (s)</text>'
         )
     if strip.note:
         parts.append(
@@ -360,6 +360,15 @@ def _frame(strip: Strip, axes: Axes, *, last: bool) -> str:
             f'text-anchor="middle" fill="currentColor" fill-opacity=".6">{esc(strip.note)}</text>'
         )
     return "".join(parts)
+
+
+def _levels(span: tuple[float, float], most: int) -> list[float]:
+    """Round numbers that are marked, two at least: one alone tells no scale."""
+    found = ticks(*span, most)
+    while len(found) < 2 and most < 10:
+        most += 1
+        found = ticks(*span, most)
+    return found
 
 
 def _tick(value: float) -> str:

@@ -24,7 +24,7 @@ from app.panels.desk import (
 )
 from app.panels.pose_boxes import PoseBox, PosesBox, units
 from app.panels.sketch import Sketch, sketch_figure, sketch_mark
-from app.plan import FILE, POINTS, STRAIGHT, STROKE, Pose, axes_of, plane_of, trimmed
+from app.plan import FILE, OWN, POINTS, STRAIGHT, STROKE, Pose, axes_of, plane_of, trimmed
 from app.trajectory_files import LARGEST, read_points
 from kinematics.errors import InputError
 from kinematics.spatial import Array
@@ -112,7 +112,10 @@ class WayFolder:
     # --- what a person does
 
     def _choose(self, title: str, client: viser.ClientHandle | None) -> None:
-        self._do(client, way=self._titles[title])
+        way = self._titles[title]
+        # A way with a law of its own runs by that one, until another is chosen.
+        own = {} if way in OWN else {"law": "", "duration": 0.0}
+        self._do(client, way=way, **own)
 
     def _typing(self, typed: PoseBox | PosesBox, name: str) -> Any:
         """Take what is typed as soon as it can be used; until then say what is wrong with it."""
@@ -173,6 +176,7 @@ class WayFolder:
                 file=poses,
                 file_name=file.name[:200],
                 times=points.times or (),
+                **({"law": "", "duration": 0.0} if points.times else {}),
                 file_open="" if left is None else self._axes[left].key,
             )
 

@@ -155,3 +155,28 @@ def test_another_machine_leaves_nothing_of_the_last(shared: Seat) -> None:
     assert page.review.plan.on
     assert not page.seen("/trajectory/")
     assert "press “To here”" in page.text()
+
+
+def test_a_way_with_a_law_of_its_own_runs_by_that(shared: Seat) -> None:
+    page = _open(shared, "five-bar")
+    page.put("Time law", "Quintic, rest to rest")
+    page.put("To", "100, 700")
+    assert page.review.plan.law == "quintic"
+    page.put("It runs", "Straight line at constant velocity")
+    assert page.review.plan.law == ""
+    assert "quintic" not in page.text()
+
+
+def test_on_the_way_actuators_follow_and_what_does_not_says_so(shared: Seat) -> None:
+    page = _open(shared, "five-bar")
+    page.put("To", "100, 700")
+    said = "the trajectory shows the machine elsewhere"
+    before = page.widget("x (mm)").value
+    assert said not in page.text()
+    page.ask(Scrub(1e9))
+    assert page.widget("x (mm)").value == 100.0
+    assert page.widget("y (mm)").value == 700.0
+    assert said in page.text()
+    page.ask(LeaveWay())
+    assert page.widget("x (mm)").value == before
+    assert said not in page.text()

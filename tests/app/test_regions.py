@@ -60,6 +60,9 @@ def test_the_fills_are_as_large_as_the_librarys_regions(name: str, key: str) -> 
     assert len(laid.fills) == len(wanted)
     for region, true, fill in zip(laid.regions, wanted, laid.fills, strict=True):
         assert region.section.area == pytest.approx(true.section.area, rel=1e-12)
+        if region.mode not in ("", review.mode):  # it would lie over the present mode's
+            assert len(fill.faces) == 0
+            continue
         # Chords of STEP mm leave out or add a sliver beside the arcs.
         slack = true.section.perimeter * regions.STEP**2 / 8 / 50
         assert _area(fill) == pytest.approx(true.section.area, rel=2e-3, abs=slack)
@@ -77,12 +80,22 @@ def test_everything_lies_in_the_plane_and_edges_are_as_long_as_the_outline(
         away = (points.reshape(-1, 3) - origin) @ normal
         assert np.abs(away).max(initial=0.0) < 1e-3
     lengths = np.linalg.norm(laid.lines[:, 1] - laid.lines[:, 0], axis=1)
-    perimeter = sum(r.section.perimeter for r in laid.regions)
+    drawn = [r for r in laid.regions if r.mode in ("", _review(name).mode)]
+    assert drawn
+    perimeter = sum(r.section.perimeter for r in drawn)
     assert lengths.sum() == pytest.approx(perimeter, rel=1e-3)
     assert len(laid.line_limb) == len(laid.lines)
-    assert set(laid.line_limb.tolist()) == {
-        int(n) for r in laid.regions for n in r.section.limb.tolist()
-    }
+    assert set(laid.line_limb.tolist()) == {int(n) for r in drawn for n in r.section.limb.tolist()}
+
+
+def test_where_the_present_mode_is_not_asked_for_the_first_one_is_drawn() -> None:
+    review = replace(_review("five-bar"), modes=("-+", "--"))
+    review = replace(review, flat=replace(review.flat, key="modes"))
+    wanted = regions.wish(review)
+    assert wanted is not None
+    laid = regions.lay(wanted)
+    assert [r.mode for r in laid.regions] == ["-+", "--"]
+    assert [len(fill.faces) > 0 for fill in laid.fills] == [True, False]
 
 
 @pytest.mark.parametrize("name", ["five-bar", "sps-spr"])
