@@ -1,19 +1,25 @@
-"""The way of O′ in the scene: a line, red-orange where something is exceeded, marks at warnings."""
+"""The way of O′ in the scene: a line with arrows along it, red-orange where something is exceeded,
+marks at way points and at warnings."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app import palette
 from app.scene import Scene
 from app.trajectory import Computed
+from kinematics.spatial import Array
 from kinematics.trajectories import Trajectory
 
 _NO_LINE = np.zeros((1, 2, 3), dtype=np.float32)
+_NO_ARROW = np.array([[[0, 0, 0], [0, 0, 1]]], dtype=np.float32)
 _NO_POINT = np.zeros((1, 3), dtype=np.float32)
 QUIET = "#4A5460"  # nothing is wrong there
+ARROWS = 4  # along the way
+HEAD = 0.05  # of the machine's size: an arrow's head
 
 
 class Trail:
@@ -23,6 +29,9 @@ class Trail:
         self._scene = scene
         self._lines: list[Any] = []  # where nothing is wrong, and where something is
         self._marks: Any = None
+        self._knots: Any = None
+        self._arrows: Any = None
+        self._size = 1.0
         self._shown: Computed | None = None
 
     def prepare(self, size: float) -> None:
@@ -48,6 +57,25 @@ class Trail:
             precision="float32",
             visible=False,
         )
+        self._knots = scene.add_point_cloud(
+            "/trajectory/knots",
+            _NO_POINT,
+            palette.rgb(QUIET),
+            point_size=0.03 * size,
+            point_shape="circle",
+            precision="float32",
+            visible=False,
+        )
+        self._arrows = scene.add_arrows(
+            "/trajectory/arrows",
+            _NO_ARROW,
+            np.array(palette.rgb(QUIET), np.uint8),
+            shaft_radius=0.1 * HEAD * size,
+            head_radius=0.35 * HEAD * size,
+            head_length=HEAD * size,
+            visible=False,
+        )
+        self._size = size
         self._shown = None
 
     def show(self, computed: Computed | None) -> None:
@@ -70,10 +98,35 @@ class Trail:
                 self._marks.points = computed.marks.astype(np.float32)
                 colors = [QUIET if event.kind == "near" else palette.BEYOND for event in events]
                 self._marks.colors = np.array([palette.rgb(c) for c in colors], np.uint8)
+            self._knots.points = computed.knots.astype(np.float32)
+            arrows = along(spots, HEAD * self._size)
+            if len(arrows):
+                self._arrows.points = arrows
         marked = computed is not None and bool(computed.found.events)
-        for node, visible in zip((*self._lines, self._marks), (*seen, marked), strict=True):
+        knots = computed is not None
+        nodes = (*self._lines, self._marks, self._knots, self._arrows)
+        pointed = computed is not None and bool(len(arrows))
+        for node, visible in zip(nodes, (*seen, marked, knots, pointed), strict=True):
             if node.visible != visible:
                 node.visible = visible
+
+
+def along(spots: Array, length: float) -> NDArray[np.float32]:
+    """Arrows (A, 2, 3) of a length, mm, that point along a way (N, 3), evenly spaced on it; none
+    where it is too short for them.
+    """
+    steps = np.linalg.norm(np.diff(spots, axis=0), axis=1)
+    gone = np.concatenate([[0.0], np.cumsum(steps)])
+    if not gone[-1] > 3.0 * length:
+        return np.empty((0, 2, 3), np.float32)
+    count = min(ARROWS, int(gone[-1] / (3.0 * length)))
+    heads = gone[-1] * (np.arange(count) + 0.5) / count + 0.5 * length
+    ends = np.stack([heads - length, heads], axis=1)
+    points = np.stack([np.interp(ends, gone, spots[:, k]) for k in range(3)], axis=-1)
+    way = points[:, 1] - points[:, 0]
+    straight = way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-12)
+    points[:, 0] = points[:, 1] - length * straight
+    return points.astype(np.float32)
 
 
 def wrong(found: Trajectory) -> np.ndarray:

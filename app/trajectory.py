@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from app.plan import STROKE, Plan, axes_of, missing, path_of, plane_of
+from app.plan import FILE, POINTS, STROKE, Plan, axes_of, missing, path_of, plane_of
 from app.state import Review
 from kinematics.errors import InputError
 from kinematics.mechanism import Design, Mechanism, mechanism
@@ -31,7 +31,8 @@ from kinematics.trajectories.events import Along, events_of
 from kinematics.trajectories.sampling import NEAR
 
 PART = 6  # distances that are found in one go
-CELLS = 64  # of the reach in the plane of a stroke, along each side
+MOST_KNOTS = 60  # way points that are marked
+CELLS, COARSE = 160, 64  # of the reach in the plane of a stroke, along each side
 ROOM = 0.05  # of the reach's size, left free around it
 
 
@@ -59,6 +60,7 @@ class Computed:
         found: its samples; of the distances those that are known, else NaN.
         spots: (N, 3) mm, O′ at the samples, base frame.
         marks: (E, 3) mm, O′ where each event of ``found`` begins.
+        knots: (K, 3) mm, O′ at both ends and at the way points.
     """
 
     asked: Asked
@@ -67,6 +69,7 @@ class Computed:
     found: Trajectory
     spots: Array
     marks: Array
+    knots: Array
 
     def pose_at(self, time: float) -> tuple[float, ...]:
         """The pose at a time, s."""
@@ -78,13 +81,14 @@ class Computed:
 class Reach:
     """Where the machine can be in a plane of two pose coordinates, all others held.
 
-    ``bounds`` are from and to of both, mm or rad; ``inside`` (CELLS, CELLS) by the first and the
-    second at the cells' middles.
+    ``bounds`` are from and to of both, mm or rad; ``inside`` (N, N) by the first and the
+    second at the cells' middles; ``lost`` are curves (N, 2), mm and rad, where control is lost.
     """
 
     plane: tuple[int, int]
     bounds: tuple[tuple[float, float], tuple[float, float]]
     inside: np.ndarray
+    lost: tuple[Array, ...] = ()
 
 
 def asked(review: Review) -> Asked | None:
@@ -131,7 +135,18 @@ def compute(of: Asked) -> Computed:
     )
     path = constrained(path, kind, design, of.mode, follows)
     spots = kind.transform(design, found.poses, of.mode)[:, :3, 3]
-    return Computed(of, path, law, found, spots, _marks(of, found.events))
+    knots = _knots(of, spots, follows)
+    return Computed(of, path, law, found, spots, _marks(of, found.events), knots)
+
+
+def _knots(of: Asked, spots: Array, follows: int | None) -> Array:
+    """The ends and, of not too many, the way points; these are not on a way that is constrained."""
+    points = {POINTS: of.plan.points, FILE: of.plan.file}.get(of.plan.way, ())
+    if follows is not None or not 2 < len(points) <= MOST_KNOTS:
+        return spots[[0, -1]]
+    poses = np.array(points)
+    places: Array = of.kind.transform(of.design, poses, of.mode)[:, :3, 3]
+    return places
 
 
 def distances(of: Asked, poses: Array) -> Array:
@@ -163,13 +178,15 @@ def reach(
     kind = mechanism(design.mechanism)
     axes = kind.pose_coordinates(design)
     whole = tuple((axes[n].lower, axes[n].upper) for n in plane)
-    seen = _inside(kind, design, pose, mode, plane, follows, whole)
+    # Coordinates that follow are solved for one by one.
+    cells = COARSE if set(kind.dependent_coordinates(design)) - set(plane) else CELLS
+    seen = _inside(kind, design, pose, mode, plane, follows, whole, cells)
     if not seen.any():
         return Reach(plane, (whole[0], whole[1]), seen)
     close = []
     for n, (low, high) in enumerate(whole):
         rows = np.flatnonzero(seen.any(axis=1 - n))
-        cell = (high - low) / CELLS
+        cell = (high - low) / cells
         close.append((low + (rows[0] - 0.5) * cell, low + (rows[-1] + 1.5) * cell))
     if axes[plane[0]].unit == axes[plane[1]].unit:  # the same scale both ways
         half = 0.5 * max(high - low for low, high in close) * (1.0 + 2.0 * ROOM)
@@ -178,7 +195,30 @@ def reach(
         (float(close[0][0]), float(close[0][1])),
         (float(close[1][0]), float(close[1][1])),
     )
-    return Reach(plane, bounds, _inside(kind, design, pose, mode, plane, follows, bounds))
+    inside = _inside(kind, design, pose, mode, plane, follows, bounds, cells)
+    return Reach(plane, bounds, inside, _lost(kind, design, pose, mode, plane))
+
+
+def _lost(
+    kind: Mechanism,
+    design: Design,
+    pose: Sequence[float],
+    mode: str,
+    plane: tuple[int, int],
+) -> tuple[Array, ...]:
+    """Curves in a plane where control is lost, if the mechanism has a chart of it."""
+    symbols = [kind.pose_coordinates(design)[n].symbol for n in plane]
+    for chart in kind.locus_specs(design):
+        if sorted(chart.axes) != sorted(symbols):
+            continue
+        found = kind.locus(design, chart.key, pose, mode)
+        turn = 1 if list(chart.axes) == symbols else -1
+        return tuple(
+            found.points[found.start[c] : found.start[c + 1], ::turn]
+            for c, what in enumerate(found.kinds)
+            if what != "serial"
+        )
+    return ()
 
 
 def _inside(
@@ -189,10 +229,11 @@ def _inside(
     plane: tuple[int, int],
     follows: int | None,
     bounds: Sequence[tuple[float, float]],
+    cells: int,
 ) -> np.ndarray:
-    middles = (np.arange(CELLS) + 0.5) / CELLS
+    middles = (np.arange(cells) + 0.5) / cells
     u, v = (low + middles * (high - low) for low, high in bounds)
-    poses = np.tile(np.asarray(pose, dtype=float), (CELLS * CELLS, 1))
+    poses = np.tile(np.asarray(pose, dtype=float), (cells * cells, 1))
     poses[:, plane[0]], poses[:, plane[1]] = (a.ravel() for a in np.meshgrid(u, v, indexing="ij"))
     free = [n for n in kind.dependent_coordinates(design) if n not in plane]
     possible = np.ones(len(poses), dtype=bool)
@@ -209,7 +250,7 @@ def _inside(
                 possible[n] = False
     answer = kind.inverse(design, poses)
     inside: np.ndarray = answer.within_stroke[:, answer.modes.index(mode)] & possible
-    return inside.reshape(CELLS, CELLS)
+    return inside.reshape(cells, cells)
 
 
 def _marks(of: Asked, events: Sequence[Event]) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 import viser
@@ -89,6 +89,7 @@ def sketch_figure(axes: Sequence[Coordinate], reach: Reach) -> Figure:
     content = (
         f'<path class="reach" d="{"".join(cells)}" fill="{palette.WORKSPACE}" fill-opacity=".4" '
         'shape-rendering="crispEdges"/>'
+        + _lost(axes, box, reach)
         + scales(
             box,
             f"{first.symbol} ({page_unit(first)})",
@@ -107,6 +108,30 @@ def sketch_figure(axes: Sequence[Coordinate], reach: Reach) -> Figure:
         "Hold the mouse button and draw the path",
         f"The plane of {first.symbol} and {second.symbol}",
     )
+
+
+def _lost(axes: Sequence[Coordinate], box: Axes, reach: Reach) -> str:
+    """The curves where control is lost, as far as they are within the box."""
+    runs = [run for curve in reach.lost for run in _within(axes, box, curve)]
+    path = "".join(f"M{'L'.join(run)}" for run in runs)
+    if not path:
+        return ""
+    return f'<path class="lost" d="{path}" fill="none" stroke="{palette.BEYOND}" stroke-width="2"/>'
+
+
+def _within(axes: Sequence[Coordinate], box: Axes, curve: Array) -> Iterator[list[str]]:
+    """The parts of a curve (N, 2), mm and rad, that are within the box, as places in px."""
+    run: list[str] = []
+    for first, second in curve.tolist():
+        x, y = in_page_units(axes[0], first), in_page_units(axes[1], second)
+        if box.x[0] <= x <= box.x[1] and box.y[0] <= y <= box.y[1]:
+            run.append("{:.1f} {:.1f}".format(*box.px(x, y)))
+            continue
+        if len(run) > 1:
+            yield run
+        run = []
+    if len(run) > 1:
+        yield run
 
 
 def sketch_mark(axes: Sequence[Coordinate], box: Axes, path: Array, here: Sequence[float]) -> str:

@@ -21,7 +21,7 @@ from app.panels.trajectory_html import fits_html, summary_html
 from app.panels.trajectory_plot import ORDER, figure, mark, plots_svg, strip_axes, strips
 from app.player import Player
 from app.state import Review, new_review
-from app.trail import wrong
+from app.trail import along, wrong
 from app.trajectory import Asked, Computed
 from app.trajectory_text import polynomial
 from kinematics.designs import load_design
@@ -292,3 +292,46 @@ def test_the_plane_of_a_stroke_is_drawn_where_things_are() -> None:
     x, y = box.px(100.0, 500.0)
     assert f"L{x:.1f} {y:.1f}" in marked
     assert 'class="stroke"' not in sketch_mark(axes, box, path[:0], review.pose)
+
+
+def test_arrows_point_along_the_way_and_way_points_are_marked() -> None:
+    turn = np.linspace(0.0, np.pi, 200)
+    spots = 100.0 * np.column_stack([np.cos(turn), np.sin(turn), 0.0 * turn])
+    arrows = along(spots, 10.0)
+    assert len(arrows) == 4
+    way = arrows[:, 1] - arrows[:, 0]
+    np.testing.assert_allclose(np.linalg.norm(way, axis=1), 10.0, rtol=1e-5)
+    np.testing.assert_allclose(np.linalg.norm(arrows[:, 1], axis=1), 100.0, rtol=1e-3)
+    assert (np.cross(arrows[:, 1], way)[:, 2] > 0.0).all()  # counter-clockwise, as it runs
+    assert not len(along(spots[:2], 10.0))
+    assert not len(along(np.zeros((5, 3)), 10.0))
+    review = new_review(load_design("five-bar"))
+    points = ((0.0, 804.0), (100.0, 700.0), (-50.0, 650.0))
+    review = change(review, SetPlan((("on", True), ("way", "points"), ("points", points))))[0]
+    of = trajectory.asked(review)
+    assert of is not None
+    computed = trajectory.compute(of)
+    np.testing.assert_allclose(computed.knots[:, :2], points, atol=1e-9)
+    away = np.linalg.norm(computed.spots[:, None] - computed.knots, axis=2).min(axis=0)
+    assert away.max() < 5.0  # between samples
+
+
+@pytest.mark.parametrize(
+    ("name", "plane"),
+    [("five-bar", (0, 1)), ("five-bar", (1, 0)), ("rpur-table1", (3, 4)), ("rps-3", (1, 2))],
+)
+def test_where_a_stroke_loses_control_is_shown(name: str, plane: tuple[int, int]) -> None:
+    review = new_review(load_design(name))
+    kind, design = review.mechanism, review.design
+    reach = trajectory.reach(design, review.pose, review.mode, plane, None)
+    points = np.concatenate([curve[1:-1] for curve in reach.lost])  # some end on A₁ and A₂
+    points = points[np.isfinite(points).all(axis=1)][::7]
+    assert len(points) > 10
+    poses = np.tile(review.pose, (len(points), 1))
+    poses[:, plane[0]], poses[:, plane[1]] = points.T
+    held = kind.wrench_system(design, poses, review.mode).determinant
+    usual = abs(float(kind.wrench_system(design, review.pose, review.mode).determinant))
+    assert np.nanmax(np.abs(held)) < 1e-3 * usual
+    axes = kind.pose_coordinates(design)
+    drawn = sketch_figure([axes[n] for n in plane], reach).content
+    assert 'class="lost"' in drawn
