@@ -17,6 +17,7 @@ from app import painting, palette
 from app.compute import SolidWish, View, short_title
 from app.creases import crease_lines
 from app.painting import Coat
+from app.state import is_planar
 from kinematics.drawings import Bar, Body, Drawing, Mark
 from kinematics.mechanism import Coordinate, SolidSpec, mechanism
 from kinematics.spatial import Array
@@ -314,8 +315,10 @@ class Scene:
             )
             self._shape[name] = shape
             self._forget(name)
+            # Seen from above the corner in front is beyond the picture's edge.
             corner = 0.5 * reach
-            self._label("/labels/grid", f"grid {GRID:.0f} mm", (corner, -corner, floor), visible)
+            side = -corner if is_planar(view.review) else corner
+            self._label("/labels/grid", f"grid {GRID:.0f} mm", (side, -corner, floor), visible)
         self._set(name, node, visible=visible)
         self._set("/labels/grid", self._nodes["/labels/grid"], visible=visible)
 

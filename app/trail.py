@@ -19,7 +19,7 @@ _NO_ARROW = np.array([[[0, 0, 0], [0, 0, 1]]], dtype=np.float32)
 _NO_POINT = np.zeros((1, 3), dtype=np.float32)
 QUIET = "#4A5460"  # nothing is wrong there
 ARROWS = 4  # along the way
-HEAD = 0.05  # of the machine's size: an arrow's head
+HEAD = 0.1  # of the machine's size: an arrow's head
 
 
 class Trail:
@@ -70,8 +70,8 @@ class Trail:
             "/trajectory/arrows",
             _NO_ARROW,
             np.array(palette.rgb(QUIET), np.uint8),
-            shaft_radius=0.1 * HEAD * size,
-            head_radius=0.35 * HEAD * size,
+            shaft_radius=0.06 * HEAD * size,
+            head_radius=0.3 * HEAD * size,
             head_length=HEAD * size,
             visible=False,
         )
