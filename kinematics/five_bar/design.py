@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import degrees
+from math import degrees, radians
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,7 @@ from kinematics.spatial import Array
 
 LIMBS = 2
 SUBSCRIPTS = "₁₂"
+WHOLE_TURN = (-180.0, 180.0)  # degrees, the range that is offered where there is none
 SHORTEST = 1e-3
 """mm; below a micrometre a link is a slip of the pen."""
 
@@ -152,16 +153,17 @@ def design_to_table(design: FiveBarDesign) -> dict[str, Any]:
 
 
 def design_fields(design: FiveBarDesign) -> tuple[DesignField, ...]:
-    """The five lengths, mm, and the ends of the joint ranges that there are, rad."""
+    """The five lengths, mm, and the ends of the joint ranges, rad; a whole turn where there is
+    none.
+    """
     fields: list[DesignField] = []
     for i, limb in enumerate(design.limbs):
         group, mark = f"Limb {i + 1}", SUBSCRIPTS[i]
         fields.append(DesignField(("proximal", i), "proximal r₁", limb.proximal, "mm", group))
         fields.append(DesignField(("distal", i), "distal r₂", limb.distal, "mm", group))
-        if limb.joint_range_deg is not None:
-            for end, value in enumerate(design.joint_range[i].tolist()):
-                label = f"θ{mark} {('min', 'max')[end]}"
-                fields.append(DesignField(("joint_range_deg", i, end), label, value, "rad", group))
+        for end, value in enumerate(limb.joint_range_deg or WHOLE_TURN):
+            label, path = f"θ{mark} {('min', 'max')[end]}", ("joint_range_deg", i, end)
+            fields.append(DesignField(path, label, radians(value), "rad", group))
     fields.append(DesignField(("half_base",), "half base r₃", design.half_base, "mm", "Base"))
     return tuple(fields)
 
@@ -169,12 +171,21 @@ def design_fields(design: FiveBarDesign) -> tuple[DesignField, ...]:
 def with_field(design: FiveBarDesign, path: Sequence[str | int], value: float) -> FiveBarDesign:
     """The design with one number (a `DesignField.path`; mm or rad) changed and checked again.
 
+    A joint range of a whole turn or more is none.
+
     Raises:
         InputError: the design has no such number.
         DesignError: the design would not be valid with it.
     """
-    written = degrees(value) if path and path[0] == "joint_range_deg" else value
-    changed = change_table(design_to_table(design), design_fields(design), path, written)
+    table, key = design_to_table(design), "joint_range_deg"
+    if not path or path[0] != key:
+        changed = change_table(table, design_fields(design), path, value)
+        return design_from_table(changed, origin="", name=design.name)
+    table[key] = [list(limb.joint_range_deg or WHOLE_TURN) for limb in design.limbs]
+    changed = change_table(table, design_fields(design), path, round(degrees(value), 12))
+    changed[key] = [[] if high - low >= 360.0 else [low, high] for low, high in changed[key]]
+    if not any(changed[key]):
+        del changed[key]
     return design_from_table(changed, origin="", name=design.name)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from kinematics.designs import load_design, read_design, write_design
 from kinematics.errors import DesignError, InputError
-from kinematics.five_bar.design import FiveBarDesign
+from kinematics.five_bar.design import FiveBarDesign, design_fields, with_field
 from kinematics.mechanism import mechanism
 
 PLAIN = 'mechanism = "five_bar"\nproximal = 480\ndistal = [300.0, 350.0]\nhalf_base = 240.0\n'
@@ -104,3 +104,14 @@ def test_findings() -> None:
         "Limb 2 folds onto its base",
         "Equal distal links",
     }
+
+
+def test_a_joint_range_can_be_given_narrowed_and_taken_away() -> None:
+    free = load_design("five-bar")
+    fields = {f.path: f.value for f in design_fields(free)}
+    assert fields["joint_range_deg", 0, 0] == pytest.approx(-np.pi)
+    assert fields["joint_range_deg", 1, 1] == pytest.approx(np.pi)
+    held = with_field(free, ("joint_range_deg", 0, 1), np.radians(150.0))
+    assert held.limbs[0].joint_range_deg == (-180.0, 150.0)
+    assert held.limbs[1].joint_range_deg is None
+    assert with_field(held, ("joint_range_deg", 0, 1), np.pi) == free
