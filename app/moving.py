@@ -89,6 +89,7 @@ class Moving:
         self._framed_at = 0.0
         self._fit_at: float | None = None
         self._told: Moment | None = None
+        self._played_to = 0.0  # s of the trajectory, in the last picture
 
     @property
     def late(self) -> bool:
@@ -249,6 +250,7 @@ class Moving:
                     return False
                 on = not self._player.playing if on is None else on
                 self._player = self._player.play(now) if on else self._player.pause(now)
+                self._played_to = self._player.at(now)
                 self._away, self._settle_at, self._late = True, None, True
             case Scrub(at, client):
                 self._scrub(at, client)
@@ -377,8 +379,34 @@ class Moving:
             self._stage.put("fit")
         if self._player.over(now):
             self._player, self._late = self._player.to(self._player.duration), True
+        self._halt(now)
         if self._late or (self._player.playing and now - self._framed_at >= FRAME):
             self._show(now)
+
+    def _halt(self, now: float) -> None:
+        """Stop at a singularity that has been passed since the last picture."""
+        if not self._player.playing:
+            return
+        before, at = self._played_to, self._player.at(now)
+        self._played_to = at
+        computed = self._computed
+        if computed is None or not self._current or not self._stage.view.review.plan.halt:
+            return
+        low, high = min(before, at), max(before, at)
+        if high - low > 0.5 * computed.law.duration:
+            return  # it has begun again
+        met = [
+            time
+            for event in computed.found.events
+            for time in {event.start, event.end}
+            if event.kind == "singularity" and low < time <= high
+        ]
+        if met:
+            self._played_to = min(met) if at > before else max(met)
+            self._player, self._late = self._player.halted(self._played_to, now), True
+            self._stage.complain(
+                f"Stopped at {self._played_to:.3f} s: the platform is not held there. Play goes on."
+            )
 
     def _show(self, now: float) -> None:
         late, self._late = self._late, False

@@ -66,6 +66,7 @@ class Plan:
         samples: how many times are computed.
         rates, accelerations, forces: limits of the actuators; () where there are none.
         playback, pace: how it is played, and how fast.
+        halt: playing stops at singularities, as no machine is driven across one.
         degree: of the polynomials that are fitted to the joints; 0 for none.
         plot: what the plots show, one of `PLOTS`.
     """
@@ -94,6 +95,7 @@ class Plan:
     forces: tuple[float, ...] = ()
     playback: Playback = "loop"
     pace: float = 1.0
+    halt: bool = True
     degree: int = 0
     plot: str = "all"
 
@@ -119,7 +121,17 @@ def plan_for(review: Review, plan: Plan) -> Plan:
         fresh_plan(review),
         **{
             name: getattr(plan, name)
-            for name in ("on", "law", "playback", "pace", "samples", "degree", "plot", "through")
+            for name in (
+                "on",
+                "law",
+                "playback",
+                "pace",
+                "halt",
+                "samples",
+                "degree",
+                "plot",
+                "through",
+            )
         },
     )
     named = {each.name for each in review.mechanism.trajectories(review.design)}

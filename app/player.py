@@ -69,6 +69,11 @@ class Player:
         """Stand still at a time."""
         return replace(self, phase=min(max(time, 0.0), self.duration), since=None)
 
+    def halted(self, time: float, now: float) -> Player:
+        """Stand still at a time that it has just passed, on its way back if it was."""
+        back = self._swings and self._phase(now) > self.duration
+        return replace(self, phase=2.0 * self.duration - time if back else time, since=None)
+
     def paced(self, playback: Playback, pace: float, now: float) -> Player:
         """The same place, played otherwise from now on."""
         if (playback, pace) == (self.playback, self.pace):

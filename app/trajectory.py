@@ -98,7 +98,7 @@ def asked(review: Review) -> Asked | None:
         return None
     usual = Plan()
     # How it is shown makes no other trajectory, nor do ways that are not taken.
-    shown = ("playback", "pace", "degree", "plot", "plane")
+    shown = ("playback", "pace", "halt", "degree", "plot", "plane")
     others = {
         "straight": ("start", "end"),
         "points": ("points",),

@@ -76,7 +76,7 @@ ones where a singularity is near; the same places are marked on the path in the 
 
 **Play** moves the machine in the scene, and the review stays where it is: *Stop here* puts it where
 it is shown, and so does the scrub bar, or a click on a plot, once the hand rests. Undo takes it
-back. Where coordinates depend on each other, one of them follows along the way.
+back. Playing stops where the platform is not held, as a machine could not be driven on. Where coordinates depend on each other, one of them follows along the way.
 
 A **polynomial fit** replaces each joint's curve; its true error is that of the machine that the
 polynomials drive, solved again. CSV files have the same columns as `bohemia trajectory` writes.
@@ -200,7 +200,11 @@ class TrajectoryPanel(Panel):
             )
             self._pace = gui.add_dropdown("Speed", tuple(PACES), initial_value="1×")
             self._playback = gui.add_dropdown("Playback", tuple(PLAYBACKS))
+            self._halts = gui.add_checkbox(
+                "Stop where singular", plan.halt, hint="No machine is driven across a singularity"
+            )
             self._shown = gui.add_dropdown("Plot", tuple(PLOTS))
+        answer(desk, self._halts, lambda on, client: self._do(client, halt=on))
         answer(desk, self._scrub, lambda at, client: desk.ask(Scrub(float(at), client)))
         clicked(desk, self._play, lambda _: desk.ask(Play()))
         answer(desk, self._pace, lambda title, client: self._do(client, pace=PACES[title]))
@@ -269,6 +273,7 @@ class TrajectoryPanel(Panel):
         put(desk, self._degree, str(plan.degree) if plan.degree else NO_FIT)
         put(desk, self._pace, next((t for t, v in PACES.items() if v == plan.pace), "1×"))
         put(desk, self._playback, next(t for t, v in PLAYBACKS.items() if v == plan.playback))
+        put(desk, self._halts, plan.halt)
         put(desk, self._shown, next(t for t, v in PLOTS.items() if v == plan.plot))
         if not plan.on:
             put_prop(self._window, "visible", False)

@@ -239,6 +239,44 @@ def test_the_machine_is_not_put_beside_its_way(desk: Desk) -> None:
     assert desk.part._away  # and is still shown there
 
 
+def test_playing_stops_at_singularities_and_goes_on_from_there(desk: Desk) -> None:
+    desk.set(way="straight", start=(0.0, 804.0), end=(0.0, 300.0), samples=51, rates=())
+    desk.do(desk.wanted[0])
+    part, computed = desk.part, desk.part._computed
+    assert computed is not None
+    (met,) = {e.start for e in computed.found.events if e.kind == "singularity"}
+    assert computed.pose_at(met)[1] == pytest.approx(np.sqrt(480.0**2 - 240.0**2), abs=1e-3)
+    part.take(Play(on=True))
+    begun = part._player.since
+    assert begun is not None
+    for step in np.linspace(0.0, 0.9 * computed.law.duration, 40):  # pictures
+        part._halt(begun + step)
+    assert not part._player.playing
+    assert part._player.at(0.0) == met
+    assert desk.stage.told[-1].startswith(f"Stopped at {met:.3f} s")
+    part.take(Play(on=True))
+    begun = part._player.since
+    assert begun is not None
+    part._halt(begun + 0.5 * (computed.law.duration - met))
+    assert part._player.playing
+    desk.set(halt=False)
+    part.take(Scrub(0.0))
+    part.take(Play(on=True))
+    begun = part._player.since
+    assert begun is not None
+    part._halt(begun + 0.99 * computed.law.duration)
+    part._halt(begun + 0.995 * computed.law.duration)
+    assert part._player.playing
+    # On the way back of "to and fro", too.
+    desk.set(halt=True, playback="swing")
+    part._player = part._player.to(0.0).play(0.0)
+    part._played_to = 0.95 * computed.law.duration
+    part._halt(1.2 * computed.law.duration)
+    part._halt(2.0 * computed.law.duration - 0.9 * met)
+    assert part._player.at(0.0) == pytest.approx(met)
+    assert part._player.play(0.0).at(0.01) < met
+
+
 def test_to_and_fro_goes_on_as_it_went() -> None:
     player = Player(2.0, "swing").play(0.0)
     back = player.pause(2.5)  # on its way back
