@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from kinematics.errors import InputError
 
 Array = NDArray[np.float64]
+
+_T = TypeVar("_T", bound=np.generic)
 
 
 class Frozen:
@@ -23,6 +25,34 @@ class Frozen:
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self.__post_init__()
+
+
+def frozen(values: NDArray[_T]) -> NDArray[_T]:
+    """The array itself, read-only from now on; of a number one without axes."""
+    array = np.asarray(values)
+    array.setflags(write=False)
+    return array
+
+
+def read_only(values: ArrayLike) -> Array:
+    """Values as an array of floats of its own, read-only."""
+    return frozen(np.array(values, dtype=float))
+
+
+def common_box(centers: Array, radius: Array, step: float) -> tuple[tuple[float, ...], ...]:
+    """What boxes (N, 3) ± (N,) have in common, rounded outwards to steps: lows and highs.
+
+    Where they have nothing in common: a box about all of them.
+    """
+    low = (centers - radius[:, None]).max(axis=0)
+    high = (centers + radius[:, None]).min(axis=0)
+    apart = low >= high
+    low = np.where(apart, (centers - radius[:, None]).min(axis=0), low)
+    high = np.where(apart, (centers + radius[:, None]).max(axis=0), high)
+    return (
+        tuple(float(v) for v in np.floor(low / step) * step),
+        tuple(float(v) for v in np.ceil(high / step) * step),
+    )
 
 
 def rotation_x(angle: ArrayLike) -> Array:

@@ -76,7 +76,8 @@ ones where a singularity is near; the same places are marked on the path in the 
 
 **Play** moves the machine in the scene, and the review stays where it is: *Stop here* puts it where
 it is shown, and so does the scrub bar, or a click on a plot, once the hand rests. Undo takes it
-back. Playing stops where the platform is not held, as a machine could not be driven on. Where coordinates depend on each other, one of them follows along the way.
+back. Playing stops where the platform is not held, as a machine could not be driven on. Where
+coordinates depend on each other, one of them follows along the way.
 
 A **polynomial fit** replaces each joint's curve; its true error is that of the machine that the
 polynomials drive, solved again. CSV files have the same columns as `bohemia trajectory` writes.

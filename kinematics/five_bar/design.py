@@ -19,7 +19,7 @@ from kinematics.designs import (
     read_text,
 )
 from kinematics.mechanism import DesignField
-from kinematics.spatial import Array
+from kinematics.spatial import Array, read_only
 
 LIMBS = 2
 SUBSCRIPTS = "₁₂"
@@ -59,25 +59,25 @@ class FiveBarDesign:
     @cached_property
     def base(self) -> Array:
         """A_i, (2, 2) mm, read-only."""
-        return _readonly([[-self.half_base, 0.0], [self.half_base, 0.0]])
+        return read_only([[-self.half_base, 0.0], [self.half_base, 0.0]])
 
     @cached_property
     def proximal(self) -> Array:
         """(2,) mm, read-only."""
-        return _readonly([limb.proximal for limb in self.limbs])
+        return read_only([limb.proximal for limb in self.limbs])
 
     @cached_property
     def distal(self) -> Array:
         """(2,) mm, read-only."""
-        return _readonly([limb.distal for limb in self.limbs])
+        return read_only([limb.distal for limb in self.limbs])
 
     @cached_property
     def joint_range(self) -> Array:
         """(2, 2) rad: the least and the largest θ_i; infinite where a limb turns freely."""
         free = (-np.inf, np.inf)
-        return _readonly(
+        return read_only(
             [
-                free if limb.joint_range_deg is None else np.radians(limb.joint_range_deg)
+                free if limb.joint_range_deg is None else np.radians(limb.joint_range_deg).tolist()
                 for limb in self.limbs
             ]
         )
@@ -91,12 +91,6 @@ class FiveBarDesign:
     def size(self) -> float:
         """A typical length, mm: what a limb spans at most, on the average."""
         return float(np.mean(self.proximal + self.distal))
-
-
-def _readonly(values: object) -> Array:
-    array = np.array(values, dtype=float)
-    array.setflags(write=False)
-    return array
 
 
 # --- design files --------------------------------------------------------------------------

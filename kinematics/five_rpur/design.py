@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-import numpy as np
-
 from kinematics.designs import (
     KeyPath,
     TableError,
@@ -20,7 +18,7 @@ from kinematics.designs import (
     read_text,
 )
 from kinematics.mechanism import DesignField
-from kinematics.spatial import Array
+from kinematics.spatial import Array, read_only
 
 Point = tuple[float, float, float]
 LIMBS = 5
@@ -61,28 +59,22 @@ class FiveRPURDesign:
     @cached_property
     def base(self) -> Array:
         """r_i, (5, 3) mm in the base frame, read-only."""
-        return _readonly([limb.base for limb in self.limbs])
+        return read_only([limb.base for limb in self.limbs])
 
     @cached_property
     def platform(self) -> Array:
         """s'_i, (5, 3) mm in the platform frame, read-only."""
-        return _readonly([limb.platform for limb in self.limbs])
+        return read_only([limb.platform for limb in self.limbs])
 
     @cached_property
     def link(self) -> Array:
         """l_i, (5,) mm, read-only."""
-        return _readonly([limb.link for limb in self.limbs])
+        return read_only([limb.link for limb in self.limbs])
 
     @cached_property
     def stroke(self) -> Array:
         """(5, 2) mm: ρ_min and ρ_max, read-only."""
-        return _readonly([limb.stroke for limb in self.limbs])
-
-
-def _readonly(values: object) -> Array:
-    array = np.array(values, dtype=float)
-    array.setflags(write=False)
-    return array
+        return read_only([limb.stroke for limb in self.limbs])
 
 
 # --- design files --------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from kinematics.five_rpur.arrangements import CLASSES, PairKind, arrangements
 from kinematics.five_rpur.continuation.following import follow
 from kinematics.five_rpur.design import FiveRPURDesign
 from kinematics.solutions import Posture
-from kinematics.spatial import Array
+from kinematics.spatial import Array, common_box
 
 GRID = 15  # positions tried along each axis
 ROUNDS = 12  # halvings of the step while the best position of a mode is improved
@@ -29,17 +29,8 @@ _NEIGHBOURS = np.array(list(product((-1.0, 0.0, 1.0), repeat=3)))
 def reach(design: FiveRPURDesign) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """A box that holds O' whatever the orientation, rounded outwards to 10 mm: lows and highs."""
     radius = design.stroke[:, 1] + design.link + np.linalg.norm(design.platform, axis=1)
-    low = (design.base - radius[:, None]).max(axis=0)
-    high = (design.base + radius[:, None]).min(axis=0)
-    # Limbs too far apart to meet: offer what one of them reaches.
-    apart = low >= high
-    low = np.where(apart, (design.base - radius[:, None]).min(axis=0), low)
-    high = np.where(apart, (design.base + radius[:, None]).max(axis=0), high)
-    step = 10.0
-    return (
-        tuple(float(v) for v in np.floor(low / step) * step),
-        tuple(float(v) for v in np.ceil(high / step) * step),
-    )
+    low, high = common_box(design.base, radius, 10.0)  # limbs apart: what one of them reaches
+    return low, high
 
 
 @lru_cache(maxsize=64)

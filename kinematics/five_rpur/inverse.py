@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import product
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from kinematics.errors import InputError
 from kinematics.five_rpur.design import LIMBS, SUBSCRIPTS, FiveRPURDesign
 from kinematics.solutions import Bound, InverseSolutions, Margin, Posture, Reason
-from kinematics.spatial import Array, finite, homogeneous, rotation_x, rotation_y
+from kinematics.spatial import Array, finite, frozen, homogeneous, rotation_x, rotation_y
 
 MODES: tuple[str, ...] = tuple("".join(signs) for signs in product("+-", repeat=LIMBS))
 """The 32 working modes, limb 5 changing fastest: "+++++", "++++-", … "-----"."""
@@ -33,7 +32,6 @@ SNAP = 1e-10
 """mm within which a length is the one that was wanted."""
 
 _Components = tuple[Array, Array, Array]
-_T = TypeVar("_T", bound=np.generic)
 
 _CHUNK = 4096  # poses at a time, so that the temporaries stay in the cache
 
@@ -57,7 +55,7 @@ def limb_lengths(design: FiveRPURDesign, poses: ArrayLike) -> Array:
     lengths = np.empty((len(flat), LIMBS, 2))
     for part in _chunks(len(flat)):
         lengths[part] = _both_lengths(design, _offsets(design, flat[part]))
-    return _frozen(lengths.reshape(*shape, LIMBS, 2))
+    return frozen(lengths.reshape(*shape, LIMBS, 2))
 
 
 def inverse(design: FiveRPURDesign, poses: ArrayLike) -> InverseSolutions:
@@ -79,9 +77,9 @@ def inverse(design: FiveRPURDesign, poses: ArrayLike) -> InverseSolutions:
         residual[part] = _worst_residual(design, flat[part], offsets, lengths)
     return InverseSolutions(
         modes=MODES,
-        joints=_frozen(joints.reshape(*shape, len(MODES), LIMBS)),
-        within_stroke=_frozen(within.reshape(*shape, len(MODES))),
-        residual=_frozen(residual.reshape(shape)),
+        joints=frozen(joints.reshape(*shape, len(MODES), LIMBS)),
+        within_stroke=frozen(within.reshape(*shape, len(MODES))),
+        residual=frozen(residual.reshape(shape)),
     )
 
 
@@ -103,7 +101,7 @@ def inside(
         else:
             picked: NDArray[np.bool_] = ok.reshape(-1, 2 * LIMBS)[:, chosen]
             answer[part] = np.any(np.all(picked, axis=2), axis=1)
-    return _frozen(answer.reshape(shape))
+    return frozen(answer.reshape(shape))
 
 
 def signs(mode: str | ArrayLike) -> Array:
@@ -240,9 +238,9 @@ def joint_points(
     out = (*shape, LIMBS, 3)
     base = np.broadcast_to(design.base, out).copy()
     return (
-        _frozen(base),
-        _frozen(np.stack(elbow, axis=-1).swapaxes(0, 1).reshape(out)),
-        _frozen(np.stack(tip, axis=-1).swapaxes(0, 1).reshape(out)),
+        frozen(base),
+        frozen(np.stack(elbow, axis=-1).swapaxes(0, 1).reshape(out)),
+        frozen(np.stack(tip, axis=-1).swapaxes(0, 1).reshape(out)),
     )
 
 
@@ -258,7 +256,7 @@ def closure_residual(
     rho = np.broadcast_to(np.asarray(joints, dtype=float), (*shape, LIMBS)).reshape(-1, LIMBS).T
     elbows = _elbows(design, flat, _offsets(design, flat), sigma)
     residual = _residual(design, flat[:, 4], elbows, _tips(design, flat), rho)
-    return _frozen(residual.T.reshape(*shape, LIMBS))
+    return frozen(residual.T.reshape(*shape, LIMBS))
 
 
 def transform(poses: ArrayLike) -> Array:
@@ -473,8 +471,3 @@ def _all_modes(within: NDArray[np.bool_]) -> NDArray[np.bool_]:
 def _platform_rotation(poses: Array) -> Array:
     rotation: Array = rotation_y(poses[..., 4]) @ rotation_x(poses[..., 3])
     return rotation
-
-
-def _frozen(array: NDArray[_T]) -> NDArray[_T]:
-    array.setflags(write=False)
-    return array

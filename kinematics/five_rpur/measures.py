@@ -15,7 +15,7 @@ from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.five_rpur.statics import statics, wrench_system
 from kinematics.five_rpur.velocity import characteristic_length, condition, wrenches
 from kinematics.singularities import Measure
-from kinematics.spatial import Array
+from kinematics.spatial import Array, frozen
 from kinematics.wrenches import normalised
 
 MEASURES: tuple[Measure, ...] = (
@@ -66,7 +66,7 @@ def conditioning(design: FiveRPURDesign, poses: ArrayLike, mode: str) -> Array:
     Angeles 1991).
     """
     with np.errstate(divide="ignore"):
-        return _frozen(1.0 / condition(design, poses, mode))
+        return frozen(1.0 / condition(design, poses, mode))
 
 
 def manipulability(design: FiveRPURDesign, poses: ArrayLike, mode: str) -> Array:
@@ -80,7 +80,7 @@ def manipulability(design: FiveRPURDesign, poses: ArrayLike, mode: str) -> Array
     unit = normalised(system.rows, characteristic_length(design))
     closes = np.asarray(np.isfinite(unit).all(axis=(-1, -2)))
     value = np.abs(np.linalg.det(np.where(closes[..., None, None], unit, 0.0)))
-    return _frozen(np.where(closes, np.minimum(value, 1.0), np.nan))
+    return frozen(np.where(closes, np.minimum(value, 1.0), np.nan))
 
 
 def transmission(design: FiveRPURDesign, poses: ArrayLike, mode: str) -> Array:
@@ -107,7 +107,7 @@ def transmission(design: FiveRPURDesign, poses: ArrayLike, mode: str) -> Array:
         push = np.abs((force * moved).sum(axis=-1)) / np.linalg.norm(moved, axis=-1)
         pull = np.abs(w.transmission) / np.linalg.norm(w.force, axis=-1)
         least = np.minimum(push, pull).min(axis=-1)
-    return _frozen(np.where(held, np.minimum(least, 1.0), np.where(good, 0.0, np.nan)))
+    return frozen(np.where(held, np.minimum(least, 1.0), np.where(good, 0.0, np.nan)))
 
 
 def largest_force(
@@ -122,7 +122,7 @@ def largest_force(
     rows = wrench_system(design, poses, mode).rows
     closes = np.isfinite(rows).all(axis=(-1, -2))
     force = np.abs(found.forces[..., :LIMBS]).max(axis=-1)
-    return _frozen(np.where(closes & np.isnan(force), np.inf, force))
+    return frozen(np.where(closes & np.isnan(force), np.inf, force))
 
 
 _SINGULAR = 1e-14  # determinant of the wrenches below which there is no transmission
@@ -132,9 +132,3 @@ _PLAIN: dict[str, Callable[[FiveRPURDesign, ArrayLike, str], Array]] = {
     "manipulability": manipulability,
     "transmission": transmission,
 }
-
-
-def _frozen(values: Array) -> Array:
-    result = np.asarray(values, dtype=float)
-    result.setflags(write=False)
-    return result

@@ -19,7 +19,7 @@ from kinematics.designs import (
     read_text,
 )
 from kinematics.mechanism import DesignField
-from kinematics.spatial import Array
+from kinematics.spatial import Array, read_only
 
 Point = tuple[float, float, float]
 LIMBS = 5
@@ -66,23 +66,23 @@ class FourSPSSPRDesign:
     @cached_property
     def base(self) -> Array:
         """A_i, (5, 3) mm in the base frame, read-only."""
-        return _readonly([limb.base for limb in self.limbs])
+        return read_only([limb.base for limb in self.limbs])
 
     @cached_property
     def platform(self) -> Array:
         """b_i, (5, 3) mm in the platform frame, read-only."""
-        return _readonly([limb.platform for limb in self.limbs])
+        return read_only([limb.platform for limb in self.limbs])
 
     @cached_property
     def stroke(self) -> Array:
         """(5, 2) mm: the shortest and the longest lengths, read-only."""
-        return _readonly([limb.stroke for limb in self.limbs])
+        return read_only([limb.stroke for limb in self.limbs])
 
     @cached_property
     def axis(self) -> Array:
         """n6 in the platform frame, (3,) of length one, read-only."""
         direction = np.array(self.revolute_axis)
-        return _readonly(direction / np.linalg.norm(direction))
+        return read_only(direction / np.linalg.norm(direction))
 
     @cached_property
     def offset(self) -> float:
@@ -105,12 +105,6 @@ class FourSPSSPRDesign:
     def size(self) -> float:
         """A typical length of the machine, mm."""
         return float(max(np.abs(self.base).max(), np.abs(self.platform).max(), self.stroke.max()))
-
-
-def _readonly(values: object) -> Array:
-    array = np.array(values, dtype=float)
-    array.setflags(write=False)
-    return array
 
 
 # --- design files --------------------------------------------------------------------------

@@ -11,7 +11,7 @@ from kinematics.four_sps_spr.constraint import complete_pose
 from kinematics.four_sps_spr.design import FourSPSSPRDesign
 from kinematics.four_sps_spr.inverse import rotation, violation
 from kinematics.solutions import Posture
-from kinematics.spatial import Array
+from kinematics.spatial import Array, common_box
 
 GRID = 25  # positions tried along each axis of the plane
 ROUNDS = 14  # halvings of the step while the best position is improved
@@ -23,17 +23,8 @@ TILTS = ((0.0, 0.0, 0.0), *((0.0, b, c) for b in (0.2, -0.2) for c in (0.2, -0.2
 def reach(design: FourSPSSPRDesign) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """A box that holds p whatever the orientation, rounded outwards to 10 mm: lows and highs."""
     radius = design.stroke[:, 1] + np.linalg.norm(design.platform, axis=1)
-    low = (design.base - radius[:, None]).max(axis=0)
-    high = (design.base + radius[:, None]).min(axis=0)
-    # Limbs too far apart to meet: offer what one of them reaches.
-    apart = low >= high
-    low = np.where(apart, (design.base - radius[:, None]).min(axis=0), low)
-    high = np.where(apart, (design.base + radius[:, None]).max(axis=0), high)
-    step = 10.0
-    return (
-        tuple(float(v) for v in np.floor(low / step) * step),
-        tuple(float(v) for v in np.ceil(high / step) * step),
-    )
+    low, high = common_box(design.base, radius, 10.0)  # limbs apart: what one of them reaches
+    return low, high
 
 
 @lru_cache(maxsize=64)

@@ -12,7 +12,6 @@ cannot be assembled: limb 5 has no length there. Lengths mm, angles rad.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,7 +19,15 @@ from numpy.typing import ArrayLike, NDArray
 from kinematics.errors import InputError
 from kinematics.four_sps_spr.design import LIMBS, SPR, SUBSCRIPTS, FourSPSSPRDesign
 from kinematics.solutions import Bound, InverseSolutions, Margin, Posture, Reason
-from kinematics.spatial import Array, finite, homogeneous, rotation_x, rotation_y, rotation_z
+from kinematics.spatial import (
+    Array,
+    finite,
+    frozen,
+    homogeneous,
+    rotation_x,
+    rotation_y,
+    rotation_z,
+)
 
 POSE = 6
 MODES = ("",)
@@ -31,8 +38,6 @@ CONSTRAINT_SLACK = 1e-6
 """mm by which A_5 may be off the plane of limb 5; a pose written with fewer digits is refused."""
 SNAP = 1e-10
 """mm within which a length is the one that was wanted."""
-
-_T = TypeVar("_T", bound=np.generic)
 
 
 # --- frames --------------------------------------------------------------------------------
@@ -83,7 +88,7 @@ def platform_points(design: FourSPSSPRDesign, poses: ArrayLike) -> Array:
     """B_i in the base frame, (..., 5, 3) mm, of poses (..., 6)."""
     p = finite(poses, name="a pose", last=POSE)
     points: Array = p[..., None, :3] + design.platform @ rotation(p).swapaxes(-1, -2)
-    return _frozen(points)
+    return frozen(points)
 
 
 def violation(design: FourSPSSPRDesign, poses: ArrayLike) -> Array:
@@ -98,7 +103,7 @@ def leg_lengths(design: FourSPSSPRDesign, poses: ArrayLike) -> Array:
     """l_i, (..., 5) mm, whether the constraint holds or not."""
     legs = platform_points(design, poses) - design.base
     lengths: Array = np.sqrt((legs * legs).sum(axis=-1))
-    return _frozen(lengths)
+    return frozen(lengths)
 
 
 def inverse(design: FourSPSSPRDesign, poses: ArrayLike) -> InverseSolutions:
@@ -115,15 +120,15 @@ def inverse(design: FourSPSSPRDesign, poses: ArrayLike) -> InverseSolutions:
     within = held & ((lengths >= low) & (lengths <= high)).all(axis=-1)
     return InverseSolutions(
         modes=MODES,
-        joints=_frozen(lengths[..., None, :]),
-        within_stroke=_frozen(np.asarray(within)[..., None]),
-        residual=_frozen(np.asarray(np.where(held, apart, np.nan))),
+        joints=frozen(lengths[..., None, :]),
+        within_stroke=frozen(np.asarray(within)[..., None]),
+        residual=frozen(np.asarray(np.where(held, apart, np.nan))),
     )
 
 
 def inside(design: FourSPSSPRDesign, poses: ArrayLike) -> NDArray[np.bool_]:
     """Whether poses (..., 6) can be held within all strokes, (...,)."""
-    return _frozen(inverse(design, poses).within_stroke[..., 0].copy())
+    return frozen(inverse(design, poses).within_stroke[..., 0].copy())
 
 
 # --- one posture ---------------------------------------------------------------------------
@@ -202,8 +207,3 @@ def _stroke_reason(i: int, bound: Bound, length: float, end: float) -> Reason:
 def digits(amount: float) -> int:
     """Decimals that show an amount: one, and more for less than 0.1 mm."""
     return 1 if amount >= 0.1 or amount == 0.0 else min(12, 1 - int(np.floor(np.log10(amount))))
-
-
-def _frozen(array: NDArray[_T]) -> NDArray[_T]:
-    array.setflags(write=False)
-    return array

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kinematics.solution_sets import positive_lengths
 from kinematics.solutions import ForwardSolutions, SelfMotion
-from kinematics.spatial import Array
+from kinematics.spatial import Array, frozen
 from kinematics.three_rps_spr import conics, posing
 from kinematics.three_rps_spr.conics import Complex
 from kinematics.three_rps_spr.design import JOINT_SYMBOLS, MODES, TripodDesign, mode_sign
@@ -197,9 +197,9 @@ def _answer(
         residual=residual,
         condition=number,
         determinant=determinant,
-        within_stroke=_readonly(np.full(len(pose), within)),
-        multiplicity=_readonly(np.concatenate(numbers)),
-        gap=_readonly(_gaps(design, placed)),
+        within_stroke=frozen(np.full(len(pose), within)),
+        multiplicity=frozen(np.concatenate(numbers)),
+        gap=frozen(_gaps(design, placed)),
         identities=tuple(range(len(pose))),
         complex_count=count,
         expected_count=EXPECTED,
@@ -208,7 +208,7 @@ def _answer(
         seconds=seconds + perf_counter() - began,
         notes=_notes(count, len(pose), motions, number, complete=complete),
         self_motions=motions,
-        roots=_readonly(np.concatenate(roots).T),
+        roots=frozen(np.concatenate(roots).T),
     )
 
 
@@ -320,8 +320,3 @@ def _notes(
     if (~np.isfinite(number)).any():
         notes.append("Some solutions are singular: the platform is not held there.")
     return tuple(notes)
-
-
-def _readonly(array: NDArray[np.generic]) -> np.ndarray:
-    array.setflags(write=False)
-    return array

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -47,10 +47,8 @@ from kinematics.solution_sets import (
     positive_lengths,
 )
 from kinematics.solutions import ForwardSolutions
-from kinematics.spatial import Array, finite
+from kinematics.spatial import Array, finite, frozen
 from kinematics.tracking import relative_size
-
-_T = TypeVar("_T", bound=np.generic)
 
 MODE_SIGNS = {mode: tuple(1.0 if s == "+" else -1.0 for s in mode) for mode in MODES}
 """σ_i of every working mode."""
@@ -277,14 +275,14 @@ def _answers(
         answers.append(
             ForwardSolutions(
                 joints=tuple(rho[k].tolist()),
-                poses=_frozen(part.poses),
+                poses=frozen(part.poses),
                 modes=modes,
-                residual=_frozen(part.residual),
-                condition=_frozen(part.condition),
-                determinant=_frozen(part.determinant),
-                within_stroke=_frozen(np.full(count, reach[k])),
-                multiplicity=_frozen(part.weight),
-                gap=_frozen(gap),
+                residual=frozen(part.residual),
+                condition=frozen(part.condition),
+                determinant=frozen(part.determinant),
+                within_stroke=frozen(np.full(count, reach[k])),
+                multiplicity=frozen(part.weight),
+                gap=frozen(gap),
                 identities=tuple(range(1, count + 1)),
                 complex_count=one.count,
                 expected_count=one.expected,
@@ -435,8 +433,3 @@ def _neighbours(poses: Array, length: float) -> tuple[NDArray[np.intp], Array]:
     np.fill_diagonal(apart, np.inf)
     nearest = apart.argmin(axis=1)
     return nearest, np.sqrt(((points - points[nearest]) ** 2).sum(axis=1))
-
-
-def _frozen(values: NDArray[_T]) -> NDArray[_T]:
-    values.setflags(write=False)
-    return values

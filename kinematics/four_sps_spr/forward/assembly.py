@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from time import perf_counter
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,10 +30,8 @@ from kinematics.solution_sets import (
     positive_lengths,
 )
 from kinematics.solutions import ForwardSolutions
-from kinematics.spatial import Array
+from kinematics.spatial import Array, frozen
 from kinematics.tracking import Complex
-
-_T = TypeVar("_T", bound=np.generic)
 
 REAL = 1e-7
 """Largest imaginary part of a real solution, relative to its size; of a double one its root."""
@@ -139,14 +136,14 @@ def _answer(
         residual = np.maximum(error, np.abs(violation(design, poses)))
     return ForwardSolutions(
         joints=tuple(joints.tolist()),
-        poses=_frozen(poses),
+        poses=frozen(poses),
         modes=("",) * count,
-        residual=_frozen(residual),
-        condition=_frozen(condition(design, poses)) if count else _frozen(np.zeros(0)),
-        determinant=wrench_system(design, poses).determinant if count else _frozen(np.zeros(0)),
-        within_stroke=_frozen(np.full(count, reach)),
-        multiplicity=_frozen(weights),
-        gap=_frozen(gap),
+        residual=frozen(residual),
+        condition=frozen(condition(design, poses)) if count else frozen(np.zeros(0)),
+        determinant=wrench_system(design, poses).determinant if count else frozen(np.zeros(0)),
+        within_stroke=frozen(np.full(count, reach)),
+        multiplicity=frozen(weights),
+        gap=frozen(gap),
         identities=tuple(range(1, count + 1)),
         complex_count=roots.count,
         expected_count=generic,
@@ -155,7 +152,7 @@ def _answer(
         seconds=seconds,
         notes=notes,
         self_motions=free,
-        roots=_frozen(normal_form(roots.values)),
+        roots=frozen(normal_form(roots.values)),
     )
 
 
@@ -198,8 +195,3 @@ def _completeness(found: Roots, generic: int) -> tuple[str, ...]:
     if found.complete and found.infinite:
         notes.append(f"{found.infinite} of {generic} solutions are at infinity.")
     return (*notes, *found.doubts)
-
-
-def _frozen(values: NDArray[_T]) -> NDArray[_T]:
-    values.setflags(write=False)
-    return values
