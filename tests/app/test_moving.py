@@ -12,9 +12,10 @@ from app import trajectory
 from app.changes import Change, Place, SetPlan, change
 from app.compute import View, view
 from app.lane import Done, Job, Lost
-from app.moving import Moving, _Rested, rounded_up
+from app.moving import Moving, rounded_up
 from app.panels.desk import Moved
 from app.player import Player
+from app.playing import _Rested
 from app.requests import Distances, LeaveWay, NextWarning, Play, Scrub, Shortest, StopHere
 from app.state import Review, new_review
 from app.trajectory import Asked, Computed
@@ -163,7 +164,7 @@ def test_whoever_moves_the_machine_has_it(desk: Desk) -> None:
     desk.stage.apply(Place((10.0, 700.0)), None)
     desk.part.follow()
     assert desk.part.shown(desk.stage.view).posture.pose == (10.0, 700.0)
-    assert not desk.part._player.playing
+    assert not desk.part.playing.player.playing
     desk.part.take(Scrub(0.5))
     assert desk.part.take(LeaveWay())
     assert desk.part.shown(desk.stage.view).posture.pose == (10.0, 700.0)
@@ -175,7 +176,7 @@ def test_warnings_are_gone_through_and_limits_kept(desk: Desk) -> None:
     assert computed is not None
     starts = [event.start for event in computed.found.events]
     desk.part.take(NextWarning())
-    assert desk.part._player.phase == pytest.approx(starts[0])
+    assert desk.part.playing.player.phase == pytest.approx(starts[0])
     desk.part.take(Shortest())
     desk.part.follow()
     assert desk.stage.review.plan.duration > 2.0
@@ -200,28 +201,28 @@ def test_the_cursor_is_where_the_machine_is(desk: Desk) -> None:
     part.take(Scrub(1.25))
     part.take(StopHere())
     part.follow()
-    assert part._player.at(0.0) == 1.25  # it stands there now
-    assert part._stands_at(1.25)
+    assert part.playing.player.at(0.0) == 1.25  # it stands there now
+    assert part.playing.stands_at(1.25)
     # Put there again: nothing changes, and nothing is left to go back to.
     part.take(Play(on=True))
     part.take(Play(on=False))
     part.take(Scrub(1.25))
     part.take(StopHere())
     part.follow()
-    assert not part._away
+    assert not part.playing.away
     # Undo: it stands where it was, which is not on the way at that time.
     desk.stage.review = home
     part.follow()
-    assert part._player.at(0.0) == 0.0
+    assert part.playing.player.at(0.0) == 0.0
     # Back to where it was; another path.
     part.take(Scrub(0.75))
     part.take(LeaveWay())
-    assert part._player.at(0.0) == 0.0
+    assert part.playing.player.at(0.0) == 0.0
     part.take(Scrub(0.5))
     desk.set(way="line")
     desk.do(desk.wanted[0])
-    assert part._player.at(0.0) == 0.0
-    assert not part._away
+    assert part.playing.player.at(0.0) == 0.0
+    assert not part.playing.away
 
 
 def test_the_machine_is_not_put_beside_its_way(desk: Desk) -> None:
@@ -236,7 +237,7 @@ def test_the_machine_is_not_put_beside_its_way(desk: Desk) -> None:
     assert not desk.part.take(StopHere())
     assert desk.stage.told == ["The machine cannot be put there: y is kept within −960 … 960 mm."]
     assert desk.stage.made == made
-    assert desk.part._away  # and is still shown there
+    assert desk.part.playing.away  # and is still shown there
 
 
 def test_playing_stops_at_singularities_and_goes_on_from_there(desk: Desk) -> None:
@@ -247,34 +248,34 @@ def test_playing_stops_at_singularities_and_goes_on_from_there(desk: Desk) -> No
     (met,) = {e.start for e in computed.found.events if e.kind == "singularity"}
     assert computed.pose_at(met)[1] == pytest.approx(np.sqrt(480.0**2 - 240.0**2), abs=1e-3)
     part.take(Play(on=True))
-    begun = part._player.since
+    begun = part.playing.player.since
     assert begun is not None
     for step in np.linspace(0.0, 0.9 * computed.law.duration, 40):  # pictures
-        part._halt(begun + step)
-    assert not part._player.playing
-    assert part._player.at(0.0) == met
+        part.playing._halt(begun + step)
+    assert not part.playing.player.playing
+    assert part.playing.player.at(0.0) == met
     assert desk.stage.told[-1].startswith(f"Stopped at {met:.3f} s")
     part.take(Play(on=True))
-    begun = part._player.since
+    begun = part.playing.player.since
     assert begun is not None
-    part._halt(begun + 0.5 * (computed.law.duration - met))
-    assert part._player.playing
+    part.playing._halt(begun + 0.5 * (computed.law.duration - met))
+    assert part.playing.player.playing
     desk.set(halt=False)
     part.take(Scrub(0.0))
     part.take(Play(on=True))
-    begun = part._player.since
+    begun = part.playing.player.since
     assert begun is not None
-    part._halt(begun + 0.99 * computed.law.duration)
-    part._halt(begun + 0.995 * computed.law.duration)
-    assert part._player.playing
+    part.playing._halt(begun + 0.99 * computed.law.duration)
+    part.playing._halt(begun + 0.995 * computed.law.duration)
+    assert part.playing.player.playing
     # On the way back of "to and fro", too.
     desk.set(halt=True, playback="swing")
-    part._player = part._player.to(0.0).play(0.0)
-    part._played_to = 0.95 * computed.law.duration
-    part._halt(1.2 * computed.law.duration)
-    part._halt(2.0 * computed.law.duration - 0.9 * met)
-    assert part._player.at(0.0) == pytest.approx(met)
-    assert part._player.play(0.0).at(0.01) < met
+    part.playing.player = part.playing.player.to(0.0).play(0.0)
+    part.playing._played_to = 0.95 * computed.law.duration
+    part.playing._halt(1.2 * computed.law.duration)
+    part.playing._halt(2.0 * computed.law.duration - 0.9 * met)
+    assert part.playing.player.at(0.0) == pytest.approx(met)
+    assert part.playing.player.play(0.0).at(0.01) < met
 
 
 def test_to_and_fro_goes_on_as_it_went() -> None:

@@ -14,12 +14,12 @@ from hypothesis import strategies as st
 
 from app import trajectory
 from app.changes import SetPlan, change
-from app.moving import on_the_way
 from app.panels.pose_boxes import shown_pose, typed_numbers, typed_pose, units
 from app.panels.sketch import read_stroke, sketch_axes, sketch_figure, sketch_mark
 from app.panels.trajectory_html import fits_html, summary_html
 from app.panels.trajectory_plot import ORDER, figure, mark, plots_svg, strip_axes, strips
 from app.player import Player
+from app.playing import on_the_way
 from app.state import Review, new_review
 from app.trail import along, wrong
 from app.trajectory import Asked, Computed
