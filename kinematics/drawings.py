@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
+
+import numpy as np
+
+from kinematics.spatial import Array
 
 Role = Literal["base", "platform", "cylinder", "rod", "link", "joint", "rail", "stop", "gap"]
 Frame = Literal["base", "platform"]
@@ -56,3 +61,43 @@ class Drawing:
     points: tuple[Mark, ...]
     axes: tuple[Mark, ...]
     size: float
+
+
+def prismatic(
+    limb: int, start: Array, end: Array, stroke: Array, thick: float, upright: float
+) -> Iterator[Bar]:
+    """A prismatic actuator of a limb (from 1): cylinder, rod, the rail of its stroke with stops.
+
+    Args:
+        start, end: (3,) mm, where it is fixed and where its rod ends.
+        stroke: (2,) mm, its shortest and longest length.
+        thick: mm, the cylinder's radius.
+        upright: mm; an actuator that is not longer is drawn along z.
+    """
+    name, (low, high) = f"limb{limb}", stroke
+    unit = direction(end - start, upright)
+    # A real cylinder is as long as the shortest actuator; with ρ_min = 0 a third of the longest.
+    barrel = min(
+        float(np.linalg.norm(end - start)), 0.92 * low if low > 0.25 * high else 0.33 * high
+    )
+    joint = start + barrel * unit
+    yield Bar(f"{name}/cylinder", spot(start), spot(joint), thick, "cylinder", limb)
+    yield Bar(f"{name}/rod", spot(joint), spot(end), 0.55 * thick, "rod", limb)
+    ends = start + low * unit, start + high * unit
+    yield Bar(f"{name}/rail", spot(ends[0]), spot(ends[1]), 0.16 * thick, "rail", limb)
+    half = 0.12 * thick * unit
+    for key, at in zip(("min", "max"), ends, strict=True):
+        yield Bar(f"{name}/{key}", spot(at - half), spot(at + half), 0.95 * thick, "stop", limb)
+
+
+def direction(along: Array, short: float) -> Array:
+    """The unit vector along (3,); that of z where it is no longer than ``short``, mm."""
+    length = float(np.linalg.norm(along))
+    unit: Array = along / length if length > short else np.array([0.0, 0.0, 1.0])
+    return unit
+
+
+def spot(point: Array) -> tuple[float, float, float]:
+    """A point (3,) as drawings have it."""
+    x, y, z = point.tolist()
+    return x, y, z

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from kinematics.drawings import Bar, Body, Drawing, Mark
+from kinematics.drawings import Bar, Body, Drawing, Mark, prismatic, spot
 from kinematics.five_rpur.design import SUBSCRIPTS, FiveRPURDesign
 from kinematics.five_rpur.inverse import joint_points, transform
 from kinematics.solutions import Posture
@@ -31,11 +31,11 @@ def drawing(design: FiveRPURDesign, posture: Posture) -> Drawing:
             b, gap_end = _nearest_closure(design, i, c, a)
         bars += _limb(design, i, a, b, gap_end if gap_end is not None else c, e2, size)
         if gap_end is not None:
-            bars.append(Bar(f"limb{limb}/gap", _t(gap_end), _t(c), 0.012 * size, "gap", limb))
+            bars.append(Bar(f"limb{limb}/gap", spot(gap_end), spot(c), 0.012 * size, "gap", limb))
         points += [
-            Mark(f"limb{limb}/A", f"A{SUBSCRIPTS[i]}", _t(a), limb),
-            Mark(f"limb{limb}/B", f"B{SUBSCRIPTS[i]}", _t(b), limb),
-            Mark(f"limb{limb}/C", f"C{SUBSCRIPTS[i]}", _t(c), limb),
+            Mark(f"limb{limb}/A", f"A{SUBSCRIPTS[i]}", spot(a), limb),
+            Mark(f"limb{limb}/B", f"B{SUBSCRIPTS[i]}", spot(b), limb),
+            Mark(f"limb{limb}/C", f"C{SUBSCRIPTS[i]}", spot(c), limb),
         ]
     bars += _pedestals(design, size)
     placed = transform(posture.pose)
@@ -50,9 +50,13 @@ def drawing(design: FiveRPURDesign, posture: Posture) -> Drawing:
         points=tuple(points),
         axes=(
             Mark(
-                "e1", "e₁", _t(design.base.mean(axis=0) * [1, 1, 0] + [0, 0, floor]), None, _t(E1)
+                "e1",
+                "e₁",
+                spot(design.base.mean(axis=0) * [1, 1, 0] + [0, 0, floor]),
+                None,
+                spot(E1),
             ),
-            Mark("e2", "e₂", _t(centre), None, _t(e2)),
+            Mark("e2", "e₂", spot(centre), None, spot(e2)),
         ),
         size=size,
     )
@@ -67,28 +71,16 @@ def _limb(
     design: FiveRPURDesign, i: int, a: Array, b: Array, c: Array, e2: Array, size: float
 ) -> Iterator[Bar]:
     limb, name = i + 1, f"limb{i + 1}"
-    low, high = design.stroke[i]
-    along = b - a
-    length = float(np.hypot(along[0], along[2]))
-    unit = along / length if length > 1e-9 * size else np.array([0.0, 0.0, 1.0])
     thick = 0.026 * size
-    # A real cylinder is as long as the shortest actuator; with ρ_min = 0 a third of the longest.
-    barrel = min(length, 0.92 * low if low > 0.25 * high else 0.33 * high)
-    yield Bar(f"{name}/cylinder", _t(a), _t(a + barrel * unit), thick, "cylinder", limb)
-    yield Bar(f"{name}/rod", _t(a + barrel * unit), _t(b), 0.55 * thick, "rod", limb)
-    yield Bar(f"{name}/rail", _t(a + low * unit), _t(a + high * unit), 0.16 * thick, "rail", limb)
-    for key, reach in (("min", low), ("max", high)):
-        half = 0.12 * thick * unit
-        at = a + reach * unit
-        yield Bar(f"{name}/{key}", _t(at - half), _t(at + half), 0.95 * thick, "stop", limb)
-    yield Bar(f"{name}/link", _t(b), _t(c), 0.5 * thick, "link", limb)
+    yield from prismatic(limb, a, b, design.stroke[i], thick, 1e-9 * size)
+    yield Bar(f"{name}/link", spot(b), spot(c), 0.5 * thick, "link", limb)
     # R joint at A about e1; U joint at B about e1 and e2; R joint at C about e2.
     for key, at, axis in (("R_A", a, E1), ("U_B1", b, E1), ("U_B2", b, e2), ("R_C", c, e2)):
         reach = (1.5 if key == "R_A" else 1.15) * thick
         yield Bar(
             f"{name}/{key}",
-            _t(at - reach * axis),
-            _t(at + reach * axis),
+            spot(at - reach * axis),
+            spot(at + reach * axis),
             0.62 * thick,
             "joint",
             limb,
@@ -108,7 +100,7 @@ def _pedestals(design: FiveRPURDesign, size: float) -> Iterator[Bar]:
     floor = design.base[:, 2].min() - 0.2 * size
     for i, a in enumerate(design.base):
         foot = np.array([a[0], a[1], floor])
-        yield Bar(f"limb{i + 1}/pedestal", _t(foot), _t(a), 0.03 * size, "base")
+        yield Bar(f"limb{i + 1}/pedestal", spot(foot), spot(a), 0.03 * size, "base")
 
 
 def _slab(
@@ -121,14 +113,9 @@ def _slab(
         for dx in (-reach, reach)
         for dy in (-reach, reach)
     ]
-    return tuple(_t(np.array(p)) for p in dict.fromkeys(corners))
+    return tuple(spot(np.array(p)) for p in dict.fromkeys(corners))
 
 
 def _hull_points(points: Array) -> tuple[tuple[float, float, float], ...]:
     """The platform's joints and its origin O', so that even coincident joints make a body."""
-    return tuple(dict.fromkeys((*(_t(p) for p in points), (0.0, 0.0, 0.0))))
-
-
-def _t(point: Array) -> tuple[float, float, float]:
-    x, y, z = point
-    return float(x), float(y), float(z)
+    return tuple(dict.fromkeys((*(spot(p) for p in points), (0.0, 0.0, 0.0))))

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from kinematics.drawings import Bar, Body, Drawing, Mark
+from kinematics.drawings import Bar, Body, Drawing, Mark, direction, prismatic, spot
 from kinematics.four_sps_spr.design import LIMBS, SPR, SUBSCRIPTS, FourSPSSPRDesign
 from kinematics.four_sps_spr.inverse import platform_points, rotation, transform
 from kinematics.solutions import Posture
@@ -27,18 +27,18 @@ def drawing(design: FourSPSSPRDesign, posture: Posture) -> Drawing:
         end = tips[i]
         if not np.isfinite(posture.joints[i]):  # limb 5 where the constraint is violated
             end = _nearest_tip(design, tips[i], axis)
-            bars.append(Bar(f"limb{limb}/gap", _t(end), _t(tips[i]), 0.014 * size, "gap", limb))
+            bars.append(Bar(f"limb{limb}/gap", spot(end), spot(tips[i]), 0.014 * size, "gap", limb))
         bars += _leg(design, i, end, size)
         points += [
-            Mark(f"limb{limb}/A", f"A{SUBSCRIPTS[i]}", _t(design.base[i]), limb),
-            Mark(f"limb{limb}/B", f"B{SUBSCRIPTS[i]}", _t(tips[i]), limb),
+            Mark(f"limb{limb}/A", f"A{SUBSCRIPTS[i]}", spot(design.base[i]), limb),
+            Mark(f"limb{limb}/B", f"B{SUBSCRIPTS[i]}", spot(tips[i]), limb),
         ]
     reach = 2.6 * _thick(size)
     bars.append(
         Bar(
             f"limb{SPR + 1}/R_B",
-            _t(tips[SPR] - reach * axis),
-            _t(tips[SPR] + reach * axis),
+            spot(tips[SPR] - reach * axis),
+            spot(tips[SPR] + reach * axis),
             0.75 * _thick(size),
             "joint",
             SPR + 1,
@@ -52,8 +52,8 @@ def drawing(design: FourSPSSPRDesign, posture: Posture) -> Drawing:
             Body("platform", _hull(design.platform), 0.018 * size, "platform", "platform"),
             Body("base", _plate(design, size), 0.016 * size, "base", "base"),
         ),
-        points=(*points, Mark("p", "p", _t(placed[:3, 3]))),
-        axes=(Mark("n6", "n₆", _t(tips[SPR]), SPR + 1, _t(axis)),),
+        points=(*points, Mark("p", "p", spot(placed[:3, 3]))),
+        axes=(Mark("n6", "n₆", spot(tips[SPR]), SPR + 1, spot(axis)),),
         size=size,
     )
 
@@ -69,26 +69,14 @@ def _thick(size: float) -> float:
 
 def _leg(design: FourSPSSPRDesign, i: int, end: Array, size: float) -> Iterator[Bar]:
     limb, name = i + 1, f"limb{i + 1}"
-    low, high = design.stroke[i]
-    a = design.base[i]
-    along = end - a
-    length = float(np.linalg.norm(along))
-    unit = along / length if length > 1e-9 * size else np.array([0.0, 0.0, 1.0])
-    thick = _thick(size)
-    # A real cylinder is as long as the shortest leg; with l_min = 0 a third of the longest.
-    barrel = min(length, 0.92 * low if low > 0.25 * high else 0.33 * high)
-    yield Bar(f"{name}/cylinder", _t(a), _t(a + barrel * unit), thick, "cylinder", limb)
-    yield Bar(f"{name}/rod", _t(a + barrel * unit), _t(end), 0.55 * thick, "rod", limb)
-    yield Bar(f"{name}/rail", _t(a + low * unit), _t(a + high * unit), 0.16 * thick, "rail", limb)
-    for key, reach in (("min", low), ("max", high)):
-        half = 0.12 * thick * unit
-        at = a + reach * unit
-        yield Bar(f"{name}/{key}", _t(at - half), _t(at + half), 0.95 * thick, "stop", limb)
+    a, thick = design.base[i], _thick(size)
+    unit = direction(end - a, 1e-9 * size)
+    yield from prismatic(limb, a, end, design.stroke[i], thick, 1e-9 * size)
     # A ball of a spherical joint: a bar much shorter than thick.
     ball = 0.35 * thick * unit
-    yield Bar(f"{name}/S_A", _t(a - ball), _t(a + ball), 1.45 * thick, "joint", limb)
+    yield Bar(f"{name}/S_A", spot(a - ball), spot(a + ball), 1.45 * thick, "joint", limb)
     if i != SPR:
-        yield Bar(f"{name}/S_B", _t(end - ball), _t(end + ball), 1.2 * thick, "joint", limb)
+        yield Bar(f"{name}/S_B", spot(end - ball), spot(end + ball), 1.2 * thick, "joint", limb)
 
 
 def _nearest_tip(design: FourSPSSPRDesign, tip: Array, axis: Array) -> Array:
@@ -101,7 +89,7 @@ def _pedestals(design: FourSPSSPRDesign, size: float) -> Iterator[Bar]:
     floor = _floor(design, size)
     for i, a in enumerate(design.base):
         foot = np.array([a[0], a[1], floor])
-        yield Bar(f"limb{i + 1}/pedestal", _t(foot), _t(a), 0.026 * size, "base")
+        yield Bar(f"limb{i + 1}/pedestal", spot(foot), spot(a), 0.026 * size, "base")
 
 
 def _floor(design: FourSPSSPRDesign, size: float) -> float:
@@ -115,16 +103,11 @@ def _plate(design: FourSPSSPRDesign, size: float) -> tuple[tuple[float, float, f
     floor = _floor(design, size)
     turns = np.linspace(0.0, 2.0 * np.pi, _CORNERS, endpoint=False)
     return tuple(
-        _t(np.array([centre[0] + radius * np.cos(t), centre[1] + radius * np.sin(t), floor]))
+        spot(np.array([centre[0] + radius * np.cos(t), centre[1] + radius * np.sin(t), floor]))
         for t in turns
     )
 
 
 def _hull(points: Array) -> tuple[tuple[float, float, float], ...]:
     """The platform's joints and its origin, so that even coincident joints make a body."""
-    return tuple(dict.fromkeys((*(_t(p) for p in points), (0.0, 0.0, 0.0))))
-
-
-def _t(point: Array) -> tuple[float, float, float]:
-    x, y, z = point
-    return float(x), float(y), float(z)
+    return tuple(dict.fromkeys((*(spot(p) for p in points), (0.0, 0.0, 0.0))))

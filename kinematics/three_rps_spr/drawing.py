@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from kinematics.drawings import Bar, Body, Drawing, Mark
+from kinematics.drawings import Bar, Body, Drawing, Mark, direction, prismatic, spot
 from kinematics.solutions import Posture
 from kinematics.spatial import Array
 from kinematics.three_rps_spr import posing
@@ -30,21 +30,21 @@ def drawing(design: TripodDesign, posture: Posture) -> Drawing:
         if posture.closes:
             bars += _limb(design, i, a[i], b[i], axes[i], size)
         else:
-            bars.append(Bar(f"limb{limb}/gap", _t(a[i]), _t(b[i]), 0.012 * size, "gap", limb))
+            bars.append(Bar(f"limb{limb}/gap", spot(a[i]), spot(b[i]), 0.012 * size, "gap", limb))
         points += [
-            Mark(f"limb{limb}/A", f"A{SUBSCRIPTS[i]}", _t(a[i]), limb),
-            Mark(f"limb{limb}/B", f"B{SUBSCRIPTS[i]}", _t(b[i]), limb),
+            Mark(f"limb{limb}/A", f"A{SUBSCRIPTS[i]}", spot(a[i]), limb),
+            Mark(f"limb{limb}/B", f"B{SUBSCRIPTS[i]}", spot(b[i]), limb),
         ]
         hinge = a[i] if design.revolute_on_base else b[i]
-        marks.append(Mark(f"s{limb}", f"s{SUBSCRIPTS[i]}", _t(hinge), limb, _t(axes[i])))
+        marks.append(Mark(f"s{limb}", f"s{SUBSCRIPTS[i]}", spot(hinge), limb, spot(axes[i])))
     bars += _pedestals(a, size)
     centre, azimuth = matrix[:3, 3], float(pose[2])
     tilt_axis = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
     marks += [
-        Mark("tilt", "tilt axis", _t(centre), None, _t(tilt_axis)),
-        Mark("normal", "platform normal", _t(centre), None, _t(matrix[:3, 2])),
+        Mark("tilt", "tilt axis", spot(centre), None, spot(tilt_axis)),
+        Mark("normal", "platform normal", spot(centre), None, spot(matrix[:3, 2])),
     ]
-    points += [Mark("O", "O′", _t(centre))]
+    points += [Mark("O", "O′", spot(centre))]
     return Drawing(
         bars=tuple(bars),
         bodies=(
@@ -61,49 +61,32 @@ def _limb(
     design: TripodDesign, i: int, a: Array, b: Array, axis: Array, size: float
 ) -> Iterator[Bar]:
     limb, name = i + 1, f"limb{i + 1}"
-    low, high = design.stroke
-    along = b - a
-    length = float(np.linalg.norm(along))
-    unit = along / length if length > 1e-9 * size else np.array([0.0, 0.0, 1.0])
-    thick = 0.026 * size
-    # A real cylinder is as long as the shortest limb; with ρ_min = 0 a third of the longest.
-    barrel = min(length, 0.92 * low if low > 0.25 * high else 0.33 * high)
-    yield Bar(f"{name}/cylinder", _t(a), _t(a + barrel * unit), thick, "cylinder", limb)
-    yield Bar(f"{name}/rod", _t(a + barrel * unit), _t(b), 0.55 * thick, "rod", limb)
-    yield Bar(f"{name}/rail", _t(a + low * unit), _t(a + high * unit), 0.16 * thick, "rail", limb)
-    for key, reach in (("min", low), ("max", high)):
-        half = 0.12 * thick * unit
-        at = a + reach * unit
-        yield Bar(f"{name}/{key}", _t(at - half), _t(at + half), 0.95 * thick, "stop", limb)
+    unit, thick = direction(b - a, 1e-9 * size), 0.026 * size
+    yield from prismatic(limb, a, b, np.array(design.stroke), thick, 1e-9 * size)
     # A revolute joint is a pin along its axis, a spherical one a ball: a bar shorter than thick.
     hinge, ball = (a, b) if design.revolute_on_base else (b, a)
     pin, round_ = ("R_A", "S_B") if design.revolute_on_base else ("R_B", "S_A")
     half = 1.7 * thick * axis
-    yield Bar(f"{name}/{pin}", _t(hinge - half), _t(hinge + half), 0.7 * thick, "joint", limb)
+    yield Bar(f"{name}/{pin}", spot(hinge - half), spot(hinge + half), 0.7 * thick, "joint", limb)
     half = 0.4 * thick * unit
-    yield Bar(f"{name}/{round_}", _t(ball - half), _t(ball + half), 1.3 * thick, "joint", limb)
+    yield Bar(f"{name}/{round_}", spot(ball - half), spot(ball + half), 1.3 * thick, "joint", limb)
 
 
 def _pedestals(a: Array, size: float) -> Iterator[Bar]:
     for i in range(LIMBS):
         foot = a[i] - np.array([0.0, 0.0, 0.12 * size])
-        yield Bar(f"limb{i + 1}/pedestal", _t(foot), _t(a[i]), 0.032 * size, "base")
+        yield Bar(f"limb{i + 1}/pedestal", spot(foot), spot(a[i]), 0.032 * size, "base")
 
 
 def _platform(design: TripodDesign) -> tuple[tuple[float, float, float], ...]:
     """The triangle of its joints, cut at the corners, and the side at joint 1 told by a tip."""
     corners = design.platform_radius * RADIAL
-    return tuple(_t(corner) for corner in corners)
+    return tuple(spot(corner) for corner in corners)
 
 
 def _plate(design: TripodDesign, size: float) -> tuple[tuple[float, float, float], ...]:
     turns = np.linspace(0.0, 2.0 * np.pi, _CORNERS, endpoint=False)
     radius, floor = design.base_radius + 0.1 * size, -0.12 * size
     return tuple(
-        _t(np.array([radius * np.cos(turn), radius * np.sin(turn), floor])) for turn in turns
+        spot(np.array([radius * np.cos(turn), radius * np.sin(turn), floor])) for turn in turns
     )
-
-
-def _t(point: Array) -> tuple[float, float, float]:
-    x, y, z = point
-    return float(x), float(y), float(z)
