@@ -27,7 +27,8 @@ from kinematics.trajectories import (
     giving_way,
     trajectory,
 )
-from kinematics.trajectories.events import Along, events_of
+from kinematics.trajectories.along import Along
+from kinematics.trajectories.events import events_of
 from kinematics.trajectories.sampling import NEAR
 
 PART = 6  # distances that are found in one go

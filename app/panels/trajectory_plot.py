@@ -383,6 +383,7 @@ def _told(events: Sequence[Event], t: float, slack: float) -> str:
         "singularity": "singular",
         "near": "near a singularity",
         "jump": "a joint leaps",
+        "corner": "a sharp corner",
         "rate": "too fast",
         "acceleration": "too much acceleration",
         "force": "too much force",

@@ -15,11 +15,12 @@ from kinematics.trajectories.paths import (
     polyline,
     spline,
 )
-from kinematics.trajectories.results import Event, Limits, Trajectory
+from kinematics.trajectories.results import Close, Event, Limits, Trajectory
 from kinematics.trajectories.sampling import duration_within, trajectory
 
 __all__ = [
     "LAWS",
+    "Close",
     "Constrained",
     "Drawn",
     "Event",

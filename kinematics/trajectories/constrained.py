@@ -36,6 +36,11 @@ class Constrained:
         """mm, of the path as it was given."""
         return self.path.length
 
+    @property
+    def knots(self) -> Array:
+        """See `Path`."""
+        return self.path.knots
+
     def at(self, share: ArrayLike) -> Derivatives:
         """See `Path`; the derivatives of the dependent coordinate are NaN."""
         points, first, second = (np.array(each) for each in self.path.at(share))

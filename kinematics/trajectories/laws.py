@@ -20,10 +20,15 @@ _POLYNOMIALS = {
     "cubic": (0.0, 0.0, 3.0, -2.0),
     "quintic": (0.0, 0.0, 0.0, 10.0, -15.0, 6.0),
 }
+_SHAPES = {
+    kind: tuple(np.polynomial.Polynomial(row).deriv(n) for n in range(3))
+    for kind, row in _POLYNOMIALS.items()
+}
 LAWS: tuple[str, ...] = (*_POLYNOMIALS, "trapezoidal")
 """Constant velocity; rest to rest with velocity, and also acceleration, zero at both ends; and
 constant acceleration, velocity and deceleration."""
 
+SHORTEST, LONGEST = 1e-6, 1e6  # s that a law may take
 RAMP = 0.25  # of the duration: how long a trapezoid speeds up, where nothing else is said
 
 
@@ -49,14 +54,32 @@ class Law:
         if self.kind == "trapezoidal":
             s, ds, dds = _trapezoid(tau, self.ramp)
         else:
-            shape = np.polynomial.Polynomial(_POLYNOMIALS[self.kind])
-            s, ds, dds = shape(tau), shape.deriv()(tau), shape.deriv(2)(tau)
+            s, ds, dds = (shape(tau) for shape in _SHAPES[self.kind])
         moving = (t >= 0.0) & (t <= self.duration * (1.0 + 1e-12))
         return (
             np.asarray(s),
             np.where(moving, ds / self.duration, 0.0),
             np.where(moving, dds / self.duration**2, 0.0),
         )
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Times between 0 and T at which the acceleration leaps, s."""
+        if self.kind != "trapezoidal":
+            return ()
+        inner = {self.ramp, 1.0 - self.ramp}
+        return tuple(self.duration * tau for tau in sorted(inner))
+
+    def times_of(self, shares: ArrayLike) -> Array:
+        """When given shares (...) of the path are passed, s, by halving."""
+        s = np.asarray(shares, dtype=float)
+        low, high = np.zeros_like(s), np.full_like(s, self.duration)
+        for _ in range(60 if s.size else 0):
+            half = 0.5 * (low + high)
+            before = self.at(half)[0] < s
+            low, high = np.where(before, half, low), np.where(before, high, half)
+        found: Array = 0.5 * (low + high)
+        return found
 
 
 def law(kind: str, duration: float, *, ramp: float = RAMP) -> Law:
@@ -67,7 +90,7 @@ def law(kind: str, duration: float, *, ramp: float = RAMP) -> Law:
     """
     if kind not in LAWS:
         raise InputError(f"there is no time law {kind!r}; known are {', '.join(LAWS)}")
-    if not (isfinite(duration) and 1e-6 <= duration <= 1e6):
+    if not (isfinite(duration) and SHORTEST <= duration <= LONGEST):
         raise InputError(f"a duration must lie between 1e-6 and 1e6 seconds, got {duration:g}")
     if not 0.0 < ramp <= 0.5:
         raise InputError(f"a ramp is a part of the duration, above 0 and at most 0.5, got {ramp:g}")

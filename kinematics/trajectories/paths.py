@@ -35,6 +35,11 @@ class Path(Protocol):
         """mm, with angles as the path's scale counts them."""
         ...
 
+    @property
+    def knots(self) -> Array:
+        """Shares (K,) between 0 and 1 at which derivatives may leap: corners, ends of pieces."""
+        ...
+
     def at(self, share: ArrayLike) -> Derivatives:
         """Points and derivatives at shares (N,) of the way."""
         ...
@@ -65,6 +70,11 @@ class Line:
         """mm, see `Path`."""
         return float(np.linalg.norm(_scaled(self.scale, self.start, self.end)))
 
+    @property
+    def knots(self) -> Array:
+        """See `Path`: none."""
+        return np.empty(0)
+
     def at(self, share: ArrayLike) -> Derivatives:
         """See `Path`."""
         s = np.asarray(share, dtype=float)[:, None]
@@ -89,18 +99,24 @@ class Polyline:
     @property
     def length(self) -> float:
         """mm, see `Path`; a corner counts as its two tangents."""
-        return float(_polyline(self)[-1].end)
+        return float(_polyline(self).ends[-1])
+
+    @property
+    def knots(self) -> Array:
+        """See `Path`: where a straight part or a rounded corner ends."""
+        ends = _polyline(self).ends
+        shares: Array = ends[:-1] / ends[-1]
+        return shares
 
     def at(self, share: ArrayLike) -> Derivatives:
         """See `Path`."""
         s = np.asarray(share, dtype=float)
         parts = _polyline(self)
-        total = parts[-1].end
+        total = parts.ends[-1]
         at = s * total
-        which = np.clip(np.searchsorted([p.end for p in parts], at), 0, len(parts) - 1)
-        along = at - np.array([p.start for p in parts])[which]
-        a, b, c = (np.array(each)[which] for each in zip(*(p.shape for p in parts), strict=True))
-        u = along[:, None]
+        which = np.clip(np.searchsorted(parts.ends, at), 0, len(parts.ends) - 1)
+        a, b, c = (each[which] for each in parts.shapes)
+        u = (at - parts.starts[which])[:, None]
         return (
             a + u * (b + u * c),
             total * (b + 2.0 * u * c),
@@ -120,6 +136,11 @@ class Spline:
     def length(self) -> float:
         """mm, see `Path`."""
         return _length(self, self.shares)
+
+    @property
+    def knots(self) -> Array:
+        """See `Path`: the points; the third derivative leaps there."""
+        return np.array(self.shares[1:-1])
 
     def at(self, share: ArrayLike) -> Derivatives:
         """See `Path`."""
@@ -141,6 +162,13 @@ class Drawn:
     def length(self) -> float:
         """mm, see `Path`."""
         return _length(self, np.linspace(0.0, 1.0, len(self.points)))
+
+    @property
+    def knots(self) -> Array:
+        """See `Path`: the spline's."""
+        (knots, _, _), _ = _smoothed(self)
+        inner = np.unique(knots)
+        return inner[(inner > 0.0) & (inner < 1.0)]
 
     def at(self, share: ArrayLike) -> Derivatives:
         """See `Path`."""
@@ -233,16 +261,16 @@ def drawn(points: ArrayLike, scale: Sequence[float], smooth: float = 1.0) -> Pat
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _Part:
-    """Of a polyline: from ``start`` to ``end`` (mm), a + u b + u² c with u from the start."""
+class _Parts:
+    """Of a polyline: each from a start to an end (K,) mm, a + u b + u² c with u from the start."""
 
-    start: float
-    end: float
-    shape: tuple[Array, Array, Array]
+    starts: Array
+    ends: Array
+    shapes: tuple[Array, Array, Array]  # (K, P) each
 
 
 @lru_cache(maxsize=64)
-def _polyline(path: Polyline) -> list[_Part]:
+def _polyline(path: Polyline) -> _Parts:
     points = np.array(path.points)
     lengths = np.linalg.norm(np.diff(points * np.array(path.scale), axis=0), axis=1)
     units = np.diff(points, axis=0) / lengths[:, None]
@@ -250,22 +278,26 @@ def _polyline(path: Polyline) -> list[_Part]:
     blends = [min(path.blend, a, b) for a, b in pairwise(halves.tolist())]
     before = [0.0, *blends]
     after = [*blends, 0.0]
-    parts: list[_Part] = []
+    ends: list[float] = []
+    shapes: list[tuple[Array, Array, Array]] = []
     at = 0.0
     zero = np.zeros(points.shape[1])
     for n, length in enumerate(lengths.tolist()):
         straight = length - before[n] - after[n]
         if straight > 1e-12 * length:
             first = points[n] + before[n] * units[n]
-            parts.append(_Part(at, at + straight, (first, units[n], zero)))
+            shapes.append((first, units[n], zero))
             at += straight
+            ends.append(at)
         if n < len(blends) and after[n] > 0.0:
-            b = after[n]
-            first = points[n + 1] - b * units[n]
-            bend = (units[n + 1] - units[n]) / (4.0 * b)
-            parts.append(_Part(at, at + 2.0 * b, (first, units[n], bend)))
-            at += 2.0 * b
-    return parts
+            half = after[n]
+            first = points[n + 1] - half * units[n]
+            bend = (units[n + 1] - units[n]) / (4.0 * half)
+            shapes.append((first, units[n], bend))
+            at += 2.0 * half
+            ends.append(at)
+    a, b, c = (np.array(each) for each in zip(*shapes, strict=True))
+    return _Parts(np.array([0.0, *ends[:-1]]), np.array(ends), (a, b, c))
 
 
 @lru_cache(maxsize=64)
@@ -274,7 +306,7 @@ def _cubic(path: Spline) -> CubicSpline:
 
 
 @lru_cache(maxsize=64)
-def _smoothed(path: Drawn) -> tuple[object, Array]:
+def _smoothed(path: Drawn) -> tuple[tuple[Array, list[Array], int], Array]:
     scale = np.array(path.scale)
     p = np.array(path.points) * scale
     degree = min(5, len(p) - 1)

@@ -11,8 +11,12 @@ from numpy.typing import NDArray
 from kinematics.motion import WrenchName
 from kinematics.spatial import Array, Frozen
 
-EventKind = Literal["outside", "singularity", "near", "jump", "rate", "acceleration", "force"]
+EventKind = Literal[
+    "outside", "singularity", "near", "jump", "corner", "rate", "acceleration", "force"
+]
+Quantity = Literal["rate", "acceleration", "force"]
 Playback = Literal["once", "loop", "swing"]
+JUMP = 1e-6  # of the largest rate: a rate that leaps by less is continuous
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,12 +25,15 @@ class Event:
 
     Attributes:
         kind: the path leaves the workspace; crosses or touches a singularity; comes near one; a
-            joint has to leap; or a limit is exceeded.
+            joint has to leap; the path has a corner that is passed at speed; or a limit is
+            exceeded.
         start, end: s; equal where it is a moment.
         pose: at the start.
         text: one sentence for the user.
         joint: index of the joint (or force) that is concerned, from 0; -1: none in particular.
-        value: what is worst: mm beyond a bound, mm to a singularity, the largest rate, …
+        value: what is worst: mm beyond a bound, mm to a singularity, the largest rate, by how much
+            rates leap, …
+        at: when it is worst, s; NaN where that is not asked.
     """
 
     kind: EventKind
@@ -36,6 +43,7 @@ class Event:
     text: str
     joint: int = -1
     value: float = float("nan")
+    at: float = float("nan")
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +54,28 @@ class Limits:
     rates: tuple[float, ...] | None = None
     accelerations: tuple[float, ...] | None = None
     forces: tuple[float, ...] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Close(Frozen):
+    """What a trajectory asks of the actuators, so close that no largest value is passed over.
+
+    Attributes:
+        times: (M,) s, uneven, samples and what lies between them; some stand on both sides of a
+            moment at which something leaps.
+        joint_rates, joint_accelerations: (M, J), NaN where there are none; inf at a moment towards
+            which a quantity grows without end.
+        forces: (M, R) likewise.
+        corners: (C,) s, when rates leap, as no finite acceleration makes them.
+        leaps: (C, J) by how much.
+    """
+
+    times: Array
+    joint_rates: Array
+    joint_accelerations: Array
+    forces: Array
+    corners: Array
+    leaps: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +98,8 @@ class Trajectory(Frozen):
             it; inf: there is none; NaN where it was not asked for.
         events: by time.
         length: of the path, mm.
+        close: rates, accelerations and forces between the samples, too.
+        load: that the forces hold, [F, T], N and N·mm; None for none.
     """
 
     mode: str
@@ -87,6 +119,8 @@ class Trajectory(Frozen):
     distance: Array
     events: tuple[Event, ...]
     length: float
+    close: Close
+    load: tuple[float, ...] | None
 
     @property
     def duration(self) -> float:
@@ -97,6 +131,38 @@ class Trajectory(Frozen):
     def sound(self) -> bool:
         """Nothing on the way stops the machine: no event but that a singularity is near."""
         return all(event.kind == "near" for event in self.events)
+
+    def largest(self, what: Quantity) -> tuple[Array, Array]:
+        """The largest sizes of a quantity between samples, too, and when (s), (J,) or (R,) each.
+
+        Accelerations are infinite where the path has a corner that is passed at speed; anything may
+        be towards a singularity. NaN where there are no values at all.
+        """
+        close = self.close
+        values = np.abs(
+            {
+                "rate": close.joint_rates,
+                "acceleration": close.joint_accelerations,
+                "force": close.forces,
+            }[what]
+        )
+        times = close.times
+        if what == "acceleration" and len(close.corners):
+            sharp = np.abs(close.leaps) > JUMP * self.largest("rate")[0]
+            values = np.concatenate([values, np.where(sharp, np.inf, np.nan)])
+            times = np.concatenate([times, close.corners])
+        known = np.where(np.isnan(values), -1.0, values)
+        n = known.argmax(axis=0)
+        most = known.max(axis=0)
+        return np.where(most < 0.0, np.nan, most), np.where(most < 0.0, np.nan, times[n])
+
+    @property
+    def moving_ends(self) -> tuple[bool, bool]:
+        """Whether the machine moves already when the trajectory starts, and still at its end."""
+        most = np.nan_to_num(self.largest("rate")[0], posinf=0.0).max(initial=0.0)
+        rates = np.nan_to_num(self.close.joint_rates[[0, -1]], posinf=0.0)
+        moving = np.abs(rates) > JUMP * max(float(most), 1e-12)
+        return bool(moving[0].any()), bool(moving[1].any())
 
     def index_at(self, elapsed: float, *, speed: float = 1.0, playback: Playback = "loop") -> int:
         """The sample to be shown ``elapsed`` s after the start of a playback.

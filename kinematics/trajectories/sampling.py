@@ -11,13 +11,16 @@ from kinematics.errors import InputError
 from kinematics.mechanism import Design, Mechanism
 from kinematics.motion import WrenchName
 from kinematics.spatial import Array, finite
+from kinematics.trajectories.along import Along, joints_along, moved
+from kinematics.trajectories.between import close
 from kinematics.trajectories.constrained import constrained
-from kinematics.trajectories.events import Along, events_of
-from kinematics.trajectories.laws import Law
+from kinematics.trajectories.events import events_of
+from kinematics.trajectories.laws import LONGEST, SHORTEST, Law
 from kinematics.trajectories.paths import Path
-from kinematics.trajectories.results import Limits, Trajectory
+from kinematics.trajectories.results import Limits, Quantity, Trajectory
 
 MOST_SAMPLES = 100_000
+_STILL = 1e-12  # of the path's mean speed: a rate that is rounding
 NEAR = 0.03  # of the characteristic length: a singularity nearer than this is told
 
 
@@ -62,8 +65,10 @@ def trajectory(
     found = mechanism.inverse_motion(design, poses, mode, rates, accelerations)
     names: tuple[WrenchName, ...] = ()
     forces = np.zeros((samples, 0))
+    held_load: tuple[float, ...] | None = None
     if load is not None:
-        held = mechanism.statics(design, poses, mode, finite(load, name="the load", last=6))
+        held_load = tuple(finite(load, name="the load", last=6).tolist())
+        held = mechanism.statics(design, poses, mode, np.array(held_load))
         names, forces = held.names, held.forces
     determinant = mechanism.wrench_system(design, poses, mode).determinant
     keys = {measure.key for measure in mechanism.measures(design)}
@@ -98,59 +103,50 @@ def trajectory(
         distance=distance,
         events=(),
         length=path.length,
+        close=close(along, times, held_load, limits),
+        load=held_load,
     )
     limit = NEAR * mechanism.characteristic_length(design) if near is None else near
     return replace(result, events=events_of(along, result, limits, limit))
 
 
-def moved(path: Path, law: Law, times: Array) -> tuple[Array, Array, Array, Array]:
-    """Shares (N,), poses, their rates and accelerations (N, P) at times (N,)."""
-    s, ds, dds = law.at(times)
-    points, first, second = path.at(s)
-    rates = first * ds[:, None]
-    accelerations = second * (ds**2)[:, None] + first * dds[:, None]
-    return s, points, rates, accelerations
-
-
-def joints_along(
-    mechanism: Mechanism, design: Design, poses: Array, mode: str
-) -> tuple[Array, np.ndarray]:
-    """Joints (N, J) in one mode, angles without leaps of a turn, and which poses can be held."""
-    answer = mechanism.inverse(design, poses)
-    n = answer.modes.index(mode)
-    joints = np.array(answer.joints[:, n])
-    reachable = np.array(answer.within_stroke[:, n])
-    for k, coordinate in enumerate(mechanism.joint_coordinates(design)):
-        if coordinate.unit == "rad":
-            ok = np.isfinite(joints[:, k])
-            joints[ok, k] = np.unwrap(joints[ok, k])
-    return joints, reachable
-
-
 def duration_within(found: Trajectory, limits: Limits) -> float:
     """The shortest duration, s, in which the same path and law keep the rates and accelerations.
 
-    Rates go with 1/T and accelerations with 1/T²; between samples a little more may be asked for.
+    Rates go with 1/T and accelerations with 1/T²; what counts is the largest on the way, not of the
+    samples. A start or an end at speed, as of constant velocity, is not counted.
 
     Raises:
-        InputError: somewhere there are no rates, so that no duration helps.
+        InputError: no duration helps, because the path leaves the workspace, meets a singularity or
+            has a corner that is passed at speed; or nothing that is limited moves.
     """
     factor = 0.0
-    pairs = (
-        (found.joint_rates, limits.rates, 1.0),
-        (found.joint_accelerations, limits.accelerations, 0.5),
+    pairs: tuple[tuple[Quantity, Array, tuple[float, ...] | None, float], ...] = (
+        ("rate", found.joint_rates, limits.rates, 1.0),
+        ("acceleration", found.joint_accelerations, limits.accelerations, 0.5),
     )
-    for values, allowed, power in pairs:
+    for what, values, allowed, power in pairs:
         if allowed is None:
             continue
-        if not np.isfinite(values).all():
+        if what == "acceleration" and len(found.close.corners):
+            raise InputError(
+                f"the path has a sharp corner that is passed at speed (t = "
+                f"{found.close.corners[0]:.4g} s): no duration keeps limits of accelerations; "
+                "round the corners, or join the points by a spline"
+            )
+        most, _ = found.largest(what)
+        if not (np.isfinite(values).all() and np.isfinite(most).all()):
             raise InputError(
                 "the trajectory leaves the workspace or meets a singularity: no "
                 "duration keeps the limits"
             )
-        worst = float((np.abs(values).max(axis=0) / np.array(allowed)).max())
-        factor = max(factor, worst**power)
-    return factor * found.duration
+        factor = max(factor, float((most / np.array(allowed)).max()) ** power)
+    least = _STILL * found.length / found.duration
+    if (found.largest("rate")[0] <= least).all():
+        raise InputError("no actuator moves on this path, so that any duration keeps the limits")
+    if factor * found.duration > LONGEST:
+        raise InputError(f"the limits are so low that it would take more than {LONGEST:.0e} s")
+    return max(factor * found.duration, SHORTEST)
 
 
 def _checked(limits: Limits, joints: int) -> Limits:

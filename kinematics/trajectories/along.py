@@ -1,0 +1,122 @@
+"""A machine on its path: where it is at any time, and what its actuators do there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf, nan
+
+import numpy as np
+
+from kinematics.errors import InputError
+from kinematics.mechanism import Design, Mechanism
+from kinematics.solutions import Posture
+from kinematics.spatial import Array
+from kinematics.trajectories.laws import Law
+from kinematics.trajectories.paths import Path
+
+
+@dataclass(frozen=True, eq=False)
+class Along:
+    """A machine on its path: what it is at any time."""
+
+    mechanism: Mechanism
+    design: Design
+    path: Path
+    law: Law
+    mode: str
+
+    def pose(self, time: float) -> tuple[float, ...]:
+        """At a time, s."""
+        s, _, _ = self.law.at([time])
+        return tuple(float(v) for v in self.path.at(s)[0][0])
+
+    def posture(self, time: float) -> Posture:
+        """At a time, s."""
+        return self.mechanism.posture(self.design, self.pose(time), self.mode)
+
+    def room(self, time: float) -> float:
+        """How far from its nearest limit, relative to a characteristic length or rad; negative
+        beyond it.
+        """
+        return self.room_of(self.pose(time))
+
+    def room_of(self, pose: Sequence[float]) -> float:
+        """The same of a pose."""
+        posture = self.mechanism.posture(self.design, pose, self.mode)
+        length = self.mechanism.characteristic_length(self.design)
+        least = min(
+            (m.amount / (length if m.unit == "mm" else 1.0) for m in posture.margins), default=inf
+        )
+        return least if posture.reachable else min(least, -1e-15)
+
+    def determinant(self, time: float) -> float:
+        """Of the wrenches, at a time, s."""
+        system = self.mechanism.wrench_system(self.design, [self.pose(time)], self.mode)
+        return float(system.determinant[0])
+
+    def distance(self, pose: Sequence[float]) -> float:
+        """mm to the nearest parallel or constraint singularity; inf: none; NaN: not known."""
+        posture = self.mechanism.posture(self.design, tuple(map(float, pose)), self.mode)
+        if not posture.reachable:
+            return nan
+        found = self.mechanism.clearances(self.design, posture)
+        return min((c.distance for c in found if c.kind in ("parallel", "constraint")), default=inf)
+
+    def joints(self, times: Array) -> tuple[Array, np.ndarray]:
+        """Joints (N, J), angles without leaps of a turn, and which poses can be held, at times."""
+        _, poses, _, _ = moved(self.path, self.law, times)
+        return joints_along(self.mechanism, self.design, poses, self.mode)
+
+    def asked(self, times: Array, load: Sequence[float] | None) -> tuple[Array, Array, Array]:
+        """Rates and accelerations of the joints (N, J), and the forces (N, R) that hold a load, at
+        times (N,); NaN where the path or the machine has none.
+        """
+        joints = len(self.mechanism.joint_coordinates(self.design))
+        try:
+            _, poses, rates, accelerations = moved(self.path, self.law, times)
+        except InputError:  # somewhere a dependent coordinate has no value
+            if len(times) == 1:
+                wrenches = 0 if load is None else self._wrenches()
+                return (
+                    np.full((1, joints), nan),
+                    np.full((1, joints), nan),
+                    np.full((1, wrenches), nan),
+                )
+            half = len(times) // 2
+            parts = (self.asked(times[:half], load), self.asked(times[half:], load))
+            a, b, c = (np.concatenate(pair) for pair in zip(*parts, strict=True))
+            return a, b, c
+        found = self.mechanism.inverse_motion(self.design, poses, self.mode, rates, accelerations)
+        forces = np.zeros((len(times), 0))
+        if load is not None:
+            forces = self.mechanism.statics(self.design, poses, self.mode, np.array(load)).forces
+        return found.joint_rates, found.joint_accelerations, forces
+
+    def _wrenches(self) -> int:
+        home = self.mechanism.home(self.design)
+        return len(self.mechanism.wrench_system(self.design, [home.pose], home.mode).names)
+
+
+def moved(path: Path, law: Law, times: Array) -> tuple[Array, Array, Array, Array]:
+    """Shares (N,), poses, their rates and accelerations (N, P) at times (N,)."""
+    s, ds, dds = law.at(times)
+    points, first, second = path.at(s)
+    rates = first * ds[:, None]
+    accelerations = second * (ds**2)[:, None] + first * dds[:, None]
+    return s, points, rates, accelerations
+
+
+def joints_along(
+    mechanism: Mechanism, design: Design, poses: Array, mode: str
+) -> tuple[Array, np.ndarray]:
+    """Joints (N, J) in one mode, angles without leaps of a turn, and which poses can be held."""
+    answer = mechanism.inverse(design, poses)
+    n = answer.modes.index(mode)
+    joints = np.array(answer.joints[:, n])
+    reachable = np.array(answer.within_stroke[:, n])
+    for k, coordinate in enumerate(mechanism.joint_coordinates(design)):
+        if coordinate.unit == "rad":
+            ok = np.isfinite(joints[:, k])
+            joints[ok, k] = np.unwrap(joints[ok, k])
+    return joints, reachable
