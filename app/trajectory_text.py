@@ -4,6 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+LOST = (
+    "The powers of t lose more digits than a number holds: the true error is that of the "
+    "polynomials as they are printed."
+)
+
 
 def polynomial(coefficients: Sequence[float], digits: int = 4) -> str:
     """ "0.5t^2 - 1.2t + 3" of coefficients from t⁰ upwards."""

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from app import tables
 from app.commands import common
 from app.commands.controlling import load_numbers
-from app.trajectory_text import polynomial
+from app.trajectory_text import LOST, polynomial
 from kinematics.errors import InputError
 
 if TYPE_CHECKING:
@@ -71,7 +71,10 @@ def register(command: common.AddCommand) -> None:
             f"--max-{name}", metavar="v1,...", help=f"limits of the actuators, {what}"
         )
     trajectory.add_argument(
-        "--fit", metavar="DEGREE", help="fit polynomials of time to the joints, with the true error"
+        "--fit",
+        metavar="DEGREE",
+        help="fit polynomials of time to the joints, with the true error; as many digits are "
+        "printed as that needs, and all of them with --json",
     )
     trajectory.add_argument(
         "-o", "--output", type=Path, metavar="FILE", help="write the samples as .csv"
@@ -309,6 +312,9 @@ def _fit(fits: Fits, axes: Sequence[Coordinate], joints: Sequence[Coordinate]) -
             joint.key: row for joint, row in zip(joints, fits.coefficients.tolist(), strict=True)
         },
         "error": named,
+        "digits": fits.digits,
+        "carried": fits.carried,
+        "trouble": fits.trouble,
     }
 
 
@@ -359,15 +365,20 @@ def _fit_lines(fits: Fits, axes: Sequence[Coordinate], joints: Sequence[Coordina
     lines = ["", f"polynomials of degree {fits.degree}, t in s"]
     for joint, row in zip(joints, fits.coefficients.tolist(), strict=True):
         unit = "rad" if joint.unit == "rad" else "mm"
-        lines.append(f"{joint.symbol}(t) = {polynomial(row)} {unit}")
+        lines.append(f"{joint.symbol}(t) = {polynomial(row, fits.digits)} {unit}")
     rows = []
     for axis, *errors in zip(axes, *fits.deviation, strict=True):
         mark = "°" if axis.unit == "rad" else "mm"
         shown = [tables.outer([float(error)], [axis])[0] for error in errors]
         rows.append([f"{axis.symbol} ({mark})", *(_digits(value) for value in shown)])
     header = ["true error, σ", "position", "velocity /s", "acceleration /s²"]
-    return [*lines, tables.table(header, rows), ""]
+    lines.append(tables.table(header, rows))
+    if fits.trouble:
+        lines.append(f"No true error: {fits.trouble}.")
+    elif not fits.carried:
+        lines.append(LOST)
+    return [*lines, ""]
 
 
 def _digits(value: float) -> str:
-    return f"{value:.4g}" if isfinite(value) else "-"
+    return f"{value:.4g}" if isfinite(value) else "–"

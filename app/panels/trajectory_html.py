@@ -10,7 +10,7 @@ import numpy as np
 from app import palette
 from app.panels.desk import Moved, box, chip, esc, red, tone
 from app.trajectory import Computed
-from app.trajectory_text import polynomial
+from app.trajectory_text import LOST, polynomial
 from kinematics.mechanism import Coordinate
 from kinematics.trajectories import Event, Fits
 
@@ -84,7 +84,7 @@ def fits_html(
         lines.append(
             f'<div style="margin-bottom:.4em;overflow-wrap:anywhere">'
             f'<b style="color:{color}">{esc(joint.symbol)}(t)</b> = '
-            f"{_superscripts(polynomial(row, digits=6))} {unit}</div>"
+            f"{_superscripts(polynomial(row, digits=fits.digits))} {unit}</div>"
         )
     heads = "".join(f"<th>{h}</th>" for h in ("", "σ", "largest", "σ /s", "σ /s²"))
     deviation, largest = fits.deviation, fits.largest
@@ -95,9 +95,14 @@ def fits_html(
         values = (deviation[0][n], largest[0][n], deviation[1][n], deviation[2][n])
         cells = "".join(f"<td>{_size(float(v) * scale)}</td>" for v in values)
         rows.append(f"<tr><td>{esc(axis.symbol)} ({unit})</td>{cells}</tr>")
+    note = esc(LOST) if not fits.carried else ""
+    if fits.trouble:
+        note = f"{esc(fits.trouble[:1].upper() + fits.trouble[1:])}."
+    if note:
+        note = f'<div style="margin-top:.3em">{note}</div>'
     return box(
         f"{''.join(lines)}True error of the machine that follows them, FK(fit) − path:"
-        f'<table style="width:100%;text-align:right"><tr>{heads}</tr>{"".join(rows)}</table>'
+        f'<table style="width:100%;text-align:right"><tr>{heads}</tr>{"".join(rows)}</table>{note}'
     )
 
 

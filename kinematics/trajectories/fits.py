@@ -7,12 +7,15 @@ machine that is driven by the polynomials is then solved again, FK(fit(IK)), and
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from kinematics.errors import InputError
 from kinematics.mechanism import Design, Mechanism
+from kinematics.solutions import Followed
 from kinematics.spatial import Array, Frozen
+from kinematics.trajectories.digits import MOST, Orders, digits_needed, values_of
 from kinematics.trajectories.results import Trajectory
 
 HIGHEST = 20
@@ -25,14 +28,21 @@ class Fits(Frozen):
     Attributes:
         degree: of the polynomials.
         coefficients: (J, degree + 1) from t⁰ upwards; mm or rad, t in s.
+        digits: significant ones of the coefficients with which the polynomials are as good as their
+            errors say.
+        carried: all digits of the powers of t are as good as the fit. If not, whatever stands here
+            is of the polynomials as printed.
         joints: (N, J) their values at the samples.
         poses, pose_rates, pose_accelerations: (N, P) of the machine that follows them.
         joint_error: (N, J) fit − exact.
         pose_error, rate_error, acceleration_error: (N, P) likewise.
+        trouble: where and why the machine that follows them does not come through; "" if it does.
     """
 
     degree: int
     coefficients: Array
+    digits: int
+    carried: bool
     joints: Array
     poses: Array
     pose_rates: Array
@@ -41,6 +51,7 @@ class Fits(Frozen):
     pose_error: Array
     rate_error: Array
     acceleration_error: Array
+    trouble: str
 
     @property
     def deviation(self) -> tuple[Array, Array, Array]:
@@ -81,37 +92,76 @@ def fit(mechanism: Mechanism, design: Design, found: Trajectory, degree: int) ->
         np.stack([shape.deriv(k)(found.times) if k else shape(found.times) for shape in shapes], -1)
         for k in range(3)
     )
+    exact = (joints, rates, accelerations)
+    driven = _driven(mechanism, design, found, exact)
+    digits = digits_needed(mechanism, design, found, coefficients, exact, driven.errors)
+    if digits is None:  # the errors are those of the powers of t, as printed
+        exact = values_of(coefficients, found.times)
+        driven = _driven(mechanism, design, found, exact)
+    error, rate_error, acceleration_error = driven.errors
+    return Fits(
+        degree=degree,
+        coefficients=coefficients,
+        digits=MOST if digits is None else digits,
+        carried=digits is not None,
+        joints=exact[0],
+        poses=driven.poses,
+        pose_rates=driven.rates,
+        pose_accelerations=driven.accelerations,
+        joint_error=exact[0] - found.joints,
+        pose_error=error,
+        rate_error=rate_error,
+        acceleration_error=acceleration_error,
+        trouble=driven.trouble,
+    )
+
+
+class _Driven(NamedTuple):
+    """The machine whose joints follow something: (N, P) each, NaN where it does not come."""
+
+    poses: Array
+    rates: Array
+    accelerations: Array
+    errors: Orders
+    trouble: str
+
+
+def _driven(mechanism: Mechanism, design: Design, found: Trajectory, joints: Orders) -> _Driven:
     poses = np.full_like(found.poses, np.nan)
     modes: list[str] = []
+    trouble = ""
     for n, pose in enumerate(found.poses):
         posture = mechanism.posture(design, tuple(pose.tolist()), found.mode)
-        reached = mechanism.follow(design, posture, joints[n].tolist())
+        reached = mechanism.follow(design, posture, joints[0][n].tolist())
         modes.append(reached.posture.mode)
         if reached.stop == "target":
             poses[n] = reached.posture.pose
-    pose_rates, pose_accelerations = np.full_like(poses, np.nan), np.full_like(poses, np.nan)
+        elif not trouble:
+            trouble = (
+                "driven by these polynomials the machine does not come through: at t = "
+                f"{found.times[n]:.4f} s it {_stopped(reached)}"
+            )
+    rates, accelerations = np.full_like(poses, np.nan), np.full_like(poses, np.nan)
     there = np.isfinite(poses).all(axis=1)
     for mode in sorted(set(modes)):
         rows = np.flatnonzero(there & (np.array(modes) == mode))
         if len(rows):
             motion = mechanism.forward_motion(
-                design, poses[rows], mode, rates[rows], accelerations[rows]
+                design, poses[rows], mode, joints[1][rows], joints[2][rows]
             )
-            pose_rates[rows] = motion.pose_rates
-            pose_accelerations[rows] = motion.pose_accelerations
+            rates[rows] = motion.pose_rates
+            accelerations[rows] = motion.pose_accelerations
     error = poses - found.poses
     for k, coordinate in enumerate(mechanism.pose_coordinates(design)):
         if coordinate.unit == "rad":  # a whole turn is none
             error[:, k] -= 2 * np.pi * np.round(error[:, k] / (2 * np.pi))
-    return Fits(
-        degree=degree,
-        coefficients=coefficients,
-        joints=joints,
-        poses=poses,
-        pose_rates=pose_rates,
-        pose_accelerations=pose_accelerations,
-        joint_error=joints - found.joints,
-        pose_error=error,
-        rate_error=pose_rates - found.pose_rates,
-        acceleration_error=pose_accelerations - found.pose_accelerations,
-    )
+    errors = (error, rates - found.pose_rates, accelerations - found.pose_accelerations)
+    return _Driven(poses, rates, accelerations, errors, trouble)
+
+
+def _stopped(reached: Followed) -> str:
+    """ "stops before a parallel singularity at …", or whatever the mechanism says of it."""
+    text = reached.text.rstrip(".")
+    if text.startswith("stopped "):
+        return f"stops {text.removeprefix('stopped ')}"
+    return f"stops: {text}" if text else "stops"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -179,3 +180,38 @@ def test_a_dependent_coordinate_may_be_left_out(here: Run, tmp_path: Path) -> No
     assert None not in found["samples"]["gamma_deg"]
     (tmp_path / "q.csv").write_text("x,y,z,alpha\n0,0,569,0\n10,5,575,3\n")
     assert "must name a column beta_deg" in refused(here("trajectory", "sps-spr", "q.csv"))
+
+
+@pytest.mark.parametrize("degree", [3, 8, 20])
+def test_printed_polynomials_are_as_good_as_their_error(here: Run, degree: int) -> None:
+    from kinematics.designs import load_design
+    from kinematics.mechanism import mechanism
+
+    words = ("trajectory", "five-bar", "rest-to-rest", "--fit", str(degree), "--samples", "201")
+    text = here(*words).stdout
+    whole = answered(here(*words, "--json"))
+    times = np.array(whole["samples"]["t"])
+    joints = []
+    for symbol in ("θ₁", "θ₂"):
+        (line,) = [line for line in text.splitlines() if line.startswith(f"{symbol}(t) = ")]
+        formula = line.partition(" = ")[2].removesuffix(" rad").replace("^", "**")
+        formula = re.sub(r"(\d)t", r"\1*t", formula)
+        joints.append(eval(formula, {"t": times}))  # what is printed is a formula
+    design, kind = load_design("five-bar"), mechanism("five_bar")
+    poses = np.column_stack([whole["samples"]["x"], whole["samples"]["y"]])
+    error = []
+    for pose, row in zip(poses.tolist(), np.stack(joints, axis=1).tolist(), strict=True):
+        posture = kind.posture(design, pose, "+-")
+        error.append(np.subtract(kind.follow(design, posture, row).posture.pose, pose))
+    told = [whole["fit"]["error"][key]["deviation"] for key in "xy"]
+    np.testing.assert_allclose(np.std(error, axis=0, ddof=1), told, rtol=0.0101 if degree < 20 else 0.05)
+    if degree == 8:  # eqs. 18 and 19: what the paper prints is there, and more
+        assert "0.0389033" in text
+        assert "0.0097993" in text
+
+
+def test_why_there_is_no_true_error(here: Run) -> None:
+    words = ("trajectory", "five-bar", "rest-to-rest", "--fit", "1")
+    text = here(*words).stdout
+    assert "No true error: driven by these polynomials the machine does not come through" in text
+    assert "parallel singularity" in answered(here(*words, "--json"))["fit"]["trouble"]

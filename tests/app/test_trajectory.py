@@ -243,7 +243,7 @@ def test_what_is_told_in_words(bar: Computed) -> None:
     joints = bar.asked.kind.joint_coordinates(bar.asked.design)
     axes = bar.asked.kind.pose_coordinates(bar.asked.design)
     told = fits_html(fits, "", axes, joints)
-    assert f"{abs(fits.coefficients[0, 5]):.6g}".replace("-", "−") in told
+    assert f"{abs(fits.coefficients[0, 5]):.{fits.digits}g}".replace("-", "−") in told
     assert "t<sup>5</sup>" in told
     assert f"{fits.deviation[0][1]:.3g}".replace("-", "−") in told
 
