@@ -159,10 +159,19 @@ def _is_design(word: str) -> bool:
 
 
 def _joined(argv: list[str]) -> list[str]:
-    """`--pose -10,…` as `--pose=-10,…`, the form in which argparse accepts it."""
+    """`--pose -10,…` as `--pose=-10,…`, the form in which argparse accepts it.
+
+    A value of two minus signs, which is a mode, argparse would take for its own end of options: it
+    gets the longer signs, which mean the same.
+    """
     joined: list[str] = []
     words = iter(argv)
     for word in words:
         value = next(words, None) if word in SIGNED_OPTIONS else None
+        option, given, own = word.partition("=")
+        if value is None and given and option in SIGNED_OPTIONS:
+            word, value = option, own
+        if value is not None:
+            value = "−−" if value.strip() == "--" else value
         joined.append(word if value is None else f"{word}={value}")
     return joined

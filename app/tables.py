@@ -69,10 +69,12 @@ def inverse_text(
     joints: Sequence[Coordinate],
     reachable: bool,
     noun: str = "working mode",
+    free: Sequence[Sequence[int]] = (),
 ) -> str:
     """The modes that close at a pose, and how many of them are within the strokes.
 
-    ``noun`` is what the mechanism calls them, "" where there is only one.
+    ``noun`` is what the mechanism calls them, "" where there is only one; ``free`` which joints the
+    pose leaves free in each.
     """
     lines = [""]
     if closing:
@@ -83,9 +85,14 @@ def inverse_text(
             (
                 *([posture.mode] if noun else []),
                 *(f"{joint:.4f}" for joint in outer(posture.joints, joints)),
-                ", ".join(_beyond(reason, symbols) for reason in posture.reasons) or "yes",
+                ", ".join(
+                    [
+                        ", ".join(_beyond(reason, symbols) for reason in posture.reasons) or "yes",
+                        *(f"{joints[k].symbol} is free" for k in loose),
+                    ]
+                ),
             )
-            for posture in closing
+            for posture, loose in zip(closing, free or [()] * len(closing), strict=True)
         ]
         lines += [table(header, rows), ""]
     if reachable:
@@ -99,9 +106,18 @@ def inverse_text(
 
 
 def _beyond(reason: Reason, symbols: dict[int | None, str]) -> str:
-    """A reason short enough for a table: "ρ₃ 40.3 too long"."""
-    direction = "too short" if reason.bound == "rho_min" else "too long"
-    return f"{symbols.get(reason.limb, f'limb {reason.limb}')} {reason.amount:.1f} {direction}"
+    """A reason short enough for a table: "ρ₃ 40.3 too long", "θ₂ 12.5° below its range"."""
+    symbol = symbols.get(reason.limb, f"limb {reason.limb}")
+    low = reason.bound == "rho_min"
+    if reason.unit == "rad":
+        direction = "below" if low else "beyond"
+        return f"{symbol} {_amount(degrees(reason.amount))}° {direction} its range"
+    return f"{symbol} {_amount(reason.amount)} {'too short' if low else 'too long'}"
+
+
+def _amount(value: float) -> str:
+    """One decimal, or as many as show that it is not zero."""
+    return f"{value:.1f}" if value >= 0.05 else f"{value:.1g}"
 
 
 def forward_text(found: ForwardSolutions, shown: Sequence[int], axes: Sequence[Coordinate]) -> str:

@@ -14,7 +14,9 @@ from math import degrees, isfinite, nan
 from app import tables
 from kinematics.errors import InputError
 from kinematics.mechanism import Coordinate
+from kinematics.motion import WrenchName
 from kinematics.trajectories import Trajectory
+from kinematics.trajectories.paths import SAME
 
 LARGEST = 16 * 1024 * 1024
 """Bytes; a longer file is refused unread."""
@@ -75,6 +77,11 @@ def read_points(
                 for n, axis in zip(found, axes, strict=True)
             )
         )
+        if time is None and len(poses) > 1 and _same(poses[-2], poses[-1]):
+            raise InputError(
+                f"{where}: point {len(poses)} of the path is the same as the one before; leave it "
+                "out"
+            )
         if time is not None:
             times.append(_number(row[time], f"{where}: t"))
             if len(times) > 1 and times[-1] <= times[-2]:
@@ -82,6 +89,11 @@ def read_points(
     if len(poses) < 2:
         raise InputError(f"{origin}: a path needs at least two points, found {len(poses)}")
     return Points(tuple(poses), None if time is None else tuple(times), left)
+
+
+def _same(one: Sequence[float], other: Sequence[float]) -> bool:
+    """Whether two points are one; what is left open, NaN, follows from the rest."""
+    return all(a != a or abs(a - b) < SAME for a, b in zip(one, other, strict=True))
 
 
 def _column(header: Sequence[str], axis: Coordinate) -> int | None:
@@ -121,17 +133,24 @@ def columns_of(
     ):
         for n, joint in enumerate(joints):
             columns[f"{tables.key(joint)}_{what}"] = _outer(values[:, n].tolist(), joint)
-    turning = {joint.limb: joint.unit == "rad" for joint in joints}
-    for n, name in enumerate(found.names):
-        unit = "Nmm" if name.kind == "actuation" and turning.get(name.limb, False) else "N"
-        unit = unit if name.kind == "actuation" else ""
-        key = f"{name.kind}{name.limb or ''}"
-        columns["_".join(filter(None, (f"force_{key}", unit)))] = found.forces[:, n].tolist()
+    for n, key in enumerate(force_keys(found.names, joints)):
+        columns[key] = found.forces[:, n].tolist()
     columns["within_stroke"] = [float(ok) for ok in found.reachable.tolist()]
     columns["determinant"] = found.determinant.tolist()
     columns["conditioning"] = found.conditioning.tolist()
     columns["singularity_mm"] = found.distance.tolist()
     return columns
+
+
+def force_keys(names: Sequence[WrenchName], joints: Sequence[Coordinate]) -> list[str]:
+    """What the columns of forces are called: "force_actuation1_Nmm", "force_constraint3"."""
+    turning = {joint.limb: joint.unit == "rad" for joint in joints}
+    keys = []
+    for name in names:
+        unit = "_Nmm" if turning.get(name.limb, False) else "_N"
+        unit = unit if name.kind == "actuation" else ""
+        keys.append(f"force_{name.kind}{name.limb or ''}{unit}")
+    return keys
 
 
 def trajectory_csv(

@@ -169,10 +169,12 @@ def number(text: str, name: str) -> float:
     return value
 
 
-def numbers(option: str, text: str, axes: Sequence[Coordinate]) -> list[float]:
-    """The numbers as typed, mm and degrees, one for each coordinate."""
+def numbers(
+    option: str, text: str, axes: Sequence[Coordinate], units: tuple[str, str] = ("mm", "degrees")
+) -> list[float]:
+    """The numbers as typed, one for each coordinate; ``units`` of lengths and of angles."""
     words = text.split(",")
-    wanted = ", ".join(f"{axis.symbol} ({tables.unit(axis)})" for axis in axes)
+    wanted = ", ".join(f"{axis.symbol} ({units[axis.unit == 'rad']})" for axis in axes)
     if len(words) != len(axes):
         raise InputError(
             f"{option} needs {len(axes)} numbers with commas between them, {wanted}; "

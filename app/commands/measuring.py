@@ -219,6 +219,11 @@ def _section_lines(
 def _spec(design: Design, mechanism: Mechanism) -> SectionSpec:
     spec = mechanism.section_spec(design)
     if spec is None:
+        if mechanism.region_specs(design):
+            raise InputError(
+                f"{design.name}: the workspace of a {mechanism.title} lies in a plane, so it has "
+                f"no volume and no sections; bohemia workspace {design.name} gives its area"
+            )
         raise InputError(f"{design.name}: a {mechanism.title} has no exact sections")
     return spec
 

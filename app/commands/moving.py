@@ -68,7 +68,9 @@ def register(command: common.AddCommand) -> None:
         ("forces", "N, of rotary actuators N·mm; goes with --load"),
     ):
         trajectory.add_argument(
-            f"--max-{name}", metavar="v1,...", help=f"limits of the actuators, {what}"
+            f"--max-{name}",
+            metavar="v1,...",
+            help=f"limits of the actuators, one number for all or one for each, {what}",
         )
     trajectory.add_argument(
         "--fit",
@@ -81,6 +83,10 @@ def register(command: common.AddCommand) -> None:
     )
     common.add_json(trajectory)
     trajectory.epilog = (
+        "Between points a path runs straight, or by a spline, in the coordinates themselves: an "
+        "angle from 170 to -170 degrees goes back through 0; write 190 for the short way. Largest "
+        "values and limits are those of the whole way, not of the samples: null in JSON and ∞ in "
+        "text where one grows without end. "
         "JSON and CSV have no number where the path is outside or a singularity leaves it open; "
         "singularity_mm is null in JSON and inf in CSV where there is no singularity."
     )
@@ -119,7 +125,7 @@ def _trajectory(arguments: argparse.Namespace) -> None:
     if arguments.json:
         common.print_json(_answer(arguments, design, mechanism, way, found, fits))
         return
-    law = f"{way.law.kind}, {way.law.duration:g} s"
+    law = f"{way.kind}{way.law.duration:g} s"
     common.print_head(design, f"{way.title}{common.mode_text(mechanism, way.mode)}, {law}")
     print("\n".join(_lines(found, fits, axes, joints)))
     if output is not None:
@@ -130,13 +136,17 @@ def _trajectory(arguments: argparse.Namespace) -> None:
 
 
 class _Asked(NamedTuple):
-    """The trajectory asked for: ``name`` of a named one, or the file's."""
+    """The trajectory asked for: ``name`` of a named one, or the file's.
+
+    ``kind``: the law in words, with a comma; "" where the title tells it.
+    """
 
     name: str
     title: str
     path: Way
     law: Law
     mode: str
+    kind: str
     dependent: int | None = None
 
 
@@ -157,19 +167,23 @@ def _way(arguments: argparse.Namespace, design: Design, mechanism: Mechanism) ->
     if named is not None:
         kind = named.law.kind if arguments.law is None else arguments.law
         seconds = named.law.duration if duration is None else duration
-        return _Asked(named.name, named.title, named.path, law(kind, seconds), mode)
+        own = kind == named.law.kind
+        title = named.title if own else f"The way of {named.name}"
+        told = "" if own else f"{kind}, "
+        return _Asked(named.name, title, named.path, law(kind, seconds), mode, told)
     points = _points(arguments, design, mechanism, tuple(known))
     path = _joined(arguments, design, mechanism, points, mode)
     if points.times is not None:
         if arguments.law is not None:
             raise InputError("--law: the file gives the times, so that there is no law to choose")
         seconds = points.times[-1] - points.times[0] if duration is None else duration
-        chosen = law("linear", seconds)
+        chosen, told = law("linear", seconds), "by its times, "
     else:
         seconds = max(1.0, path.length / PACE) if duration is None else duration
         chosen = law(arguments.law or "quintic", seconds)
+        told = f"{chosen.kind}, "
     name = Path(arguments.path).name
-    return _Asked(name, name, path, chosen, mode, points.dependent)
+    return _Asked(name, name, path, chosen, mode, told, points.dependent)
 
 
 def _points(
@@ -226,11 +240,15 @@ def _whole(option: str, text: str) -> int:
 def _limits(arguments: argparse.Namespace, joints: Sequence[Coordinate]) -> Limits:
     from kinematics.trajectories import Limits
 
-    def read(name: str, *, turning: bool) -> tuple[float, ...] | None:
+    def read(
+        name: str, units: tuple[str, str], *, turning: bool = True
+    ) -> tuple[float, ...] | None:
         text = getattr(arguments, f"max_{name}")
         if text is None:
             return None
-        typed = common.numbers(f"--max-{name}", text, joints)
+        if "," not in text:  # one for all
+            text = ",".join([text] * len(joints))
+        typed = common.numbers(f"--max-{name}", text, joints, units)
         return tuple(
             radians(value) if turning and joint.unit == "rad" else value
             for value, joint in zip(typed, joints, strict=True)
@@ -239,9 +257,9 @@ def _limits(arguments: argparse.Namespace, joints: Sequence[Coordinate]) -> Limi
     if arguments.max_forces is not None and arguments.load is None:
         raise InputError("--max-forces goes with --load")
     return Limits(
-        read("rates", turning=True),
-        read("accelerations", turning=True),
-        read("forces", turning=False),
+        read("rates", ("mm/s", "degrees/s")),
+        read("accelerations", ("mm/s²", "degrees/s²")),
+        read("forces", ("N", "N·mm"), turning=False),
     )
 
 
@@ -270,6 +288,8 @@ def _answer(
         "duration_s": way.law.duration,
         "length_mm": found.length,
         "sound": found.sound,
+        "moving_at_ends": list(found.moving_ends),
+        "largest": _largest(found, joints),
         "events": [_event(event, axes) for event in found.events],
         "samples": {
             **{key: [common.finite(v) for v in values] for key, values in columns.items()},
@@ -287,7 +307,28 @@ def _event(event: Event, axes: Sequence[Coordinate]) -> dict[str, Any]:
         "end_s": event.end,
         "pose": dict(zip(map(tables.key, axes), tables.outer(event.pose, axes), strict=True)),
         "text": event.text,
+        "worst_at_s": common.finite(event.at),
     }
+
+
+def _largest(found: Trajectory, joints: Sequence[Coordinate]) -> dict[str, Any]:
+    """The largest sizes on the whole way and when; no number where one grows without end."""
+    from app.trajectory_files import force_keys
+
+    named: dict[str, Any] = {}
+    for what, tail in (("rate", "per_s"), ("acceleration", "per_s2")):
+        values, times = found.largest(what)  # type: ignore[arg-type]
+        for joint, value, at in zip(
+            joints, tables.outer(values.tolist(), joints), times.tolist(), strict=True
+        ):
+            entry = {"value": common.finite(value), "t": common.finite(at)}
+            named[f"{tables.key(joint)}_{tail}"] = entry
+    values, times = found.largest("force")
+    for key, value, at in zip(
+        force_keys(found.names, joints), values.tolist(), times.tolist(), strict=True
+    ):
+        named[key] = {"value": common.finite(value), "t": common.finite(at)}
+    return named
 
 
 def _fit(fits: Fits, axes: Sequence[Coordinate], joints: Sequence[Coordinate]) -> dict[str, Any]:
@@ -326,32 +367,32 @@ def _lines(
 ) -> list[str]:
     import numpy as np
 
-    def most(values: Any) -> list[float]:
-        known = np.where(np.isfinite(values), np.abs(values), 0.0)
-        return [float(v) for v in known.max(axis=0)]
-
-    rates = tables.outer(most(found.joint_rates), joints)
-    accelerations = tables.outer(most(found.joint_accelerations), joints)
-    forces = most(found.forces)
+    rates, accelerations = found.largest("rate"), found.largest("acceleration")
+    forces = found.largest("force")
     rows = []
     for n, joint in enumerate(joints):
         mark = "°" if joint.unit == "rad" else "mm"
         ends = tables.outer([found.joints[0, n], found.joints[-1, n]], [joint, joint])
         row = [f"{joint.symbol} ({mark})", *(f"{v:.4f}" if isfinite(v) else "–" for v in ends)]
-        row += [tables.number_text(rates[n]), tables.number_text(accelerations[n])]
+        for values, times in (rates, accelerations):
+            row.append(_at(tables.outer([float(values[n])], [joint])[0], float(times[n])))
         if found.names:
-            unit = "N·mm" if joint.unit == "rad" else "N"
-            row.append(f"{tables.number_text(forces[n])} {unit}")
+            unit = " N·mm" if joint.unit == "rad" else " N"
+            row.append(_at(float(forces[0][n]), float(forces[1][n]), unit))
         rows.append(row)
     header = ["joint", "start", "end", "largest rate /s", "acceleration /s²"]
     header += ["force"] if found.names else []
     lines = ["", tables.table(header, rows), "", f"length     {found.length:.1f} mm"]
+    moving = [t for t, on in zip((0.0, found.duration), found.moving_ends, strict=True) if on]
+    if moving:
+        when = " and ".join(f"t = {t:g} s" for t in moving)
+        lines.append(f"ends       at speed at {when}: getting there and stopping is not counted")
     near = found.distance[np.isfinite(found.distance)]
-    if near.size:
+    if near.size and not any(event.kind == "singularity" for event in found.events):
         n = int(np.nanargmin(np.where(np.isfinite(found.distance), found.distance, np.inf)))
-        lines.append(
-            f"nearest    {near.min():.1f} mm to a singularity, at t = {found.times[n]:.3f} s"
-        )
+        least, at = float(near.min()), float(found.times[n])
+        least, at = min([(e.value, e.at) for e in found.events if e.kind == "near"] + [(least, at)])
+        lines.append(f"nearest    {least:.1f} mm to a singularity, at t = {at:.3f} s")
     if fits is not None:
         lines += _fit_lines(fits, axes, joints)
     if found.events:
@@ -359,6 +400,13 @@ def _lines(
     else:
         lines.append("Nothing on the way: inside the workspace, no singularity, no limit exceeded.")
     return lines
+
+
+def _at(value: float, time: float, unit: str = "") -> str:
+    """ "39.7073 at 1.035 s"; a largest value that has no end is infinite."""
+    if isfinite(value):
+        return f"{tables.number_text(value)}{unit} at {time:.3f} s"
+    return f"∞ at {time:.3f} s" if value > 0.0 else "–"
 
 
 def _fit_lines(fits: Fits, axes: Sequence[Coordinate], joints: Sequence[Coordinate]) -> list[str]:

@@ -60,6 +60,10 @@ def _ik(arguments: argparse.Namespace) -> None:
     common.warn(design, mechanism)
     joints = mechanism.joint_coordinates(design)
     given = not any(isnan(value) for value in typed)
+    free = [_free(design, mechanism, posture) for posture in closing]
+    warnings = _warnings(design, mechanism, closing, free)
+    for text in warnings:
+        print(f"bohemia: warning: {text}", file=sys.stderr)
 
     def transform(posture: Posture) -> list[list[float]]:
         placed: list[list[float]] = mechanism.transform(design, posture.pose, posture.mode).tolist()
@@ -69,7 +73,7 @@ def _ik(arguments: argparse.Namespace) -> None:
         shown = typed if given else tables.outer(nearest.pose, axes)
         common.print_head(design, f"Pose {tables.with_units(shown, axes)}")
         noun = mechanism.mode_noun
-        print(tables.inverse_text(closing, nearest, joints, reachable, noun))
+        print(tables.inverse_text(closing, nearest, joints, reachable, noun, free))
         return
 
     def pose(posture: Posture) -> dict[str, float]:
@@ -84,6 +88,7 @@ def _ik(arguments: argparse.Namespace) -> None:
             "transform": transform(nearest),
             "reachable": reachable,
             "reasons": reasons,
+            "warnings": warnings,
             "solutions": [
                 {
                     **common.mode_entry(mechanism, posture.mode),
@@ -91,13 +96,59 @@ def _ik(arguments: argparse.Namespace) -> None:
                     "joints": tables.outer(posture.joints, joints),
                     "within_stroke": posture.reachable,
                     "reasons": [reason.text for reason in posture.reasons],
+                    "free_joints": [joints[k].key for k in loose],
                     "residual": posture.residual,
                     "transform": transform(posture),
                 }
-                for posture in closing
+                for posture, loose in zip(closing, free, strict=True)
             ],
         }
     )
+
+
+_NUDGE = 1e-9  # of the characteristic length: how far beside a pose joints are compared
+_APART = 0.1  # rad; a limb at the end of its reach turns by far less
+
+
+def _free(design: Design, mechanism: Mechanism, posture: Posture) -> list[int]:
+    """The angles that a pose leaves free: beside it they are now these, now those."""
+    import numpy as np
+
+    joints = mechanism.joint_coordinates(design)
+    turning = [k for k, joint in enumerate(joints) if joint.unit == "rad"]
+    if not turning:
+        return []
+    length = mechanism.characteristic_length(design)
+    steps = [
+        _NUDGE * (1.0 if axis.unit == "rad" else length)
+        for axis in mechanism.pose_coordinates(design)
+    ]
+    away = np.diag(steps)
+    answer = mechanism.inverse(design, np.array(posture.pose) + np.concatenate([away, -away]))
+    beside = answer.joints[:, answer.modes.index(posture.mode)]
+    apart = np.abs(np.angle(np.exp(1j * (beside - np.array(posture.joints)))))
+    apart = np.where(np.isfinite(apart), apart, 0.0)
+    return [k for k in turning if float(apart[:, k].max()) > _APART]
+
+
+def _warnings(
+    design: Design,
+    mechanism: Mechanism,
+    closing: Sequence[Posture],
+    free: Sequence[Sequence[int]],
+) -> list[str]:
+    """One sentence for each joint that is free somewhere, with the reason."""
+    joints = mechanism.joint_coordinates(design)
+    told: dict[int, str] = {}
+    for posture, loose in zip(closing, free, strict=True):
+        for k in loose:
+            if k in told:
+                continue
+            lost = mechanism.singularities(design, posture)
+            why = [each.text for each in lost if joints[k].limb in each.limbs]
+            told[k] = f"at this pose {joints[k].symbol} is free, what is shown is one of its values"
+            told[k] += f": {why[0]}" if why else ""
+    return list(told.values())
 
 
 def _postures(

@@ -35,10 +35,15 @@ def summary_html(moved: Moved) -> str:
     found = computed.found
     head = (
         f"{found.length:.1f} mm in {computed.law.duration:.4g} s, {LAWS[computed.law.kind]}, "
-        f"{len(found.times)} samples"
+        f"{len(found.times)} samples{_moving(found.moving_ends)}"
     )
     faint = ' style="opacity:.5"' if moved.stale else ""
     return box(f"<div{faint}>{head}{_nearest(computed)}</div>{_events(moved, found.events)}")
+
+
+def _moving(ends: tuple[bool, bool]) -> str:
+    told = {(True, True): "starts and ends", (True, False): "starts", (False, True): "ends"}
+    return f", {told[ends]} at speed" if ends in told else ""
 
 
 def _nearest(computed: Computed) -> str:

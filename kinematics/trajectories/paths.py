@@ -25,6 +25,7 @@ Derivatives = tuple[Array, Array, Array]
 """Points, first and second derivatives by s, each (N, P)."""
 
 MOST_POINTS = 100_000
+SAME = 1e-9  # mm: points that are nearer to each other are one
 
 
 class Path(Protocol):
@@ -187,7 +188,9 @@ def line(start: Sequence[float], end: Sequence[float], scale: Sequence[float]) -
     Raises:
         InputError: the poses are no numbers or the same.
     """
-    a, b = _checked([start, end], scale)
+    a, b = _checked([start, end], scale, repeated=True)
+    if np.linalg.norm(_scaled(tuple(scale), a, b)) < SAME:
+        raise InputError("the start and the end of the line are one pose; choose another end")
     return Line(a, b, tuple(scale))
 
 
@@ -342,8 +345,8 @@ def _checked(
     if len(p) > MOST_POINTS:
         raise InputError(f"a path may have {MOST_POINTS} points, got {len(p)}")
     steps = np.linalg.norm(np.diff(p * np.array(scale), axis=0), axis=1)
-    if not repeated and (steps < 1e-9).any():
-        n = int(np.argmax(steps < 1e-9)) + 2
+    if not repeated and (steps < SAME).any():
+        n = int(np.argmax(steps < SAME)) + 2
         raise InputError(f"point {n} of the path is the same as the one before; leave it out")
     return tuple(map(_pose, p))
 

@@ -76,7 +76,13 @@ def test_aspects_by_mode(here: Run, tmp_path: Path) -> None:
         (("trajectory", "five-bar", "line", "--load", "1,2"), "--load needs 6 numbers"),
         (("trajectory", "five-bar", "line", "--blend", "3"), "--through lines"),
         (("trajectory", "five-bar", "line", "--max-forces", "3,3"), "goes with --load"),
-        (("trajectory", "five-bar", "line", "--max-rates", "3"), "--max-rates needs 2 numbers"),
+        (
+            ("trajectory", "five-bar", "line", "--max-rates", "3,"),
+            "--max-rates: θ₂ must be a number",
+        ),
+        (("trajectory", "five-bar", "line", "--max-rates", "3,4,5"), "θ₂ (degrees/s); got 3"),
+        (("volume", "five-bar"), "bohemia workspace five-bar gives its area"),
+        (("section", "five-bar", "--x", "3"), "lies in a plane"),
         (("trajectory", "five-bar", "line", "--mode", "+++"), "--mode"),
         (("trajectory", "five-bar", "line", "-o", "a.txt"), ".csv"),
         (("trajectory", "five-bar", "line", "--fit", "99"), "degree"),
@@ -146,7 +152,8 @@ def test_points_from_a_file(here: Run, tmp_path: Path) -> None:
         ("x,y\n1,2\n3,up\n", "line 3: y must be a number, got 'up'"),
         ("x,y\n1,2\n3,inf\n", "line 3: y must be a finite number"),
         ("t,x,y\n0,1,2\n0,3,4\n", "line 3: t must increase"),
-        ("x,y\n0,700\n0,700\n", "point 2 of the path is the same"),
+        ("x,y\n0,700\n0,700\n", "line 3: point 2 of the path is the same"),
+        ("x,y\n0,700\n\n9,700\n9,700.0\n", "line 5: point 3 of the path is the same"),
     ],
 )
 def test_broken_files(here: Run, tmp_path: Path, text: str, said: str) -> None:
@@ -204,7 +211,9 @@ def test_printed_polynomials_are_as_good_as_their_error(here: Run, degree: int) 
         posture = kind.posture(design, pose, "+-")
         error.append(np.subtract(kind.follow(design, posture, row).posture.pose, pose))
     told = [whole["fit"]["error"][key]["deviation"] for key in "xy"]
-    np.testing.assert_allclose(np.std(error, axis=0, ddof=1), told, rtol=0.0101 if degree < 20 else 0.05)
+    np.testing.assert_allclose(
+        np.std(error, axis=0, ddof=1), told, rtol=0.0101 if degree < 20 else 0.05
+    )
     if degree == 8:  # eqs. 18 and 19: what the paper prints is there, and more
         assert "0.0389033" in text
         assert "0.0097993" in text
@@ -215,3 +224,127 @@ def test_why_there_is_no_true_error(here: Run) -> None:
     text = here(*words).stdout
     assert "No true error: driven by these polynomials the machine does not come through" in text
     assert "parallel singularity" in answered(here(*words, "--json"))["fit"]["trouble"]
+
+
+@pytest.mark.parametrize("form", [("{}", "--"), ("{}=--",), ("{}", "−−"), ("{}", " --")])
+def test_the_mode_of_two_minus_signs(here: Run, tmp_path: Path, form: tuple[str, ...]) -> None:
+    """argparse would take it for the end of the options."""
+    mode = [word.format("--mode") for word in form]
+    modes = [word.format("--modes") for word in form]
+    (tmp_path / "p.csv").write_text("x,y\n0,804\n100,700\n")
+    found = answered(here("workspace", "five-bar", *modes, "--json"))
+    assert f"{found['area_mm2'] / 100:.6f}" == "19833.838618"
+    assert found["modes"] == ["--"]
+    found = answered(here("trajectory", "five-bar", "p.csv", *mode, "--samples", "5", "--json"))
+    assert found["working_mode"] == "--"
+    for command in ("singularity", "velocity", "statics"):
+        extra = {"velocity": ["--rates", "1,-2"], "statics": ["--load", "0,-5,0,0,0,0"]}
+        found = answered(
+            here(command, "five-bar", "--pose", "0,700", *mode, *extra.get(command, []), "--json")
+        )
+        assert found["working_mode"] == "--"
+    (one,) = answered(here("ik", "five-bar", *mode, "--pose", "0,700", "--json"))["solutions"]
+    assert one["working_mode"] == "--"
+
+
+def test_modes_that_begin_with_minus_signs(here: Run) -> None:
+    pose = ("--pose", "-10,100,450,5,-3")
+    for mode in ("-++++", "-----", "--+--"):
+        for words in (("--mode", mode), (f"--mode={mode}",)):
+            (one,) = answered(here("ik", "rpur-table1", *pose, *words, "--json"))["solutions"]
+            assert one["working_mode"] == mode
+    found = answered(here("volume", "rpur-table1", "--modes", "-----", "--json"))
+    assert found["modes"] == ["-----"]
+    assert "'--phi=3' is not a working mode" in refused(
+        here("volume", "rpur-table1", "--modes", "--phi=3")
+    )
+    assert "--pose needs 2 numbers" in refused(here("ik", "five-bar", "--pose", "--"))
+    assert "--pose: x" in refused(here("ik", "five-bar", "--pose=--,3"))
+
+
+def test_the_mode_of_two_minus_signs_as_a_process(bohemia: Run) -> None:
+    done = bohemia("workspace", "five-bar", "--modes", "--", "--json")
+    assert answered(done)["modes"] == ["--"]
+    done = bohemia("trajectory", "five-bar", "line", "--mode=--", "--samples", "3", "--json")
+    assert answered(done)["working_mode"] == "--"
+
+
+def test_a_path_with_corners_and_where_it_is_fastest(here: Run, tmp_path: Path) -> None:
+    (tmp_path / "good.csv").write_text("x,y\n0,804\n100,700\n-100,600\n")
+    words = ("trajectory", "five-bar", "good.csv", "--through", "lines", "--law", "linear")
+    text = here(*words, "--max-accelerations", "100,100").stdout
+    assert "sharp corner at t = 1.4428 s, x = 100.00 mm, y = 700.00 mm" in text
+    assert "∞ at 1.443 s" in text
+    assert "at speed at t = 0 s and t = 3.67884 s" in text
+    assert "no limit exceeded" not in text
+    found = answered(here(*words, "--json"))
+    assert [event["kind"] for event in found["events"]] == ["corner"]
+    assert found["largest"]["theta1_deg_per_s2"]["value"] is None
+    assert found["largest"]["theta2_deg_per_s"]["value"] == pytest.approx(14.0466, abs=1e-4)
+    assert found["moving_at_ends"] == [True, True]
+    assert not found["sound"]
+    load = ("--load", "0,-100,0,0,0,0", "--max-forces", "100")
+    found = answered(here("trajectory", "five-bar", "rest-to-rest", *load, "--json"))
+    forces = [abs(v) for v in found["samples"]["force_actuation1_Nmm"]]
+    assert found["largest"]["force_actuation1_Nmm"]["value"] >= max(forces)
+    assert found["largest"]["theta2_deg_per_s"]["t"] == pytest.approx(1.0354, abs=1e-3)
+    assert found["moving_at_ends"] == [False, False]
+
+
+def test_one_limit_for_all_joints(here: Run) -> None:
+    one = here("trajectory", "five-bar", "rest-to-rest", "--max-rates", "30", "--json")
+    each = here("trajectory", "five-bar", "rest-to-rest", "--max-rates", "30,30", "--json")
+    assert answered(one)["events"] == answered(each)["events"]
+    (event,) = answered(one)["events"]
+    assert event["kind"] == "rate"
+    assert "its limit, 30 °/s" in event["text"]
+    assert event["start_s"] < event["worst_at_s"] < event["end_s"]
+
+
+def test_what_the_head_says_of_a_path(here: Run, tmp_path: Path) -> None:
+    def head(*words: str) -> str:
+        return here("trajectory", "five-bar", *words).stdout.splitlines()[1]
+
+    assert head("rest-to-rest") == "Straight line from rest to rest, quintic, working mode +-, 2 s"
+    assert head("rest-to-rest", "--law", "cubic") == (
+        "The way of rest-to-rest, working mode +-, cubic, 2 s"
+    )
+    (tmp_path / "p.csv").write_text("t,x,y\n0,0,700\n1,-50,650\n3,100,640\n")
+    assert head("p.csv") == "p.csv, working mode +-, by its times, 3 s"
+    (tmp_path / "out.csv").write_text("x,y\n-69.65,804\n-69.65,3000\n")
+    assert "x = −69.65 mm" in here("trajectory", "five-bar", "out.csv").stdout
+
+
+RANGED = """
+mechanism = "five_bar"
+title = "Ranged"
+proximal = 480.0
+distal = 480.0
+half_base = 240.0
+joint_range_deg = [[0.0, 90.0], [75.0, 180.0]]
+"""
+
+
+def test_angles_beyond_their_range_are_told_in_degrees(here: Run, tmp_path: Path) -> None:
+    (tmp_path / "ranged.toml").write_text(RANGED)
+    text = here("ik", "ranged.toml", "--pose", "0,738.644").stdout
+    (line,) = [line for line in text.splitlines() if line.startswith("+- ")]
+    assert line.endswith("θ₁ 18.0° beyond its range, θ₂ 3.0° below its range")
+    assert "too long" not in text
+    assert "too short" not in text
+
+
+def test_a_joint_that_a_pose_leaves_free(here: Run) -> None:
+    done = here("ik", "five-bar", "--pose=-240,0")
+    assert done.stdout.count("yes, θ₁ is free") == 4
+    assert done.stderr.startswith("bohemia: warning: at this pose θ₁ is free")
+    assert "limb 1 may turn as it likes" in done.stderr
+    found = here("ik", "five-bar", "--pose=-240,0", "--json").json
+    assert [each["free_joints"] for each in found["solutions"]] == [["theta1"]] * 4
+    (warning,) = found["warnings"]
+    assert "θ₁ is free" in warning
+    # Stretched it is not free, nor anywhere else.
+    for pose in ("0,929.5160030897801", "10,700", "-240,1e-3"):
+        found = answered(here("ik", "five-bar", "--pose", pose, "--json"))
+        assert found["warnings"] == []
+        assert not any(each["free_joints"] for each in found["solutions"])

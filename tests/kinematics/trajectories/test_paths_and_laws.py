@@ -135,7 +135,8 @@ def test_the_paper_s_rest_to_rest_is_the_quintic_on_a_line() -> None:
 @pytest.mark.parametrize(
     ("make", "said"),
     [
-        (lambda: t.line((0, 0), (0, 0), UNIT), "same as the one before"),
+        (lambda: t.line((0, 0), (0, 0), UNIT), "are one pose"),
+        (lambda: t.polyline([(0, 0), (0, 0)], UNIT), "same as the one before"),
         (lambda: t.polyline([(0, 0)], UNIT), "at least two"),
         (lambda: t.polyline(CORNERS, UNIT, -1.0), "0 mm or more"),
         (lambda: t.spline([(0, 0), (1, np.nan)], UNIT), "finite"),
