@@ -37,9 +37,13 @@ class Along:
 
     def room(self, time: float) -> float:
         """How far from its nearest limit, relative to a characteristic length or rad; negative
-        beyond it.
+        beyond it, and infinite where a dependent coordinate has no value.
         """
-        return self.room_of(self.pose(time))
+        try:
+            pose = self.pose(time)
+        except InputError:
+            return -inf
+        return self.room_of(pose)
 
     def room_of(self, pose: Sequence[float]) -> float:
         """The same of a pose."""

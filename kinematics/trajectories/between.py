@@ -24,11 +24,12 @@ _SIDE = 1e-10  # of the duration: how far beside a break its sides are looked at
 _CLOSE = 0.01  # of the largest value: what a step may bulge between its ends
 _HALVED = 6  # times at most
 _MOST = 64  # maxima of one quantity that are closed in on
-_SHARES = np.arange(1, 8) / 8.0  # of a bracket that are looked at
+_FALSE = 48  # rounds of false positions and halves at most
 _PARTS = np.arange(1, 5) / 4.0  # of each half of a bracket about a maximum
 _ROUNDS = 16
 _NOTHING = 1e-11  # of the path's mean speed: a rate that is rounding
 _FLAT = 1e-3  # relative: what falls off by less beside a maximum is a parabola
+_SHOWN = 1e-6  # likewise, of one that is not the largest
 _STILL = 1e-11  # relative: a maximum that would grow by less is found
 _IDLE = 2  # rounds without gain after which the end of a piece is a maximum
 _GROWS = 4.0  # in the last three rounds: a maximum that still grows so much has no end
@@ -51,27 +52,49 @@ def close(along: Along, times: Array, load: Sequence[float] | None, limits: Limi
 def crossings(
     along: Along,
     load: Sequence[float] | None,
-    column: int,
-    limit: float,
+    columns: NDArray[np.intp],
+    limits: Array,
     inside: Array,
     outside: Array,
 ) -> Array:
-    """Times (K,) at which the size of a quantity passes a limit, in several brackets at once.
+    """Times (K,) at which sizes of quantities pass limits, in several brackets at once.
+
+    By regula falsi with halved ends (Illinois), and by halves where there is nothing outside.
 
     Args:
-        column: of rates, accelerations and forces side by side.
+        columns: (K,) of rates, accelerations and forces side by side.
+        limits: (K,) of each.
         inside, outside: (K,) s, where it is beyond the limit and where it is not, or is none.
     """
     good, bad = np.array(inside), np.array(outside)
-    for _ in range(8):  # each makes the brackets eight times as narrow
-        inner = good[:, None] + _SHARES * (bad - good)[:, None]
-        values, _ = _asked(along, inner.ravel(), load)
-        with np.errstate(invalid="ignore"):
-            beyond = (np.abs(values[:, column]) > limit).reshape(inner.shape)
-        count = np.cumprod(beyond, axis=1).sum(axis=1)  # how many from the good end on
-        ends = np.column_stack([good, inner, bad])
-        rows = np.arange(len(good))
-        good, bad = ends[rows, count], ends[rows, count + 1]
+    side = _SIDE * along.law.duration
+
+    def excess(times: Array, rows: NDArray[np.intp]) -> Array:
+        values = _asked(along, times, load)[0]
+        found: Array = np.abs(values[np.arange(len(rows)), columns[rows]]) - limits[rows]
+        return found
+
+    every = np.arange(len(good))
+    above, below = excess(good, every), excess(bad, every)
+    for n in range(_FALSE):
+        active = np.flatnonzero(np.abs(bad - good) > 4.0 * side)
+        if not len(active):
+            break
+        low, high = above[active], below[active]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            share = low / (low - high)
+        halve = ~(np.isfinite(share) & (share > 0.0) & (share < 1.0)) | (n % 4 == 3)
+        share[halve] = 0.5
+        middle = good[active] + share * (bad[active] - good[active])
+        value = excess(middle, active)
+        beyond = value > 0.0
+        inner, outer = active[beyond], active[~beyond]
+        good[inner], above[inner] = middle[beyond], value[beyond]
+        bad[outer], below[outer] = middle[~beyond], value[~beyond]
+        below[inner] *= 0.5
+        above[outer] *= 0.5
+        done = active[np.abs(value) <= _STILL * limits[active]]
+        good[done] = bad[done] = middle[np.abs(value) <= _STILL * limits[active]]
     return 0.5 * (good + bad)
 
 
@@ -188,6 +211,10 @@ def _climbed(
     edge = np.zeros(len(best), dtype=bool)  # beside the best one there is nothing
     idle = np.zeros(len(best), dtype=int)  # rounds without gain
     active = np.arange(len(best))
+    # The largest one and what is at a limit have to be known, of others a few digits are shown.
+    largest = size >= (1.0 - 2.0 * _CLOSE) * _largest(values)[column]
+    at_limit = np.abs(size - bounds[column]) <= 2.0 * _CLOSE * bounds[column]
+    still = np.where(largest | at_limit, _STILL, _SHOWN)
     for _ in range(_ROUNDS):
         now = place[active, None]
         inner = (now + _PARTS * (side[active, None] - now) for side in (left, right))
@@ -215,7 +242,7 @@ def _climbed(
         ended = ~edge[active] & ((before == top) | (after == top))
         a, b = most - sizes[each, before], most - sizes[each, after]
         gain = (a - b) ** 2 / (8.0 * (a + b) + 1e-300)  # to the top of a parabola through three
-        flat = (np.maximum(a, b) <= _FLAT * most) & (gain <= _STILL * most)
+        flat = (np.maximum(a, b) <= _FLAT * most) & (gain <= still[active] * most)
         active = active[np.where(ended, idle[active] < _IDLE, edge[active] | ~flat)]
         if not len(active):
             break

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from math import ceil, degrees, isfinite
+from typing import NamedTuple
 
 import numpy as np
 
@@ -88,53 +89,60 @@ def _leaping(along: Along, k: int, size: float) -> str:
 
 def beyond(along: Along, found: Trajectory, limits: Limits) -> Iterator[Event]:
     """Limits of the actuators that are exceeded, from when to when and by how much."""
-    close = found.close
+    close, spans = found.close, _spans(found, limits)
+    if not spans:
+        return
+    last = len(close.times) - 1
+    edges = [(s.first, max(s.first - 1, 0)) for s in spans]
+    edges += [(s.last, min(s.last + 1, last)) for s in spans]
+    inside, outside = (close.times[list(each)] for each in zip(*edges, strict=True))
+    column = np.array([s.column for s in spans] * 2)
+    limit = np.array([s.limit for s in spans] * 2)
+    passed = crossings(along, found.load, column, limit, inside, outside).reshape(2, -1)
+    coordinates = along.mechanism.joint_coordinates(along.design)
+    for span, start, end in zip(spans, *passed.tolist(), strict=True):
+        c, what = coordinates[span.joint], span.what
+        mark = unit(c, what)
+        reached = (
+            f"reaches {shown(span.worst, c, what):.4g} {mark} at t = {span.at:.3f} s"
+            if isfinite(span.worst)
+            else f"grows without end towards t = {span.at:.3f} s"
+        )
+        text = (
+            f"{what} of {c.symbol} {reached}; from t = {start:.3f} s to {end:.3f} s it is beyond "
+            f"its limit, {shown(span.limit, c, what):.4g} {mark}"
+        )
+        yield Event(what, start, end, along.pose(start), text, span.joint, span.worst, span.at)
+
+
+class _Span(NamedTuple):
+    """A run of closer times, from ``first`` to ``last``, at which a quantity is too large."""
+
+    what: Quantity
+    joint: int
+    column: int  # of rates, accelerations and forces side by side
+    limit: float
+    first: int
+    last: int
+    worst: float
+    at: float
+
+
+def _spans(found: Trajectory, limits: Limits) -> list[_Span]:
+    close, spans, before = found.close, [], 0
     values = (close.joint_rates, close.joint_accelerations, close.forces)
     allowed = (limits.rates, limits.accelerations, limits.forces)
-    first_column = 0
-    coordinates = along.mechanism.joint_coordinates(along.design)
     for what, array, bounds in zip(_QUANTITIES, values, allowed, strict=True):
-        driven = coordinates[: array.shape[1]]
-        for k, (c, bound) in enumerate(zip(driven, bounds or (), strict=False)):
-            limit = bound * (1.0 + _OVER)
+        for k, (column, limit) in enumerate(zip(array.T, bounds or (), strict=False)):
+            sizes = np.abs(column)
             with np.errstate(invalid="ignore"):
-                sizes = np.abs(array[:, k])
-                spans = runs(sizes > limit)
-            if not spans:
-                continue
-            column = first_column + k
-            times = _spans(along, found, column, limit, spans)
-            for (first, last), (start, end) in zip(spans, times, strict=True):
+                over = sizes > limit * (1.0 + _OVER)
+            for first, last in runs(over):
                 n = first + int(np.argmax(sizes[first : last + 1]))
                 worst, at = float(sizes[n]), float(close.times[n])
-                mark = unit(c, what)
-                reached = (
-                    f"reaches {shown(worst, c, what):.4g} {mark} at t = {at:.3f} s"
-                    if isfinite(worst)
-                    else f"grows without end towards t = {at:.3f} s"
-                )
-                text = (
-                    f"{what} of {c.symbol} {reached}; from t = {start:.3f} s to {end:.3f} s it is "
-                    f"beyond its limit, {shown(bound, c, what):.4g} {mark}"
-                )
-                yield Event(what, start, end, along.pose(start), text, k, worst, at)
-        first_column += array.shape[1]
-
-
-def _spans(
-    along: Along,
-    found: Trajectory,
-    column: int,
-    limit: float,
-    spans: Sequence[tuple[int, int]],
-) -> list[tuple[float, float]]:
-    """When each run of closer times that are beyond a limit begins and ends, s."""
-    times = found.close.times
-    ends = [(first, max(first - 1, 0)) for first, _ in spans]
-    ends += [(last, min(last + 1, len(times) - 1)) for _, last in spans]
-    inside, outside = (times[list(each)] for each in zip(*ends, strict=True))
-    passed = crossings(along, found.load, column, limit, inside, outside)
-    return list(zip(passed[: len(spans)].tolist(), passed[len(spans) :].tolist(), strict=True))
+                spans.append(_Span(what, k, before + k, limit, first, last, worst, at))
+        before += array.shape[1]
+    return spans
 
 
 def unit(c: Coordinate, what: Quantity) -> str:

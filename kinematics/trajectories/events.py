@@ -50,8 +50,9 @@ def _outside(along: Along, found: Trajectory) -> Iterator[Event]:
             end = edge(lambda t: along.room(t) < 0.0, times[last], times[last + 1])
         n = first + int(np.argmin(room[first : last + 1]))
         low, high = max(start, times[max(n - 1, 0)]), min(end, times[min(n + 1, len(times) - 1)])
-        at = least(along.room, float(low), float(high))
-        worst = min((at, float(times[n]), start, end), key=along.room)
+        lowest = partial(_known_room, along)
+        at = least(lowest, float(low), float(high))
+        worst = min((float(times[n]), at, start, end), key=lowest)
         yield _left(along, found, start, end, worst)
     # Dips between samples that are all inside.
     for n in _dips(np.where(ok, room, -1.0)):
@@ -63,6 +64,10 @@ def _outside(along: Along, found: Trajectory) -> Iterator[Event]:
             start = edge(lambda t: along.room(t) >= 0.0, low, at)
             end = edge(lambda t: along.room(t) < 0.0, at, high)
             yield _left(along, found, start, end, at)
+
+
+def _known_room(along: Along, time: float) -> float:
+    return _or_infinite(along.room(time))
 
 
 def _left(along: Along, found: Trajectory, start: float, end: float, at: float) -> Event:
