@@ -63,7 +63,7 @@ def test_it_plays_stops_and_is_taken_back(way: Tab) -> None:
 def test_limits_a_click_a_fit_and_files(way: Tab, tmp_path: Path) -> None:
     way.page.get_by_text("Limits of the actuators").click()
     way.type_into("Rates (mm/s)", "20")
-    way.wait_for_text(r"Rate of ρ\S reaches [\d.]+ mm/s from t = [\d.]+ s")
+    way.wait_for_text(r"Rate of ρ\S reaches [\d.]+ mm/s at t = [\d.]+ s")
     way.wait(lambda: bool(way.props("/trajectory/beyond").get("visible")), "what is too fast")
     plot = way.page.get_by_label("The trajectory against time")
     way.wait(lambda: "Cancel the distances" not in way.text(), "the drawing is what it stays")
