@@ -11,7 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from kinematics import arcs, outlines
@@ -139,6 +139,8 @@ ranges = st.tuples(st.floats(-180.0, 90.0), st.floats(10.0, 360.0))
 
 @settings(max_examples=25)
 @given(lengths, lengths, lengths, lengths, ranges, st.floats(-13.0, -2.0), st.integers(0, 7))
+@example(20.0, 20.0, 20.0, 20.0, (0.0, 10.0), -5.0, 1)
+@example(40.0, 55.05246414045177, 73.36839898806907, 102.69026240333623, (-170.0, 340.0), -7.618, 3)
 def test_near_a_touch_areas_are_those_of_lines_across(
     a: float, b: float, c: float, d: float, limits: tuple[float, float], power: float, kind: int
 ) -> None:
@@ -150,10 +152,11 @@ def test_near_a_touch_areas_are_those_of_lines_across(
     assume(half > 5.0)
     design = FiveBarDesign((Limb(a, b, (low, low + span)), Limb(c, d)), half)
     mode = inverse.MODES[kind % 4]
-    area = outlines.section_of(workspace.loops(design, (mode,))).area
+    section = outlines.section_of(workspace.loops(design, (mode,)))
     # What is thinner than 1e-7 of the size may be passed over: of a sliver between two circles
-    # that is 1e-10 of its square.
-    assert area == pytest.approx(scanned(design, mode), rel=0, abs=1e-10 * design.size**2)
+    # that is 1e-10 of its square. Ranges have a slack of 1e-9 rad, which only the lines count.
+    slack = 1e-10 * design.size**2 + 1e-9 * design.size * section.perimeter
+    assert section.area == pytest.approx(scanned(design, mode), rel=0, abs=slack)
 
 
 # --- curves --------------------------------------------------------------------------------
