@@ -41,7 +41,7 @@ from kinematics.singularities import (
     Profile,
     Remedy,
 )
-from kinematics.solutions import Fold, Followed, Posture
+from kinematics.solutions import Fold, Posture
 from kinematics.spatial import Array
 
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
@@ -223,9 +223,6 @@ class Bare:
 
     def passed(self, design: Any, before: Posture, after: Posture) -> tuple[Event, ...]:
         return ()
-
-    def path(self, design: Any, posture: Posture, poses: ArrayLike) -> Followed:
-        raise InputError("this mechanism does not follow paths of poses")
 
     def mode_change(self, design: Any, posture: Posture, wanted: str = "") -> ModeChange | None:
         """Where the mode may be changed without taking the machine apart; None where nowhere."""

@@ -225,7 +225,9 @@ class Mechanism(Protocol):
     ) -> tuple[Clearance, ...]: ...  # not singular: without what takes longer to find
     def remedy(self, design: Any, posture: Posture) -> Remedy: ...
     def passed(self, design: Any, before: Posture, after: Posture) -> tuple[Event, ...]: ...
-    def path(self, design: Any, posture: Posture, poses: ArrayLike) -> Followed: ...
+    def path(
+        self, design: Any, posture: Posture, poses: ArrayLike
+    ) -> Followed: ...  # as driven, up to what would stop the machine
     def mode_change(
         self, design: Any, posture: Posture, wanted: str = ""
     ) -> ModeChange | None: ...  # to where this mode begins, or any other

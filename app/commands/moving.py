@@ -17,10 +17,12 @@ from kinematics.errors import InputError
 if TYPE_CHECKING:
     from app.trajectory_files import Points
     from kinematics.mechanism import Coordinate, Design, Mechanism
+    from kinematics.solutions import Followed
     from kinematics.trajectories import Event, Fits, Law, Limits, Trajectory
     from kinematics.trajectories import Path as Way
 
 PACE = 100.0  # mm/s, where no duration is given
+DRIVEN = 400  # poses, about, through which a machine is driven to see where it stops
 
 
 def register(command: common.AddCommand) -> None:
@@ -87,7 +89,9 @@ def register(command: common.AddCommand) -> None:
         "angle from 170 to -170 degrees goes back through 0; write 190 for the short way. Largest "
         "values and limits are those of the whole way, not of the samples: null in JSON and ∞ in "
         "text where one grows without end. "
-        "JSON and CSV have no number where the path is outside or a singularity leaves it open; "
+        "Where the path leaves the workspace or is singular, a last line tells how far a machine "
+        "gets that is driven along it (driven in JSON). JSON and CSV have no number where the "
+        "path is outside or a singularity leaves it open; "
         "singularity_mm is null in JSON and inf in CSV where there is no singularity."
     )
 
@@ -119,17 +123,31 @@ def _trajectory(arguments: argparse.Namespace) -> None:
             dependent=way.dependent,
         )
         fits = None if degree is None else trajectories.fit(mechanism, design, found, degree)
+        driven = _driven(design, mechanism, found)
     common.warn(design, mechanism)
     if output is not None:
         common.write(output, trajectory_csv(found, axes, joints).encode())
     if arguments.json:
-        common.print_json(_answer(arguments, design, mechanism, way, found, fits))
+        common.print_json(_answer(arguments, design, mechanism, way, found, fits, driven))
         return
     law = f"{way.kind}{way.law.duration:g} s"
     common.print_head(design, f"{way.title}{common.mode_text(mechanism, way.mode)}, {law}")
     print("\n".join(_lines(found, fits, axes, joints)))
+    if driven is not None and driven.stop != "target":
+        where = tables.with_units(tables.outer(driven.posture.pose, axes), axes)
+        print(f"A machine driven along it stops at {where}: {driven.text}")
     if output is not None:
         print(f"file       {output} ({len(found.times)} rows; mm, degrees, s)")
+
+
+def _driven(design: Design, mechanism: Mechanism, found: Trajectory) -> Followed | None:
+    """How far a machine gets that is driven along a path which leaves its reach or its control."""
+    if not any(event.kind in ("singularity", "outside") for event in found.events):
+        return None
+    step = max(1, len(found.poses) // DRIVEN)
+    poses = found.poses[[*range(0, len(found.poses) - 1, step), -1]]
+    start = mechanism.posture(design, tuple(poses[0].tolist()), found.mode)
+    return mechanism.path(design, start, poses[1:])
 
 
 # --- the path and its law ------------------------------------------------------------------
@@ -273,6 +291,7 @@ def _answer(
     way: _Asked,
     found: Trajectory,
     fits: Fits | None,
+    driven: Followed | None,
 ) -> dict[str, Any]:
     from app.trajectory_files import columns_of
 
@@ -291,6 +310,16 @@ def _answer(
         "moving_at_ends": list(found.moving_ends),
         "largest": _largest(found, joints),
         "events": [_event(event, axes) for event in found.events],
+        "driven": None
+        if driven is None
+        else {
+            "stop": driven.stop,
+            "share": driven.fraction,
+            "pose": dict(
+                zip(map(tables.key, axes), tables.outer(driven.posture.pose, axes), strict=True)
+            ),
+            "text": driven.text,
+        },
         "samples": {
             **{key: [common.finite(v) for v in values] for key, values in columns.items()},
             "within_stroke": [bool(flag) for flag in flags],

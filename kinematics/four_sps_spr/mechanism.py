@@ -253,6 +253,9 @@ class FourSPSSPR(Bare):
     ) -> tuple[Event, ...]:
         return passing.passed(design, before, after)
 
+    def path(self, design: FourSPSSPRDesign, posture: Posture, poses: ArrayLike) -> Followed:
+        return passing.path(design, posture, poses)
+
     def remedy(self, design: FourSPSSPRDesign, posture: Posture) -> Remedy:
         return remedy.remedy(design, posture)
 

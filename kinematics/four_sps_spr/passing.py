@@ -1,4 +1,4 @@
-"""What a move of the pose passes on its way: singularities and ends of strokes.
+"""What a move of the pose passes on its way: singularities and ends of strokes; paths of moves.
 
 The way between two poses is straight in all six coordinates, angles the shorter way round, but for
 the position, which is brought back into the plane of the constraint along its normal. What is
@@ -7,29 +7,57 @@ sought are changes of sign, of the determinant and of each leg's room, between c
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
+from numpy.typing import ArrayLike
 
 from kinematics.four_sps_spr.design import LIMBS, FourSPSSPRDesign
 from kinematics.four_sps_spr.inverse import (
     STROKE_SLACK,
     leg_lengths,
+    posture,
     rotation,
     violation,
     wrap_angle,
 )
 from kinematics.four_sps_spr.wrenches import wrench_system
+from kinematics.passing import corners_of, follow_ways
 from kinematics.singularities import Event
-from kinematics.solutions import Posture
+from kinematics.solutions import Followed, Posture
 from kinematics.spatial import Array
 
 _PLACES = 65
 _HALVINGS = 40
+_BEFORE = 1e-6  # of a way, by which a path stops before a singularity
 _STILL = 1e-12  # a shorter way, mm and rad, is none
 
 
 def passed(design: FourSPSSPRDesign, before: Posture, after: Posture) -> tuple[Event, ...]:
     """Events in the order in which they are met."""
-    way = _Way(design, before.pose, after.pose)
+    return _events(_Way(design, before.pose, after.pose))
+
+
+def path(design: FourSPSSPRDesign, start: Posture, poses: ArrayLike) -> Followed:
+    """Follow such ways through poses (N, 6), each brought onto the constraint.
+
+    Stops shortly before a parallel singularity, and at a stroke end that it would pass.
+
+    Raises:
+        InputError: no poses, or not six finite numbers each.
+    """
+    corners = [start.pose, *corners_of(poses, ("x", "y", "z", "α", "β", "γ"))]
+    return follow_ways(
+        start,
+        [_Way(design, tuple(a), tuple(b)) for a, b in pairwise(corners)],
+        events=_events,
+        posture=lambda pose: posture(design, pose),
+        back=lambda _: _BEFORE,
+        why=lambda event, *_: event.text,
+    )
+
+
+def _events(way: _Way) -> tuple[Event, ...]:
     if way.length <= _STILL:
         return ()
     at = np.linspace(0.0, 1.0, _PLACES)
@@ -58,6 +86,10 @@ class _Way:
         poses[:, :3] += violation(self.design, poses)[:, None] * normal
         return np.asarray(poses)
 
+    def pose(self, s: float) -> tuple[float, ...]:
+        """The pose at s, on the constraint."""
+        return tuple(self.poses(np.array([s]))[0].tolist())
+
     def values(self, at: Array) -> Array:
         """(n, 11): the determinant, and the room of every leg at both ends of its stroke, mm."""
         poses = self.poses(at)
@@ -84,7 +116,7 @@ class _Way:
 
 
 def _event(way: _Way, column: int, fraction: float, leaves: bool) -> Event:
-    pose = tuple(way.poses(np.array([fraction]))[0].tolist())
+    pose = way.pose(fraction)
     if column == 0:
         text = "passed a parallel singularity, where the legs do not hold the platform"
         return Event("parallel", fraction, pose, None, text, True)

@@ -348,3 +348,15 @@ def test_a_joint_that_a_pose_leaves_free(here: Run) -> None:
         found = answered(here("ik", "five-bar", "--pose", pose, "--json"))
         assert found["warnings"] == []
         assert not any(each["free_joints"] for each in found["solutions"])
+
+
+def test_how_far_a_machine_gets_that_is_driven_along_a_path(here: Run, tmp_path: Path) -> None:
+    (tmp_path / "down.csv").write_text("x,y\n0,804\n0,300\n")
+    answer = answered(here("trajectory", "five-bar", "down.csv", "--json"))
+    driven = answer["driven"]
+    assert driven["stop"] == "singularity"
+    assert driven["pose"]["y"] == pytest.approx((480.0**2 - 240.0**2) ** 0.5, abs=0.01)
+    assert driven["share"] == pytest.approx((804.0 - driven["pose"]["y"]) / 504.0, abs=1e-6)
+    assert "A machine driven along it stops at" in here("trajectory", "five-bar", "down.csv").stdout
+    (tmp_path / "fine.csv").write_text("x,y\n0,804\n100,700\n")
+    assert answered(here("trajectory", "five-bar", "fine.csv", "--json"))["driven"] is None

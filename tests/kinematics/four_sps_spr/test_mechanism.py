@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import minimize
@@ -222,3 +224,32 @@ def test_the_drawing_has_every_part_where_the_posture_says() -> None:
     off = KIND.posture(design, (10.0, 10.0, 560.0, 0.0, 0.0, 0.0), "")
     gap = next(bar for bar in KIND.drawing(design, off).bars if bar.role == "gap")
     assert np.linalg.norm(np.subtract(gap.end, gap.start)) == pytest.approx(np.sqrt(200.0))
+
+
+def test_a_path_is_followed_up_to_what_stops_the_machine() -> None:
+    design = preset()
+    home = KIND.home(design)
+    near = (*home.pose[:2], home.pose[2] + 40.0, 0.1, 0.05, -0.1)
+    reached = KIND.path(design, home, [near, home.pose])
+    assert reached.stop == "target"
+    assert reached.fraction == 1.0
+    assert reached.posture.pose == pytest.approx(home.pose, abs=1e-9)
+    # Downwards a leg comes to its end first, and the machine can be held there.
+    down = (home.pose[0], home.pose[1], 0.3 * home.pose[2], 0.0, 0.0, 0.0)
+    reached = KIND.path(design, home, [near, down])
+    assert reached.stop == "stroke"
+    assert reached.limb is not None
+    assert reached.posture.reachable
+    ends = design.stroke[reached.limb - 1]
+    assert np.abs(reached.posture.joints[reached.limb - 1] - ends).min() < 1e-6
+    # With legs of any length it goes on, up to the singularity of the level platform.
+    free = replace(
+        design, limbs=tuple(replace(limb, stroke=(1.0, 2000.0)) for limb in design.limbs)
+    )
+    home = KIND.posture(free, home.pose, "")
+    reached = KIND.path(free, home, [(home.pose[0], home.pose[1], -200.0, 0.0, 0.0, 0.0)])
+    assert reached.stop == "singularity"
+    assert abs(reached.posture.pose[2]) < 0.01
+    assert reached.fraction == pytest.approx(home.pose[2] / (home.pose[2] + 200.0), rel=1e-4)
+    with pytest.raises(InputError, match="a path must be a list of poses of 6 numbers"):
+        KIND.path(design, home, home.pose)

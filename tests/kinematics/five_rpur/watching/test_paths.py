@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from kinematics.bare import Bare
 from kinematics.designs import load_design
 from kinematics.errors import InputError
 from kinematics.five_rpur import inverse, velocity
@@ -88,8 +87,6 @@ def test_paths_that_are_none(poses):
     design = load_design("rpur-table1")
     with pytest.raises(InputError):
         MECHANISM.path(design, MECHANISM.home(design), poses)
-    with pytest.raises(InputError):
-        Bare().path(design, MECHANISM.home(design), poses)
 
 
 def test_a_path_that_does_not_move():
