@@ -289,11 +289,9 @@ class Moving:
         computed = self._computed
         if computed is None or not self._current or not len(self._distance):
             return float("nan")
-        known = np.isfinite(self._distance)
-        if not known.any():
-            return float("nan")
-        times = computed.found.times
-        return float(np.interp(at, times[known], self._distance[known]))
+        found = replace(computed.found, distance=self._distance)
+        times, distances = trajectory.known_distances(found)
+        return float(np.interp(at, times, distances)) if len(times) else float("nan")
 
     def _moved(self) -> Moved:
         review, computed = self._stage.view.review, self._computed

@@ -166,6 +166,18 @@ def judged(computed: Computed) -> Computed:
     return replace(computed, found=replace(found, events=events), marks=_marks(of, events))
 
 
+def known_distances(found: Trajectory) -> tuple[Array, Array]:
+    """Times (K,) and mm (K,) to singularities there: at samples, and where one is met or near."""
+    known = np.isfinite(found.distance)
+    met = [(t, 0.0) for e in found.events if e.kind == "singularity" for t in (e.start, e.end)]
+    met += [(e.at, e.value) for e in found.events if e.kind == "near"]
+    more = np.array(sorted(set(met))).reshape(-1, 2)
+    more = more[np.isfinite(more).all(axis=1)]
+    times = np.concatenate([found.times[known], more[:, 0]])
+    order = np.argsort(times, kind="stable")
+    return times[order], np.concatenate([found.distance[known], more[:, 1]])[order]
+
+
 def fitted(computed: Computed, degree: int) -> Fits:
     """Polynomials for the joints, with their true error."""
     of = computed.asked

@@ -11,14 +11,14 @@ import numpy as np
 from app import palette
 from app.panels.desk import esc
 from app.panels.plots import Axes, Figure, number, ticks
-from app.trajectory import Computed
+from app.trajectory import Computed, known_distances
 from kinematics.mechanism import Coordinate
 from kinematics.spatial import Array
 from kinematics.trajectories import Event, Trajectory
 
 WIDTH = 430.0
-LEFT, RIGHT, TOP, FOOT = 54.0, 10.0, 20.0, 36.0
-STRIP, ALONE, HEAD = 74.0, 300.0, 20.0  # px: heights of one of many, of an only one, above each
+LEFT, RIGHT, TOP, FOOT = 54.0, 18.0, 20.0, 36.0
+STRIP, ALONE, HEAD = 65.0, 300.0, 20.0  # px: heights of one of many, of an only one, above each
 COLUMNS = 366  # places along the time of which the pointer is told, one a pixel
 MOST = 700  # points of a curve that are drawn
 FAR = 3.0  # a limit beyond so many times what is reached is not drawn: curves would be flat
@@ -29,10 +29,14 @@ ORDER = ("joints", "rates", "accelerations", "forces", "distance")
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Curve:
-    """One quantity of one joint, in the page's units; NaN where there is none."""
+    """One quantity of one joint, in the page's units; NaN where there is none.
+
+    ``times`` of its values, s.
+    """
 
     symbol: str
     color: str
+    times: Array
     values: Array
     limit: float | None = None
 
@@ -58,25 +62,25 @@ def strips(computed: Computed, plot: str) -> tuple[Strip, ...]:
     forces = _curves(
         [found.names[n].symbol for n in actuators],
         [found.names[n].limb or 0 for n in actuators],
+        found.times,
         found.forces[:, actuators],
         plan.forces,
     )
     near = _distance(found)
-    unknown = "" if np.isfinite(near).any() else "not known yet"
+    unknown = "" if np.isfinite(near.values).any() else "not known yet"
+
+    def curves(values: Array, limits: tuple[float, ...] = ()) -> tuple[Curve, ...]:
+        return _joint_curves(joints, found.times, values, limits)
+
+    accelerations = curves(found.joint_accelerations, plan.accelerations)
     known = {
-        "joints": Strip(f"joints ({unit})", _joint_curves(joints, found.joints, ()), both=False),
-        "rates": Strip(
-            f"rates ({unit}/s)", _joint_curves(joints, found.joint_rates, plan.rates), both=True
-        ),
-        "accelerations": Strip(
-            f"accelerations ({unit}/s²)",
-            _joint_curves(joints, found.joint_accelerations, plan.accelerations),
-            both=True,
-        ),
+        "joints": Strip(f"joints ({unit})", curves(found.joints), both=False),
+        "rates": Strip(f"rates ({unit}/s)", curves(found.joint_rates, plan.rates), both=True),
+        "accelerations": Strip(f"accelerations ({unit}/s²)", accelerations, both=True),
         "forces": Strip("torques (N·mm)" if torque else "forces (N)", forces, both=True),
         "distance": Strip(
             "to a singularity (mm)",
-            (Curve("", palette.WORKSPACE_DEEP, near),),
+            (near,),
             both=False,
             note="none on the way" if np.isinf(found.distance).all() else unknown,
         ),
@@ -84,35 +88,45 @@ def strips(computed: Computed, plot: str) -> tuple[Strip, ...]:
     return tuple(known[key] for key in (ORDER if plot == "all" else (plot,)))
 
 
-def _distance(found: Trajectory) -> Array:
-    """To singularities; between known samples a straight line until those are known, too."""
-    known = np.isfinite(found.distance)
-    values = np.where(known, found.distance, np.nan)
-    open_ = np.isnan(found.distance) & found.reachable
-    if known.any() and open_.any():
-        values[open_] = np.interp(found.times[open_], found.times[known], found.distance[known])
-    return values
+def _distance(found: Trajectory) -> Curve:
+    """To singularities; between known places a straight line until those are known, too."""
+    places, known = known_distances(found)
+    times, values = found.times, np.where(np.isfinite(found.distance), found.distance, np.nan)
+    if len(places):
+        open_ = np.isnan(found.distance) & found.reachable
+        values[open_] = np.interp(times[open_], places, known)
+        more = ~np.isin(places, times)
+        order = np.argsort(np.concatenate([times, places[more]]), kind="stable")
+        times = np.concatenate([times, places[more]])[order]
+        values = np.concatenate([values, known[more]])[order]
+    return Curve("", palette.WORKSPACE_DEEP, times, values)
 
 
 def _joint_curves(
-    joints: Sequence[Coordinate], values: Array, limits: tuple[float, ...]
+    joints: Sequence[Coordinate], times: Array, values: Array, limits: tuple[float, ...]
 ) -> tuple[Curve, ...]:
     scale = [degrees(1.0) if joint.unit == "rad" else 1.0 for joint in joints]
     return _curves(
         [joint.symbol for joint in joints],
         [joint.limb or n + 1 for n, joint in enumerate(joints)],
+        times,
         values * scale,
         tuple(v * s for v, s in zip(limits, scale, strict=False)),
     )
 
 
 def _curves(
-    symbols: Sequence[str], limbs: Sequence[int], values: Array, limits: tuple[float, ...]
+    symbols: Sequence[str],
+    limbs: Sequence[int],
+    times: Array,
+    values: Array,
+    limits: tuple[float, ...],
 ) -> tuple[Curve, ...]:
     return tuple(
         Curve(
             symbol,
             palette.limb_color(limb) if limb else palette.PLATFORM,
+            times,
             values[:, n],
             limits[n] if n < len(limits) else None,
         )
@@ -182,7 +196,7 @@ def figure(
     for strip, axes in zip(shown, strip_axes(shown, whole), strict=True):
         content.append(_bands(found, axes))
         if not (measuring and _of_distance(strip)):
-            content += _strip(strip, found, axes, last=strip is shown[-1])
+            content += _strip(strip, axes, last=strip is shown[-1])
         if legend:
             content.append(_symbols(strip, axes, None))
     places = np.linspace(0.0, found.duration, COLUMNS)
@@ -197,8 +211,8 @@ def figure(
     )
 
 
-def _strip(strip: Strip, found: Trajectory, axes: Axes, *, last: bool) -> list[str]:
-    return [*_curve_paths(strip, found, axes), _frame(strip, axes, last=last)]
+def _strip(strip: Strip, axes: Axes, *, last: bool) -> list[str]:
+    return [*_curve_paths(strip, axes), _frame(strip, axes, last=last)]
 
 
 def _of_distance(strip: Strip) -> bool:
@@ -213,14 +227,11 @@ def mark(computed: Computed, plot: str, axes: Axes, at: float, *, measuring: boo
     # Through the boxes only: between them stand the values.
     line = "".join(f"M{x:.1f} {box.top:g}v{box.inner[1]:.1f}" for box in boxes)
     parts = [f'<path class="cursor" d="{line}" stroke="currentColor" stroke-width="1.5"/>']
-    parts += [
-        _symbols(strip, box, _at(computed.found.times, strip, at))
-        for strip, box in zip(shown, boxes, strict=True)
-    ]
+    parts += [_symbols(strip, box, _at(strip, at)) for strip, box in zip(shown, boxes, strict=True)]
     if measuring:
         for strip, box in zip(shown, boxes, strict=True):
             if _of_distance(strip):
-                parts += _strip(strip, computed.found, box, last=strip is shown[-1])
+                parts += _strip(strip, box, last=strip is shown[-1])
     return "".join(parts)
 
 
@@ -240,8 +251,8 @@ def plots_svg(computed: Computed, plot: str, title: str) -> str:
     )
 
 
-def _at(times: Array, strip: Strip, at: float) -> list[float]:
-    return [float(np.interp(at, times, curve.values)) for curve in strip.curves]
+def _at(strip: Strip, at: float) -> list[float]:
+    return [float(np.interp(at, curve.times, curve.values)) for curve in strip.curves]
 
 
 def _symbols(strip: Strip, axes: Axes, values: Sequence[float] | None) -> str:
@@ -265,13 +276,13 @@ def _value(value: float) -> str:
     return text.removeprefix("-" if not float(text) else "").replace("-", "−")
 
 
-def _curve_paths(strip: Strip, found: Trajectory, axes: Axes) -> list[str]:
+def _curve_paths(strip: Strip, axes: Axes) -> list[str]:
     paths = []
-    step = max(1, len(found.times) // MOST)
-    kept = np.unique(np.append(np.arange(0, len(found.times), step), len(found.times) - 1))
     limits: dict[float, str] = {}
     for curve in strip.curves:
-        runs = _runs(found.times[kept], curve.values[kept], axes)
+        count = len(curve.times)
+        kept = np.unique(np.append(np.arange(0, count, max(1, count // MOST)), count - 1))
+        runs = _runs(curve.times[kept], curve.values[kept], axes)
         path = "".join(f"M{'L'.join(run)}" for run in runs)
         paths.append(
             f'<path class="curve" d="{path}" fill="none" stroke="{curve.color}" '

@@ -335,3 +335,25 @@ def test_where_a_stroke_loses_control_is_shown(name: str, plane: tuple[int, int]
     axes = kind.pose_coordinates(design)
     drawn = sketch_figure([axes[n] for n in plane], reach).content
     assert 'class="lost"' in drawn
+
+
+def test_the_distance_to_a_singularity_is_nothing_where_one_is_crossed() -> None:
+    review = new_review(load_design("five-bar"))
+    plan = (("on", True), ("way", "straight"), ("start", (0.0, 804.0)), ("end", (0.0, 300.0)))
+    review = change(review, SetPlan((*plan, ("samples", 12))))[0]
+    of = trajectory.asked(review)
+    assert of is not None
+    computed = trajectory.compute(of)
+    distance = trajectory.distances(of, computed.found.poses)
+    computed = trajectory.judged(
+        replace(computed, found=replace(computed.found, distance=distance))
+    )
+    (met,) = (e.start for e in computed.found.events if e.kind == "singularity")
+    times, known = trajectory.known_distances(computed.found)
+    assert np.interp(met, times, known) == 0.0
+    assert (np.diff(times) >= 0.0).all()
+    (strip,) = strips(computed, "distance")
+    assert np.interp(met, strip.curves[0].times, strip.curves[0].values) == 0.0
+    np.testing.assert_allclose(
+        np.interp(computed.found.times, strip.curves[0].times, strip.curves[0].values), distance
+    )
