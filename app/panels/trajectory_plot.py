@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import degrees, isfinite
+from math import degrees, isfinite, nan
 
 import numpy as np
 
@@ -227,7 +227,12 @@ def mark(computed: Computed, plot: str, axes: Axes, at: float, *, measuring: boo
     # Through the boxes only: between them stand the values.
     line = "".join(f"M{x:.1f} {box.top:g}v{box.inner[1]:.1f}" for box in boxes)
     parts = [f'<path class="cursor" d="{line}" stroke="currentColor" stroke-width="1.5"/>']
-    parts += [_symbols(strip, box, _at(strip, at)) for strip, box in zip(shown, boxes, strict=True)]
+    events = computed.found.events
+    lost = any(e.kind == "singularity" and e.start <= at <= e.end for e in events)
+    for strip, box in zip(shown, boxes, strict=True):
+        open_ = lost and "(N" in strip.title  # no force holds the load there
+        values = [nan] * len(strip.curves) if open_ else _at(strip, at)
+        parts.append(_symbols(strip, box, values))
     if measuring:
         for strip, box in zip(shown, boxes, strict=True):
             if _of_distance(strip):

@@ -17,7 +17,7 @@ from app.changes import SetPlan, change
 from app.panels.pose_boxes import shown_pose, typed_numbers, typed_pose, units
 from app.panels.sketch import read_stroke, sketch_axes, sketch_figure, sketch_mark
 from app.panels.trajectory_html import fits_html, summary_html
-from app.panels.trajectory_plot import ORDER, figure, mark, plots_svg, strip_axes, strips
+from app.panels.trajectory_plot import ORDER, axes_for, figure, mark, plots_svg, strip_axes, strips
 from app.player import Player
 from app.playing import on_the_way
 from app.state import Review, new_review
@@ -352,6 +352,9 @@ def test_the_distance_to_a_singularity_is_nothing_where_one_is_crossed() -> None
     times, known = trajectory.known_distances(computed.found)
     assert np.interp(met, times, known) == 0.0
     assert (np.diff(times) >= 0.0).all()
+    box = axes_for(strips(computed, "forces"), computed.found.duration)
+    assert mark(computed, "forces", box, met).count("–") == 2  # no force holds a load there
+    assert "–" not in mark(computed, "forces", box, met - 0.1)
     (strip,) = strips(computed, "distance")
     assert np.interp(met, strip.curves[0].times, strip.curves[0].values) == 0.0
     np.testing.assert_allclose(
