@@ -229,7 +229,8 @@ def joint_rows(kind: Mechanism, design: Design, posture: Posture) -> tuple[Joint
 
 def amount_text(amount: float, unit: str) -> str:
     """A distance to a bound in the page's units: "12.3 mm", "4.1°"."""
-    return f"{amount:.1f} mm" if unit == "mm" else f"{math.degrees(amount):.1f}°"
+    value = round(amount if unit == "mm" else math.degrees(amount), 1) + 0.0  # no "-0.0"
+    return f"{value:.1f} mm" if unit == "mm" else f"{value:.1f}°"
 
 
 _BOUNDS = {"rho_min": "ρ min", "rho_max": "ρ max", "link": "link"}

@@ -97,6 +97,7 @@ class Controlling:
         (self._quick if lane == "control" else self._slow).cancel()
 
     def prepare(self) -> None:
+        self._painter = Painter()  # the last machine's solids are none of this one's
         self._held.prepare(self._stage.view.drawing.size)
         self._loads.prepare(self._stage.view.drawing.size)
 

@@ -85,7 +85,8 @@ def words(review: Review, ahead: Ahead, known: Known | None) -> str:
         text += f" (by then in mode {page_mode(fold.mode)})"
     if fold.partner is None:
         return f"{text}. The branch that it merges with does not reach back to these lengths."
-    other = partner(known, fold.partner)
+    of_this = known is not None and known.is_of(review)  # else of the machine before
+    other = partner(known, fold.partner) if of_this else None
     name = "a solution" if other is None else f"solution #{other}"
     return f"{text}. There it merges with {name} (mode {page_mode(fold.partner.mode)})."
 

@@ -10,7 +10,7 @@ from app import palette
 from app.compute import View, how_far
 from app.controller import Here
 from app.inside import Ball
-from app.scene import Scene, body_mesh, wxyz
+from app.scene import Scene, body_mesh, fresh, wxyz
 from kinematics.motion import WrenchSystem
 from kinematics.sections import Sphere
 from kinematics.singularities import Clearance
@@ -88,6 +88,7 @@ class Held:
             receive_shadow=False,
             visible=False,
         )
+        fresh(self._ghost)
         self._ghost_of = None
         self._ball.prepare()
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from app import palette
 from app.edges import NO_LINE, Edges
-from app.scene import Scene, wxyz
+from app.scene import Scene, fresh, wxyz
 from app.slicer import Drawn, Extent
 from kinematics.spatial import Array
 
@@ -38,7 +38,7 @@ class Plane:
     def prepare(self, size: float) -> None:
         """Make the nodes, with nothing to see."""
         scene = self._scene.server.scene
-        self._frame = scene.add_frame("/section", show_axes=False, visible=False)
+        self._frame = fresh(scene.add_frame("/section", show_axes=False, visible=False))
         self._hatch = scene.add_line_segments(
             "/section/hatch",
             NO_LINE,

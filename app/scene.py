@@ -33,6 +33,7 @@ _NOTHING = np.zeros((3, 3), dtype=np.float32)  # a mesh of no area where there i
 _ONE_FACE = np.array([[0, 1, 2]], dtype=np.uint32)
 _NO_EDGE = np.zeros((1, 2, 3), dtype=np.float32)
 GRID = 100.0  # mm
+_ELSEWHERE = {"position": (-1e5, -1e5, -1e5), "wxyz": (0.0, 0.0, 0.0, 1.0)}
 FIELD_OF_VIEW = math.radians(38.0)  # vertical; narrow, as engineers draw
 
 
@@ -395,6 +396,8 @@ class Scene:
             slot = f"{name}#{key}"
             if self._shape.get(slot) == (value,):
                 continue
+            if slot not in self._shape and key in _ELSEWHERE:
+                setattr(node, key, _ELSEWHERE[key])  # see `fresh`
             setattr(node, key, value)
             self._shape[slot] = (value,)
 
@@ -429,6 +432,17 @@ class Scene:
 def _draw_order(spec: SolidSpec) -> int:
     part = spec.key.partition("/")[2] or spec.key
     return _DRAW_ORDER.index(part) if part in _DRAW_ORDER else len(_DRAW_ORDER)
+
+
+def fresh(node: Any) -> Any:
+    """A new node, put where it will not stay, so that its first pose is sent whatever it is.
+
+    A browser keeps the pose of the node of the same name that was taken away, and viser does not
+    send one that is the default.
+    """
+    for key, value in _ELSEWHERE.items():
+        setattr(node, key, value)
+    return node
 
 
 def machine_bounds(*drawings: Drawing) -> tuple[Array, Array]:

@@ -30,6 +30,7 @@ BOUND_TITLES: dict[EdgeBound, str] = {
 }
 DASHES: dict[EdgeBound, str] = {"rho_max": "", "rho_min": "6 4", "link": "1.5 3", "parallel": ""}
 
+_PARALLEL = BOUNDS.index("parallel")
 PAPER, PAPER_DARK = "#FFFFFF", "#1A1D21"
 FONT = 11.0  # px; a letter is about 0.56 of it wide
 MARGIN = 0.06  # of the region's size, left free around it
@@ -103,7 +104,9 @@ def section_svg(
     """
     ink = INK_DARK if dark else INK
     limbs = sorted({*section.limb.tolist(), *section.construction.circle_limb.tolist()})
-    legend, legend_height = _legend(limbs, width, height, ink)
+    # An edge where control is lost, or a curve of it: in its own colour, if there is any.
+    lost = bool(len(curves) or len(beyond)) or bool((section.bound == _PARALLEL).any())
+    legend, legend_height = _legend(limbs, width, height, ink, lost=lost)
     left, right, bottom = 58.0, 14.0, 44.0 + legend_height
     top = 32.0 if title else 14.0
     frame = _frame(
@@ -233,10 +236,16 @@ def _nothing(frame: _Frame, ink: str) -> str:
     return _text(place, "The section is empty here.", ink, anchor="middle", size=13)
 
 
-def _legend(limbs: Sequence[int], width: float, height: float, ink: str) -> tuple[list[str], float]:
+def _legend(
+    limbs: Sequence[int], width: float, height: float, ink: str, *, lost: bool
+) -> tuple[list[str], float]:
     """Which colour is which limb and which dash which bound, in rows; and how high they are."""
     entries = [(f"limb {limb}", limb_color(limb), "") for limb in limbs]
-    entries += [(BOUND_TITLES[bound], ink, dash) for bound, dash in DASHES.items()]
+    entries += [
+        (BOUND_TITLES[bound], BEYOND if bound == "parallel" else ink, dash)
+        for bound, dash in DASHES.items()
+        if lost or bound != "parallel"
+    ]
     rows: list[list[tuple[str, str, str]]] = [[]]
     used = 0.0
     for entry in entries:
@@ -345,7 +354,7 @@ def _runs(cells: NDArray[np.bool_]) -> Iterator[tuple[int, int, int]]:
 def _curve(points: Array, frame: _Frame, *, faint: bool = False) -> str:
     """One of the curves where control is lost."""
     line = "L".join("{:.2f} {:.2f}".format(*frame.px(p)) for p in points.tolist())
-    how = 'stroke-width="1" stroke-opacity="0.35"' if faint else 'stroke-width="2.2"'
+    how = 'stroke-width="1.2" stroke-opacity="0.45"' if faint else 'stroke-width="2.2"'
     name = "lost-beyond" if faint else "lost"
     return f'<path class="{name}" d="M{line}" fill="none" stroke="{BEYOND}" {how}/>'
 

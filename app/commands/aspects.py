@@ -171,6 +171,10 @@ def _text(built: BuiltSolid, area: float, file: str | None, resolution: Resoluti
             finer = "" if resolution == "fine" else "; a finer one may show thin layers"
             lines.append(f"No singularity inside is found at this resolution{finer}.")
         lines.append(
+            f"At {resolution} resolution: pieces thinner than a cell may be missed, and are told "
+            "by a finer one."
+        )
+        lines.append(
             "These are slices of the aspects at one orientation: pieces may be joined through "
             "others."
         )

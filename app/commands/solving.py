@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
-from math import isfinite, isnan
+from math import isfinite, isnan, pi, remainder
 from typing import TYPE_CHECKING
 
 from app import tables
@@ -65,6 +65,8 @@ def _ik(arguments: argparse.Namespace) -> None:
     for text in warnings:
         print(f"bohemia: warning: {text}", file=sys.stderr)
 
+    others = [] if given else _other_poses(design, mechanism, typed, nearest)
+
     def transform(posture: Posture) -> list[list[float]]:
         placed: list[list[float]] = mechanism.transform(design, posture.pose, posture.mode).tolist()
         return placed
@@ -74,6 +76,9 @@ def _ik(arguments: argparse.Namespace) -> None:
         common.print_head(design, f"Pose {tables.with_units(shown, axes)}")
         noun = mechanism.mode_noun
         print(tables.inverse_text(closing, nearest, joints, reachable, noun, free))
+        for other in others:
+            where = tables.with_units(tables.outer(other, axes), axes)
+            print(f"The constraint holds as well at {where}; what is nearest to 0 was taken.")
         return
 
     def pose(posture: Posture) -> dict[str, float]:
@@ -89,6 +94,10 @@ def _ik(arguments: argparse.Namespace) -> None:
             "reachable": reachable,
             "reasons": reasons,
             "warnings": warnings,
+            "other_poses": [
+                dict(zip(map(tables.key, axes), tables.outer(other, axes), strict=True))
+                for other in others
+            ],
             "solutions": [
                 {
                     **common.mode_entry(mechanism, posture.mode),
@@ -170,6 +179,25 @@ def _postures(
     if not postures:
         raise refusals[0]
     return postures
+
+
+def _other_poses(
+    design: Design, mechanism: Mechanism, typed: Sequence[float], taken: Posture
+) -> list[tuple[float, ...]]:
+    """The poses that the constraint allows besides the one taken, where an angle was left out."""
+    axes = mechanism.pose_coordinates(design)
+    left = next(n for n, value in enumerate(typed) if isnan(value))
+    if axes[left].unit != "rad" or left not in mechanism.dependent_coordinates(design):
+        return []
+    found: list[tuple[float, ...]] = []
+    for turn in (pi, 2.0 * pi / 3.0, -2.0 * pi / 3.0):  # the value nearest to there
+        pose = list(taken.pose)
+        pose[left] += turn
+        other = mechanism.complete_pose(design, pose, taken.mode, None, left)
+        known = (taken.pose, *found)
+        if all(abs(remainder(other[left] - each[left], 2.0 * pi)) > 1e-9 for each in known):
+            found.append(other)
+    return found
 
 
 def _miss(posture: Posture) -> tuple[int, float]:

@@ -85,7 +85,7 @@ _WHAT = {
     "stroke": "end of a stroke",
     "mode": "change of mode",
 }
-_ENDS = {"rho_min": " (ρ min)", "rho_max": " (ρ max)", "link": ""}
+_ENDS = {"rho_min": " (min)", "rho_max": " (max)", "link": ""}
 
 
 def clearances_html(here: Here | None) -> str:
@@ -181,13 +181,15 @@ def pieces_html(sheet: Sheet) -> str:
     tail = f"<br>and {more} smaller ones" if more > 0 else ""
     exact = (
         f"; singular surface exact to {solid.locus_residual:.0e} mm"
+        + (f" but for {solid.locus_unplaced} vertices at its rim" if solid.locus_unplaced else "")
         if solid.locus_residual is not None
         else ""
     )
+    thin = f"At {built.resolution} resolution; pieces thinner than a cell may be missed. "
     return box(
         f'<table style="width:100%">{"".join(rows)}</table>{tail}'
         f'<div style="opacity:.75">together {volume_text(solid.volume, solid.volume_error)}'
-        f"{exact}. Slices at this orientation: pieces may be joined through others.</div>"
+        f"{exact}. {thin}Slices at this orientation: pieces may be joined through others.</div>"
     )
 
 

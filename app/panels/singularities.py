@@ -72,9 +72,7 @@ class SingularitiesPanel(Panel):
         self._out = gui.add_folder("The ways out", visible=False)
         with self._out:
             self._remedy = gui.add_html("")
-            self._escape = button(
-                desk, "Go to the nearest reachable pose", lambda client: desk.ask(Escape(client))
-            )
+            self._escape = button(desk, "Go to that pose", lambda client: desk.ask(Escape(client)))
             self._offers = gui.add_html("")
             self._way = gui.add_dropdown("Change", ("none",), hint="Which of these")
             self._change = button(desk, "Change the design so", self._change_design)

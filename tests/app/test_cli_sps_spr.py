@@ -181,3 +181,18 @@ def test_designs_lists_the_preset(bohemia: Run) -> None:
     found = answered(bohemia("designs", "--json"))["designs"]
     (mine,) = (each for each in found if each["name"] == "sps-spr")
     assert mine["mechanism"] == "four_sps_spr"
+
+
+def test_the_other_angle_that_the_constraint_allows_is_told(bohemia: Run) -> None:
+    pose = "--pose=-87.83033179790539,20,560,5,-,3"
+    answer = answered(bohemia("ik", "sps-spr", pose, "--json"))
+    assert answer["pose"]["beta_deg"] == pytest.approx(2.0, abs=1e-6)
+    (other,) = answer["other_poses"]
+    assert other["beta_deg"] == pytest.approx(121.036, abs=1e-3)
+    there = ",".join(map(repr, other.values()))
+    assert answered(bohemia("ik", "sps-spr", f"--pose={there}", "--json"))["reachable"]
+    assert "The constraint holds as well at" in bohemia("ik", "sps-spr", pose).stdout
+    assert (
+        answered(bohemia("ik", "sps-spr", "--pose", "0,20,560,5,2,3", "--json"))["other_poses"]
+        == []
+    )

@@ -237,14 +237,22 @@ def test_pieces_say_in_which_the_platform_is() -> None:
         SimpleNamespace(volume=v, sign=s) for v, s in ((3e6, 1), (2e6, -1), *[(1e3, 0)] * 12)
     )
     solid = SimpleNamespace(
-        pieces=pieces, piece_at=lambda point: 11, volume=5e6, volume_error=1e3, locus_residual=1e-6
+        pieces=pieces,
+        piece_at=lambda point: 11,
+        volume=5e6,
+        volume_error=1e3,
+        locus_residual=1e-6,
+        locus_unplaced=34,
     )
-    built = SimpleNamespace(solid=solid, wish=SimpleNamespace(placement=np.eye(4)))
+    placed = SimpleNamespace(placement=np.eye(4))
+    built = SimpleNamespace(solid=solid, wish=placed, resolution="normal")
     view = SimpleNamespace(review=shown, platform=np.eye(4))
     html = told.pieces_html(SimpleNamespace(view=view, built={"aspects": built}))  # type: ignore[arg-type]
     text = _text(html)
     assert "12" in text
     assert "you are in this one" in text
+    assert "exact to 1e-06 mm but for 34 vertices at its rim" in text
+    assert "At normal resolution; pieces thinner than a cell may be missed." in text
     assert text.count("dm³") + text.count("cm³") == told.LISTED + 2
     assert f"and {len(pieces) - told.LISTED - 1} smaller ones" in text
     solid.pieces = ()

@@ -278,7 +278,7 @@ def test_beyond_its_reach_the_way_out_is_offered_and_taken(opened: Open, name: s
     remedy = _here(page).remedy
     assert remedy is not None
     if remedy.nearest is not None:
-        page.press("Go to the nearest reachable pose")
+        page.press("Go to that pose")
         assert page.review.posture.reachable
     page.press("Home position")
     assert page.review.posture.reachable

@@ -187,3 +187,21 @@ def test_the_design_is_changed_on_the_page_and_back(tab: Tab) -> None:
     tab.wait_for_text(r"Reachable · mode \+−\+−\+")
     tab.wait(lambda: not tab.props("/regions/fill0"), "no plane any more")
     tab.wait(lambda: bool(tab.props("/solids/workspace").get("visible")), "the workspace again")
+
+
+def test_another_machine_stands_as_it_should_and_undo_goes_back(tab: Tab) -> None:
+    tab.type_into("φ (°)", 25)
+    tab.wait(lambda: abs(tab.props("/machine/platform")["wxyz"][0]) < 0.99, "a turned platform")
+    tab.open_tab("Design")
+    _choose(tab, "Design", "rps-3", -1)
+    tab.wait_for_text("operation mode 2")
+    for node in ("/machine/platform", "/handle"):
+        tab.wait(
+            lambda node=node: tab.props(node)["wxyz"] == pytest.approx([1, 0, 0, 0], abs=1e-6),
+            f"{node} level",
+        )
+    tab.page.mouse.click(12, 330)
+    tab.page.keyboard.press("Control+z")
+    tab.wait_for_text("mode \\+−\\+−\\+")
+    tab.wait(lambda: abs(tab.props("/machine/platform")["wxyz"][0]) < 0.99, "turned again")
+    assert "Something went wrong" not in tab.text()

@@ -70,7 +70,7 @@ def test_out_of_reach_the_ways_out_are_told_and_taken(control: Tab) -> None:
     control.open_tab("Singularities")
     control.wait_for_text(r"The ways out")
     control.wait_for_text(r"Or change the design[^§]*1\s+(ρ max|link) of limb 2 from")
-    control.page.get_by_role("button", name="Go to the nearest reachable pose").click()
+    control.page.get_by_role("button", name="Go to that pose").click()
     control.wait_for_text(r"Reachable · mode")
     control.wait(lambda: "The ways out" not in control.text(), "nothing to get out of")
     text = control.wait_for_text(r"limb \d, end of a stroke \(ρ m\w+\)\s+0\.0\d mm")

@@ -29,6 +29,8 @@ def remedy(design: FiveRPURDesign, wanted: Posture) -> Remedy:
     found, text = _nearest(design, wanted)
     if modes:
         text = f"{text}; {_modes_text(modes)}"
+    elif found is not None and found.posture.mode == wanted.mode:
+        text += _nearer(design, wanted, found)
     return Remedy(
         nearest=None if found is None else found.posture,
         distance=float("inf") if found is None else found.distance,
@@ -72,6 +74,16 @@ def _nearest(design: FiveRPURDesign, wanted: Posture) -> tuple[Found | None, str
         f"no working mode has any place at this orientation; the nearest pose that a search found "
         f"is {_mm(found.distance)} away with {' and '.join(by)}{mode}"
     )
+
+
+def _nearer(design: FiveRPURDesign, wanted: Posture, found: Found) -> str:
+    """That another mode comes nearer at the same orientation, if one does."""
+    best = found
+    for mode in MODES:
+        best = nearest(design, wanted.pose, mode, best.distance) or best
+    if best.posture.mode == wanted.mode or best.distance >= found.distance - found.error:
+        return ""
+    return f"; working mode {shown(best.posture.mode)} comes as near as {_mm(best.distance)}"
 
 
 def _modes_text(modes: tuple[str, ...]) -> str:

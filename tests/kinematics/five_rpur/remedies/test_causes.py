@@ -163,3 +163,25 @@ def test_a_pose_that_can_be_held_needs_nothing():
     assert remedy.nearest == home
     assert remedy.distance == 0.0
     assert remedy.changes == ()
+
+
+def test_a_mode_that_comes_nearer_is_told():
+    design = load_design("rpur-table1")
+    pose = (300.0, 73.0, 500.0, 0.0, 0.0)
+    found = MECHANISM.remedy(design, MECHANISM.posture(design, pose, "+-+-+"))
+    assert found.nearest.mode == "+-+-+"
+    assert "working mode +++++ comes as near as 62.1 mm" in found.text
+    nearer = MECHANISM.remedy(design, MECHANISM.posture(design, pose, "+++++"))
+    assert nearer.distance == pytest.approx(62.1, abs=0.05)
+    assert "comes as near" not in nearer.text
+    # No posture of any mode is nearer, as far as a shell of points about the pose tells.
+    rng = np.random.default_rng(0)
+    ray = rng.normal(size=(4000, 3))
+    ray *= (
+        0.999
+        * nearer.distance
+        * rng.random((4000, 1)) ** (1 / 3)
+        / np.linalg.norm(ray, axis=1, keepdims=True)
+    )
+    about = np.column_stack([np.array(pose[:3]) + ray, np.zeros((4000, 2))])
+    assert not MECHANISM.inverse(design, about).within_stroke.any()
