@@ -85,7 +85,7 @@ _WHAT = {
     "stroke": "end of a stroke",
     "mode": "change of mode",
 }
-_ENDS = {"rho_min": " (min)", "rho_max": " (max)", "link": ""}
+_ENDS = {"rho_min": " (ρ min)", "rho_max": " (ρ max)", "link": ""}
 
 
 def clearances_html(here: Here | None) -> str:

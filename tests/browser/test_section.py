@@ -116,8 +116,10 @@ def test_dragging_in_the_profile_moves_the_plane(section: Tab) -> None:
     mouse.down()
     told_at = float(found[1].replace("−", "-"))
     section.wait(lambda: section.value(AT) == told_at, "the plane where the tip tells")
-    area = section.wait_for_text(r"Area\s+[\d.]+ cm²")
-    assert float(area.split()[1]) == pytest.approx(float(found[2]), rel=2e-3)
+    wanted = pytest.approx(float(found[2]), rel=2e-3)
+    section.wait(
+        lambda: float(section.wait_for_text(r"Area\s+[\d.]+ cm²").split()[1]) == wanted, "its area"
+    )
     for x in range(-50, 201, 25):
         mouse.move(*_place(plot, float(x)))
         section.page.wait_for_timeout(70)

@@ -73,7 +73,10 @@ def test_limits_a_click_a_fit_and_files(way: Tab, tmp_path: Path) -> None:
     way.wait(lambda: 300.5 < _x(way) < 325.5, "the machine where the plot was clicked")
     way.page.get_by_text("Polynomials for the joints").click()
     way.field("Degree").first.click()
-    way.page.get_by_role("option", name="5", exact=True).click()
+    # The list is placed anew as the panel grows; waiting until it is at rest may take for ever.
+    found = way.page.get_by_role("option", name="5", exact=True)
+    found.wait_for(state="attached")
+    found.dispatch_event("click")
     way.wait_for_text(r"True error of the machine")
     way.shot("trajectory-fit")
     with way.page.expect_download() as saved:

@@ -96,6 +96,7 @@ def test_the_determinant_is_a_cubic_in_the_plane(design, angles) -> None:
 @given(angles=ANGLES)
 @example(angles=(-0.004, 0.0, 4.15e-5))
 @example(angles=(-0.364, -3.15e-5, 0.0))
+@example(angles=(0.0, 0.0, 1.192092896e-07))
 def test_the_locus_is_singular_and_the_nearest_place_is_on_it(design, angles) -> None:
     pose = tuple(at(design, angles, np.array([30.0, 520.0]))[0].tolist())
     found = KIND.locus(design, "plane", pose, "")
@@ -104,9 +105,10 @@ def test_the_locus_is_singular_and_the_nearest_place_is_on_it(design, angles) ->
     near = nearest_singular(curve, here)
     # Without β and γ the cubic is a threefold line, whatever α: beside it no double knows a zero
     # better than by the cube root of its rounding, 6e-6 of the machine's size.
-    close = 1e-4 if 0.0 < np.abs(angles[1:]).max() < 1e-4 else 1e-6
+    beside = 0.0 < np.abs(angles[1:]).max() < 1e-4
+    close, exact = (1e-4, 1e-3) if beside else (1e-6, 1e-6)
     if len(found.points):
-        assert found.residual.max() < 1e-6
+        assert found.residual.max() < exact
         sizes = KIND.measure(design, at(design, angles, found.points), "", "conditioning")
         assert sizes.max() < close
         assert near is not None
