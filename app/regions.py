@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from app.slicer import edges
+from app.slicer import edges, segments
 from app.state import Review
 from kinematics.mechanism import Design, mechanism
 from kinematics.sections import Region, RegionSpec, Section
@@ -114,13 +114,7 @@ def _locus(wanted: Wish, spec: RegionSpec, frame: Array) -> Array:
     if not wanted.locus or chart is None:
         return np.empty((0, 2, 3))
     found: LocusCurves = kind.locus(design, chart.key, wanted.pose, wanted.mode)
-    runs = [
-        found.points[found.start[c] : found.start[c + 1]]
-        for c, what in enumerate(found.kinds)
-        if what != "serial"
-    ]
-    pairs = [np.stack([run[:-1], run[1:]], axis=1) for run in runs]
-    return _raised(np.concatenate([*pairs, np.empty((0, 2, 2))]), frame)
+    return _raised(segments(found.lost()), frame)
 
 
 def _loops(section: Section) -> list[Array]:

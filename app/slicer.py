@@ -167,8 +167,6 @@ def draw(wanted: Wish) -> Drawn:
         shade=_shade(wanted, section, held),
     )
     at = section.at
-    pairs = [np.stack([run[:-1], run[1:]], axis=1) for run in curves]
-    locus = np.concatenate([*pairs, np.empty((0, 2, 2))])
     return Drawn(
         wanted,
         section,
@@ -176,9 +174,15 @@ def draw(wanted: Wish) -> Drawn:
         _raised(lines, at),
         limbs,
         _raised(hatch, at),
-        _raised(locus, at),
+        _raised(segments(curves), at),
         svg,
     )
+
+
+def segments(curves: Sequence[Array]) -> Array:
+    """Curves (K, 2) each as segments (S, 2, 2), all together."""
+    pairs = [np.stack([run[:-1], run[1:]], axis=1) for run in curves]
+    return np.concatenate([*pairs, np.empty((0, 2, 2))])
 
 
 def _curves(wanted: Wish) -> list[Array]:
@@ -187,11 +191,7 @@ def _curves(wanted: Wish) -> list[Array]:
     if lost is None or not lost.locus:
         return []
     found = mechanism(of.design.mechanism).locus(of.design, CHART, of.pose, lost.mode, wanted.at)
-    return [
-        found.points[found.start[c] : found.start[c + 1]]
-        for c, kind in enumerate(found.kinds)
-        if kind != "serial"
-    ]
+    return found.lost()
 
 
 def _held(wanted: Wish, section: Section) -> Section | None:

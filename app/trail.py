@@ -48,24 +48,20 @@ class Trail:
             )
             for name, color in (("line", QUIET), ("beyond", palette.BEYOND))
         ]
-        self._marks = scene.add_point_cloud(
-            "/trajectory/marks",
-            _NO_POINT,
-            palette.rgb(palette.BEYOND),
-            point_size=0.045 * size,
-            point_shape="circle",
-            precision="float32",
-            visible=False,
-        )
-        self._knots = scene.add_point_cloud(
-            "/trajectory/knots",
-            _NO_POINT,
-            palette.rgb(QUIET),
-            point_size=0.03 * size,
-            point_shape="circle",
-            precision="float32",
-            visible=False,
-        )
+
+        def dots(name: str, color: str, part: float) -> Any:
+            return scene.add_point_cloud(
+                f"/trajectory/{name}",
+                _NO_POINT,
+                palette.rgb(color),
+                point_size=part * size,
+                point_shape="circle",
+                precision="float32",
+                visible=False,
+            )
+
+        self._marks = dots("marks", palette.BEYOND, 0.045)
+        self._knots = dots("knots", QUIET, 0.03)
         self._arrows = scene.add_arrows(
             "/trajectory/arrows",
             _NO_ARROW,

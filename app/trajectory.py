@@ -226,11 +226,7 @@ def _lost(
             continue
         found = kind.locus(design, chart.key, pose, mode)
         turn = 1 if list(chart.axes) == symbols else -1
-        return tuple(
-            found.points[found.start[c] : found.start[c + 1], ::turn]
-            for c, what in enumerate(found.kinds)
-            if what != "serial"
-        )
+        return tuple(curve[:, ::turn] for curve in found.lost())
     return ()
 
 

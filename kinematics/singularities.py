@@ -285,6 +285,14 @@ class LocusCurves(Frozen):
     bounds: Array
     barriers: tuple[float, ...] = ()
 
+    def lost(self) -> list[Array]:
+        """The curves (K, 2) each where the platform is not held: all but serial singularities."""
+        return [
+            self.points[self.start[c] : self.start[c + 1]]
+            for c, kind in enumerate(self.kinds)
+            if kind != "serial"
+        ]
+
 
 @dataclass(frozen=True, slots=True)
 class Measure:
