@@ -77,6 +77,12 @@ def concave_program(
     return x, weight[: len(room) - 2 * n]
 
 
+def _with(beta: Array, *more: Array) -> Array:
+    """Samples (K, N) and more of them, in order, none beyond their ends."""
+    added = np.clip(np.concatenate(more, axis=1), beta[:, :1], beta[:, -1:])
+    return np.sort(np.concatenate([beta, added], axis=1), axis=1)
+
+
 # --- the ball ------------------------------------------------------------------------------------
 
 
@@ -118,8 +124,7 @@ class _Centre:
         passing = np.arcsin(share)[:, None]
         closer = step[:, None] * np.concatenate([-_CLOSER, [0.0], _CLOSER])
         more = np.concatenate([passing + closer, np.pi - passing + closer], axis=1)
-        more = np.clip(more, beta[:, :1], beta[:, -1:])
-        return np.sort(np.concatenate([beta, more], axis=1), axis=1)
+        return _with(beta, more)
 
     def measure(self, points: Array) -> Array:
         x, y, z = (points[..., k] - self.center[k] for k in range(3))
@@ -370,8 +375,7 @@ class _Faces:
             shares = (along[:, None] + radius[:, None] * _BESIDE) / link[:, None]
             passing = np.arcsin(np.clip(shares, 0.0, 1.0))
             more += [passing, np.pi - passing]
-        added = np.clip(np.concatenate(more, axis=1), beta[:, :1], beta[:, -1:])
-        return np.sort(np.concatenate([beta, added], axis=1), axis=1)
+        return _with(beta, *more)
 
     def measure(self, points: Array) -> Array:
         half, middle = 0.5 * (self.corners[1] - self.corners[0]), self.corners.mean(axis=0)
