@@ -44,8 +44,8 @@ bench: $(VENV)/installed-tools
 
 # Makes the start sets of the forward kinematics again, from nothing; takes a few minutes.
 start-solutions: $(VENV)/installed
-	@$(BIN)/python -m kinematics.five_rpur.forward.monodromy assets/start_solutions
-	@$(BIN)/python -m kinematics.four_sps_spr.forward.monodromy assets/start_solutions
+	@$(BIN)/python -m kinematics.mechanisms.five_rpur.forward.monodromy assets/start_solutions
+	@$(BIN)/python -m kinematics.mechanisms.four_sps_spr.forward.monodromy assets/start_solutions
 
 clean:
 	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis \

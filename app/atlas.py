@@ -16,9 +16,9 @@ from app import tables
 from app.compute import View, in_page_units, page_unit
 from app.modes import matching, page_mode
 from app.state import SAME_MODE, Review
+from kinematics.answers.solutions import ForwardSolutions, Merged, Refreshed
 from kinematics.mechanism import Coordinate, Design, Mechanism
-from kinematics.solutions import ForwardSolutions, Merged, Refreshed
-from kinematics.spatial import Array
+from kinematics.screws.spatial import Array
 
 SAME_JOINTS = 1e-6  # mm or rad: lengths that differ by less have the same solutions
 NAMED, TOLD = 8, 3  # of those that came, and of those that went, the page names this many

@@ -24,7 +24,7 @@ from app.commands import (
     solids,
     solving,
 )
-from kinematics.assets import asset_folder
+from kinematics.designs.assets import asset_folder
 from kinematics.errors import BohemiaError, InputError
 
 # Their values may begin with a minus sign, which argparse takes for an option.

@@ -12,7 +12,9 @@ import numpy as np
 
 from app.modes import page_mode
 from app.state import Review
-from kinematics.drawings import Body, Drawing
+from kinematics.answers.drawings import Body, Drawing
+from kinematics.answers.singularities import Clearance, ModeChange
+from kinematics.answers.solutions import Finding, Margin, Posture
 from kinematics.mechanism import (
     RESOLUTIONS,
     Coordinate,
@@ -23,9 +25,7 @@ from kinematics.mechanism import (
     SolidSpec,
     mechanism,
 )
-from kinematics.singularities import Clearance, ModeChange
-from kinematics.solutions import Finding, Margin, Posture
-from kinematics.spatial import Array
+from kinematics.screws.spatial import Array
 
 OTHER = 5 * 4  # limbs of a counterpart are counted from here; its colours are the same again
 APART = 3.4  # of the machine's size: how far it stands away

@@ -9,11 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.errors import InputError
-from kinematics.mechanism import Design, Mechanism, mechanism
-from kinematics.motion import Motion, Statics, WrenchSystem
-from kinematics.sections import Sphere
-from kinematics.singularities import (
+from kinematics.answers.motion import Motion, Statics, WrenchSystem
+from kinematics.answers.sections import Sphere
+from kinematics.answers.singularities import (
     NEAR,
     Clearance,
     Event,
@@ -24,8 +22,10 @@ from kinematics.singularities import (
     Remedy,
     Singularity,
 )
-from kinematics.solutions import Posture
-from kinematics.spatial import Array
+from kinematics.answers.solutions import Posture
+from kinematics.errors import InputError
+from kinematics.mechanism import Design, Mechanism, mechanism
+from kinematics.screws.spatial import Array
 
 SLACK = 0.02  # of a stroke: facets of a solid lie a little beside its true surface
 

@@ -33,9 +33,9 @@ from app.requests import (
 )
 from app.state import Review
 from app.worker import Built, LaneName
+from kinematics.answers.sections import Sphere
+from kinematics.answers.singularities import LocusCurves, Profile
 from kinematics.mechanism import Design
-from kinematics.sections import Sphere
-from kinematics.singularities import LocusCurves, Profile
 
 if TYPE_CHECKING:
     import viser

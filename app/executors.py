@@ -177,6 +177,6 @@ async def _knock(address: str) -> None:
 
 def _has_bohemia() -> bool:
     """Called on a worker, which must find this module for it."""
-    import kinematics.sweeps
+    import kinematics.facets.map_sweeps
 
-    return bool(kinematics.sweeps)
+    return bool(kinematics.facets.map_sweeps)

@@ -17,8 +17,8 @@ from app.history import QUIET_GAP
 from app.lane import Done, Job, Lane, Lost
 from app.solver import Wish, job, solve
 from app.worker import Busy
+from kinematics.answers.solutions import Posture, Refreshed
 from kinematics.errors import BohemiaError
-from kinematics.solutions import Posture, Refreshed
 
 
 class Explorer:

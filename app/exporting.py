@@ -21,7 +21,7 @@ from kinematics.errors import ComputationError, InputError
 from kinematics.mechanism import Coordinate, Design, SolidRequest, mechanism
 
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
-    from kinematics.solids import BuiltSolid, SolidMesh
+    from kinematics.solids.csg import BuiltSolid, SolidMesh
 
 FORMATS: tuple[str, ...] = ("stl", "3mf", "ply", "glb", "obj")
 WITH_UNIT = frozenset({"3mf"})
@@ -60,7 +60,7 @@ def format_of(path: PurePath) -> str:
 
 def placed(mesh: SolidMesh, placement: ArrayLike) -> SolidMesh:
     """The mesh moved by a 4x4 rigid motion, from the frame it was built in to the base frame."""
-    from kinematics.solids import SolidMesh
+    from kinematics.solids.csg import SolidMesh
 
     motion = np.asarray(placement, dtype=float)
     vertices = mesh.vertices @ motion[:3, :3].T + motion[:3, 3]
@@ -75,7 +75,7 @@ def solid_bytes(built: BuiltSolid, placement: ArrayLike, kind: str) -> bytes:
         InputError: ``kind`` is not one of `FORMATS`.
         ComputationError: the solid is empty, or its mesh is not sound.
     """
-    from kinematics.solids import encode
+    from kinematics.solids.csg import encode
 
     if kind not in FORMATS:
         raise InputError(f"there is no format {kind!r}; a solid is written as {_list(FORMATS)}")
@@ -96,7 +96,7 @@ def mesh_bytes(mesh: SolidMesh, placement: ArrayLike, kind: str, *, is_open: boo
         InputError: there is no such format, or the mesh is empty.
         ComputationError: it is not sound.
     """
-    from kinematics.solids import encode
+    from kinematics.solids.csg import encode
 
     moved = placed(mesh, placement)
     if kind == "csv":
@@ -155,7 +155,7 @@ def solid_name(
 
 def design_file(design: Design) -> ExportedFile:
     """A design as a design file (TOML) that reads back equal."""
-    from kinematics.designs import write_design
+    from kinematics.designs.files import write_design
 
     text = write_design(design)
     return ExportedFile(f"{sanitized(design.name)}.toml", text.encode(), MEDIA_TYPES["toml"])

@@ -10,8 +10,8 @@ import numpy as np
 from app.atlas import Known, joint_text, pose_text
 from app.modes import page_mode
 from app.state import Review
+from kinematics.answers.solutions import Fold, Posture
 from kinematics.mechanism import Design, mechanism
-from kinematics.solutions import Fold, Posture
 
 SAME = 1e-3  # mm and rad: a partner this near to a known solution is that solution
 

@@ -20,8 +20,8 @@ from app.atlas import Atlas, joint_text
 from app.compute import View
 from app.folds import Ahead
 from app.scene import Scene, cylinder, turns_z_to
-from kinematics.drawings import Body
-from kinematics.spatial import Array
+from kinematics.answers.drawings import Body
+from kinematics.screws.spatial import Array
 
 THIN, THICK = 0.003, 0.006  # radius of a stick, of the machine's size: as a rule, and who is new
 CAPACITY = 512  # sticks and triangles that a mesh is made for; doubled where they do not suffice

@@ -11,10 +11,10 @@ from app.compute import View, how_far
 from app.controller import Here
 from app.inside import Ball
 from app.scene import Scene, body_mesh, fresh, wxyz
-from kinematics.motion import WrenchSystem
-from kinematics.sections import Sphere
-from kinematics.singularities import Clearance
-from kinematics.spatial import Array
+from kinematics.answers.motion import WrenchSystem
+from kinematics.answers.sections import Sphere
+from kinematics.answers.singularities import Clearance
+from kinematics.screws.spatial import Array
 
 MOST = 8  # wrenches, and clearances, that are drawn
 REACH = 0.9  # of the machine's size: half a wrench's line

@@ -8,8 +8,8 @@ import numpy as np
 
 from app import palette
 from app.scene import Scene
-from kinematics.sections import Box, Sphere
-from kinematics.spatial import Array
+from kinematics.answers.sections import Box, Sphere
+from kinematics.screws.spatial import Array
 
 INSIDE = palette.mixed(palette.WORKSPACE, -0.2)
 _NO_LINE = np.zeros((1, 2, 3), dtype=np.float32)

@@ -11,7 +11,7 @@ from app import palette
 from app.compute import View
 from app.controller import Here
 from app.scene import Scene
-from kinematics.spatial import Array
+from kinematics.screws.spatial import Array
 
 MOST = 8  # forces that are drawn
 USUAL_LOAD = 100.0  # N

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from app.palette import BEYOND, INK, limb_color
+from kinematics.answers.singularities import LocusCurves, LocusSpec, SingularityKind
 from kinematics.errors import InputError
-from kinematics.singularities import LocusCurves, LocusSpec, SingularityKind
-from kinematics.spatial import Array
+from kinematics.screws.spatial import Array
 
 if TYPE_CHECKING:  # loaded only where a figure is drawn
     from matplotlib.figure import Figure

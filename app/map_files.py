@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from app import tables
+from kinematics.answers.sections import Quantity
 from kinematics.errors import InputError
-from kinematics.sections import Quantity
-from kinematics.spatial import Array
-from kinematics.sweeps import Map, MapRequest
+from kinematics.facets.map_sweeps import Map, MapRequest
+from kinematics.screws.spatial import Array
 
 if TYPE_CHECKING:  # loaded only where a figure is drawn
     from matplotlib.axes import Axes

@@ -21,10 +21,10 @@ from app.parts import Stage
 from app.requests import SaveMap, StartMap, StopMap
 from app.state import Review, Span
 from app.worker import LaneName
+from kinematics.answers.sections import Ints, MapCells
 from kinematics.errors import BohemiaError, ComputationError
-from kinematics.sections import Ints, MapCells
-from kinematics.spatial import Array
-from kinematics.sweeps import Map, MapRequest, OnCells, map_request, sweep
+from kinematics.facets.map_sweeps import Map, MapRequest, OnCells, map_request, sweep
+from kinematics.screws.spatial import Array
 
 if TYPE_CHECKING:
     import viser

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from app.palette import BEYOND, INK
+from kinematics.answers.singularities import MicrTable
 from kinematics.errors import InputError
-from kinematics.singularities import MicrTable
 
 if TYPE_CHECKING:  # loaded only where a figure is drawn
     from matplotlib.figure import Figure

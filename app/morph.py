@@ -12,8 +12,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
 from app.compute import View
-from kinematics.drawings import Drawing
-from kinematics.spatial import Array
+from kinematics.answers.drawings import Drawing
+from kinematics.screws.spatial import Array
 
 DURATION = 0.4  # s
 RIGID = 1e-6  # mm

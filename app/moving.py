@@ -26,7 +26,7 @@ from app.trajectory import Asked, Computed, Reach
 from app.trajectory_files import trajectory_csv
 from app.worker import LaneName
 from kinematics.errors import InputError
-from kinematics.spatial import Array
+from kinematics.screws.spatial import Array
 from kinematics.trajectories import Fits, duration_within
 
 if TYPE_CHECKING:

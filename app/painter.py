@@ -11,7 +11,7 @@ from app.lane import Job
 from app.painting import Coat, Scale
 from app.state import Review
 from app.worker import Built
-from kinematics.spatial import Array
+from kinematics.screws.spatial import Array
 
 
 class Painter:

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app import palette
-from kinematics.spatial import Array
+from kinematics.screws.spatial import Array
 
 if TYPE_CHECKING:
-    from kinematics.solids import BuiltSolid
+    from kinematics.solids.csg import BuiltSolid
 
 STEPS = 10
 """of a measure; each is a mesh."""

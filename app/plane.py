@@ -16,7 +16,7 @@ from app import palette
 from app.edges import NO_LINE, Edges
 from app.scene import Scene, fresh, wxyz
 from app.slicer import Drawn, Extent
-from kinematics.spatial import Array
+from kinematics.screws.spatial import Array
 
 ROOM = 0.06  # of the region's size around it in the outline of the plane
 

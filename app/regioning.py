@@ -20,8 +20,8 @@ from app.section_files import section_bytes
 from app.slicing import MEDIA_TYPES
 from app.state import Review
 from app.worker import LaneName
-from kinematics.sections import Region, SectionSpec, together
-from kinematics.spatial import Array
+from kinematics.answers.sections import Region, SectionSpec, together
+from kinematics.screws.spatial import Array
 
 if TYPE_CHECKING:
     import viser

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from app.slicer import edges, segments
 from app.state import Review
+from kinematics.answers.sections import Region, RegionSpec, Section
+from kinematics.answers.singularities import LocusCurves
 from kinematics.mechanism import Design, mechanism
-from kinematics.sections import Region, RegionSpec, Section
-from kinematics.singularities import LocusCurves
-from kinematics.spatial import Array
+from kinematics.screws.spatial import Array
 
 STEP = 4.0  # mm, the longest chord of an arc in the scene
 
@@ -73,7 +73,7 @@ def wish(review: Review) -> Wish | None:
 
 def lay(wanted: Wish) -> Laid:
     """The regions, filled, with their edges and singular curves."""
-    from kinematics.solids import flat_mesh
+    from kinematics.solids.csg import flat_mesh
 
     kind = mechanism(wanted.design.mechanism)
     spec = next(s for s in kind.region_specs(wanted.design) if s.key == wanted.key)

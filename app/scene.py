@@ -18,12 +18,12 @@ from app.compute import SolidWish, View, short_title
 from app.creases import crease_lines
 from app.painting import Coat
 from app.state import is_planar
-from kinematics.drawings import Bar, Body, Drawing, Mark
+from kinematics.answers.drawings import Bar, Body, Drawing, Mark
 from kinematics.mechanism import Coordinate, SolidSpec, mechanism
-from kinematics.spatial import Array
+from kinematics.screws.spatial import Array
 
 if TYPE_CHECKING:
-    from kinematics.solids import BuiltSolid
+    from kinematics.solids.csg import BuiltSolid
 
 # Solids are created from the inside out: with equal origins the browser draws in this order, and
 # a transparent outer solid drawn first would hide the inner one.

@@ -9,8 +9,8 @@ from typing import Any
 
 from app.palette import limb_color, rgb
 from app.section_plot import section_svg
+from kinematics.answers.sections import BOUNDS, EdgeBound, Section, SectionSpec
 from kinematics.errors import InputError
-from kinematics.sections import BOUNDS, EdgeBound, Section, SectionSpec
 
 FORMATS: tuple[str, ...] = ("svg", "dxf", "csv")
 LINETYPES: dict[EdgeBound, str] = {

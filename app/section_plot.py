@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from app.painting import Scale
 from app.palette import BEYOND, INK, INK_DARK, WORKSPACE, limb_color
-from kinematics.sections import BOUNDS, Construction, EdgeBound, Section, SectionSpec
-from kinematics.spatial import Array
+from kinematics.answers.sections import BOUNDS, Construction, EdgeBound, Section, SectionSpec
+from kinematics.screws.spatial import Array
 
 Bounds = tuple[tuple[float, float], tuple[float, float]]
 """From and to, mm, of the first and of the second axis."""

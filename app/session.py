@@ -28,7 +28,7 @@ from app.state import (
     new_review,
     within_reach,
 )
-from kinematics.designs import read_design, write_design
+from kinematics.designs.files import read_design, write_design
 from kinematics.errors import InputError
 from kinematics.mechanism import SURFACES, Coordinate, SurfaceKind
 

@@ -19,10 +19,10 @@ from app.controller import placed
 from app.painting import scale
 from app.section_plot import Bounds, Shade, section_bounds, section_svg
 from app.state import Review, point_in_section
+from kinematics.answers.sections import Box, Section, Sphere, Volume
 from kinematics.mechanism import Design, mechanism
-from kinematics.outlines import contains
-from kinematics.sections import Box, Section, Sphere, Volume
-from kinematics.spatial import Array
+from kinematics.plane.regions import contains
+from kinematics.screws.spatial import Array
 
 LOOKS = 24  # sections from which the extent of a workspace in its planes is taken
 CHART = "section"  # of a mechanism's loci: the one in this plane

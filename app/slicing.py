@@ -23,9 +23,9 @@ from app.section_files import section_bytes
 from app.slicer import Drawn, Region, Wish
 from app.state import Review
 from app.worker import LaneName, Process, give_way
+from kinematics.answers.sections import Box, Sphere, Volume
 from kinematics.errors import BohemiaError
 from kinematics.mechanism import mechanism
-from kinematics.sections import Box, Sphere, Volume
 
 if TYPE_CHECKING:
     import viser

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 from app.folds import look_ahead
 from app.lane import Job
+from kinematics.answers.solutions import ForwardSolutions, Posture, Refreshed
 from kinematics.mechanism import Design, mechanism
-from kinematics.solutions import ForwardSolutions, Posture, Refreshed
 
 REST = 0.15  # s without a new wish before work on it begins
 

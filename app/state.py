@@ -11,9 +11,9 @@ from typing import Literal
 
 from app.modes import matching
 from app.plan import NO_PLAN, Plan, fresh_plan
+from kinematics.answers.solutions import Posture
 from kinematics.errors import InputError
 from kinematics.mechanism import Coordinate, Design, Mechanism, SurfaceKind, mechanism
-from kinematics.solutions import Posture
 
 ModeChoice = Literal["all", "current"]
 Sort = Literal["distance", "condition", "height", "mode"]

@@ -7,9 +7,9 @@ from math import degrees, isfinite, radians
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from kinematics.answers.solutions import ForwardSolutions, Posture, Reason
     from kinematics.mechanism import Coordinate
-    from kinematics.solids import BuiltSolid
-    from kinematics.solutions import ForwardSolutions, Posture, Reason
+    from kinematics.solids.csg import BuiltSolid
 
 LOCUS = "locus"
 """What the part of a solid is called where control is lost, in commands and in file names."""

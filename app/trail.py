@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from app import palette
 from app.scene import Scene
 from app.trajectory import Computed
-from kinematics.spatial import Array
+from kinematics.screws.spatial import Array
 from kinematics.trajectories import Trajectory
 
 _NO_LINE = np.zeros((1, 2, 3), dtype=np.float32)

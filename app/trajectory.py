@@ -15,7 +15,7 @@ from app.plan import FILE, POINTS, STROKE, Plan, axes_of, missing, path_of, plan
 from app.state import Review
 from kinematics.errors import InputError
 from kinematics.mechanism import Design, Mechanism, mechanism
-from kinematics.spatial import Array
+from kinematics.screws.spatial import Array
 from kinematics.trajectories import (
     Event,
     Fits,

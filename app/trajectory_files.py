@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from math import degrees, isfinite, nan
 
 from app import tables
+from kinematics.answers.motion import WrenchName
 from kinematics.errors import InputError
 from kinematics.mechanism import Coordinate
-from kinematics.motion import WrenchName
 from kinematics.trajectories import Trajectory
 from kinematics.trajectories.paths import SAME
 

@@ -25,7 +25,7 @@ from kinematics.mechanism import Resolution, SolidRequest, mechanism
 if TYPE_CHECKING:
     from multiprocessing.context import SpawnProcess
 
-    from kinematics.solids import BuiltSolid
+    from kinematics.solids.csg import BuiltSolid
 
 REST_NORMAL = 0.15  # s without a new wish before the normal solid is begun
 REST_FINE = 0.7  # s before the fine one
@@ -328,7 +328,7 @@ def give_way(steps: int) -> None:
 
 
 def _load_solids() -> None:
-    import kinematics.solids  # noqa: F401  # manifold3d is loaded while nobody waits yet
+    import kinematics.solids.csg  # noqa: F401  # manifold3d is loaded while nobody waits yet
 
 
 def _serve(pipe: Connection, prepare: Callable[[], None]) -> None:

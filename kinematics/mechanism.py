@@ -14,10 +14,9 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from numpy.typing import ArrayLike
 
-from kinematics.drawings import Drawing
-from kinematics.errors import InputError
-from kinematics.motion import Motion, Statics, WrenchSystem
-from kinematics.sections import (
+from kinematics.answers.drawings import Drawing
+from kinematics.answers.motion import Motion, Statics, WrenchSystem
+from kinematics.answers.sections import (
     Box,
     MapCells,
     MapSpec,
@@ -28,7 +27,7 @@ from kinematics.sections import (
     Sphere,
     Volume,
 )
-from kinematics.singularities import (
+from kinematics.answers.singularities import (
     AT,
     Clearance,
     Event,
@@ -42,7 +41,7 @@ from kinematics.singularities import (
     Remedy,
     Singularity,
 )
-from kinematics.solutions import (
+from kinematics.answers.solutions import (
     Finding,
     Fold,
     Followed,
@@ -51,10 +50,11 @@ from kinematics.solutions import (
     Posture,
     Refreshed,
 )
-from kinematics.spatial import Array
+from kinematics.errors import InputError
+from kinematics.screws.spatial import Array
 
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
-    from kinematics.solids import BuiltSolid
+    from kinematics.solids.csg import BuiltSolid
     from kinematics.trajectories import NamedTrajectory
 
 Resolution = Literal["preview", "normal", "fine"]
@@ -330,11 +330,11 @@ class Mechanism(Protocol):
 
 # Where each kind's mechanism stands; one package may offer several.
 _MODULES = {
-    "five_rpur": ("kinematics.five_rpur", "MECHANISM"),
-    "five_bar": ("kinematics.five_bar", "MECHANISM"),
-    "four_sps_spr": ("kinematics.four_sps_spr", "MECHANISM"),
-    "three_rps": ("kinematics.three_rps_spr", "THREE_RPS"),
-    "three_spr": ("kinematics.three_rps_spr", "THREE_SPR"),
+    "five_rpur": ("kinematics.mechanisms.five_rpur", "MECHANISM"),
+    "five_bar": ("kinematics.mechanisms.five_bar", "MECHANISM"),
+    "four_sps_spr": ("kinematics.mechanisms.four_sps_spr", "MECHANISM"),
+    "three_rps": ("kinematics.mechanisms.tripods", "THREE_RPS"),
+    "three_spr": ("kinematics.mechanisms.tripods", "THREE_SPR"),
 }
 
 

@@ -13,7 +13,7 @@ from kinematics.errors import ComputationError, InputError
 
 if TYPE_CHECKING:
     from kinematics.mechanism import Resolution
-    from kinematics.solids import BuiltSolid
+    from kinematics.solids.csg import BuiltSolid
 
 KEY = "aspects"
 LOCUS = tables.LOCUS
@@ -140,7 +140,7 @@ def _kind(path: Path, what: str) -> str:
 
 def _area(built: BuiltSolid) -> float:
     """mm² of the singular surface, taken once."""
-    from kinematics.meshes import face_parts
+    from kinematics.solids.meshes import face_parts
 
     mesh = built.locus_mesh()
     return float(face_parts(mesh.vertices, mesh.faces)[1].sum()) / 2.0

@@ -257,7 +257,7 @@ def chosen_modes(text: str, known: tuple[str, ...]) -> tuple[str, ...] | None:
 
 
 def load(name: str) -> tuple[Design, Mechanism]:
-    from kinematics.designs import load_design
+    from kinematics.designs.files import load_design
     from kinematics.mechanism import mechanism
 
     design = load_design(name)

@@ -14,10 +14,10 @@ from app.commands.place import Place
 from kinematics.errors import InputError
 
 if TYPE_CHECKING:
+    from kinematics.answers.motion import Motion
+    from kinematics.answers.solutions import Posture
     from kinematics.mechanism import Coordinate
-    from kinematics.motion import Motion
-    from kinematics.solutions import Posture
-    from kinematics.spatial import Array
+    from kinematics.screws.spatial import Array
 
 LOAD = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
 

@@ -12,8 +12,8 @@ from app.commands import common
 from kinematics.errors import InputError
 
 if TYPE_CHECKING:
+    from kinematics.answers.singularities import MicrTable
     from kinematics.mechanism import Mechanism
-    from kinematics.singularities import MicrTable
 
 RATIOS = "0.25,0.5,0.75,1,1.25,1.5,1.75,2"
 HEIGHTS = "0.05:4:80"

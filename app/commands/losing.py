@@ -14,9 +14,15 @@ from app.commands.place import Place
 from kinematics.errors import InputError
 
 if TYPE_CHECKING:
+    from kinematics.answers.singularities import (
+        Clearance,
+        LocusCurves,
+        LocusSpec,
+        Remedy,
+        Singularity,
+    )
+    from kinematics.answers.solutions import Posture
     from kinematics.mechanism import Coordinate
-    from kinematics.singularities import Clearance, LocusCurves, LocusSpec, Remedy, Singularity
-    from kinematics.solutions import Posture
 
 
 def register(command: common.AddCommand) -> None:
@@ -74,7 +80,7 @@ def _singularity(arguments: argparse.Namespace) -> None:
 
 
 def _at_pose(arguments: argparse.Namespace) -> None:
-    from kinematics.singularities import AT, NEAR
+    from kinematics.answers.singularities import AT, NEAR
 
     tolerance = AT if arguments.tolerance is None else _tolerance(arguments.tolerance)
     place = Place.of(arguments)
@@ -119,7 +125,7 @@ def _tolerance(text: str) -> float:
 
 
 def _conditioning(place: Place) -> dict[str, float | None]:
-    from kinematics.wrenches import singular_values
+    from kinematics.screws.wrenches import singular_values
 
     length = place.mechanism.characteristic_length(place.design)
     system = place.mechanism.wrench_system(place.design, place.pose, place.mode)

@@ -19,9 +19,9 @@ from kinematics.errors import InputError
 if TYPE_CHECKING:
     from types import FrameType
 
-    from kinematics.sections import Ints, MapCells, MapSpec
-    from kinematics.spatial import Array
-    from kinematics.sweeps import Map
+    from kinematics.answers.sections import Ints, MapCells, MapSpec
+    from kinematics.facets.map_sweeps import Map
+    from kinematics.screws.spatial import Array
 
 RANGE = "-90:90:37"  # every 5°
 TOLERANCE = 1e-4
@@ -61,7 +61,7 @@ def register(command: common.AddCommand) -> None:
 
 def _map(arguments: argparse.Namespace) -> None:
     from app import executors, map_files
-    from kinematics.sweeps import map_request, sweep
+    from kinematics.facets.map_sweeps import map_request, sweep
 
     path: Path | None = arguments.output
     kind = None if path is None else common.ending(path, map_files.FORMATS, "a map")

@@ -12,8 +12,8 @@ from app.commands import common
 from kinematics.errors import InputError
 
 if TYPE_CHECKING:
+    from kinematics.answers.sections import Box, Section, SectionSpec, Sphere, Volume
     from kinematics.mechanism import Design, Mechanism
-    from kinematics.sections import Box, Section, SectionSpec, Sphere, Volume
 
 TOLERANCE = 1e-6
 

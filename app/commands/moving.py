@@ -16,8 +16,8 @@ from kinematics.errors import InputError
 
 if TYPE_CHECKING:
     from app.trajectory_files import Points
+    from kinematics.answers.solutions import Followed
     from kinematics.mechanism import Coordinate, Design, Mechanism
-    from kinematics.solutions import Followed
     from kinematics.trajectories import Event, Fits, Law, Limits, Trajectory
     from kinematics.trajectories import Path as Way
 

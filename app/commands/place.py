@@ -11,8 +11,8 @@ from app import tables
 from app.commands import common
 
 if TYPE_CHECKING:
+    from kinematics.answers.solutions import Posture
     from kinematics.mechanism import Coordinate, Design, Mechanism
-    from kinematics.solutions import Posture
 
 
 @dataclass(frozen=True, slots=True)

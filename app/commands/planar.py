@@ -11,8 +11,8 @@ from app.commands import common
 from kinematics.errors import ComputationError, InputError
 
 if TYPE_CHECKING:
+    from kinematics.answers.sections import Region, RegionSpec, Section
     from kinematics.mechanism import Design, Mechanism
-    from kinematics.sections import Region, RegionSpec, Section
 
 
 def workspace(
@@ -24,7 +24,7 @@ def workspace(
 ) -> None:
     """Print the regions of a plane workspace, and write them if a file is wanted."""
     from app.section_files import FORMATS, section_bytes, section_loops
-    from kinematics.sections import SectionSpec, together
+    from kinematics.answers.sections import SectionSpec, together
 
     specs = {spec.key: spec for spec in mechanism.region_specs(design)}
     spec = specs.get(arguments.regions)

@@ -54,7 +54,7 @@ def _serve(arguments: argparse.Namespace) -> None:
 
 
 def _designs(arguments: argparse.Namespace) -> None:
-    from kinematics.designs import presets
+    from kinematics.designs.files import presets
 
     found = presets()
     if arguments.json:

@@ -13,8 +13,8 @@ from app.commands import common
 from kinematics.errors import InputError
 
 if TYPE_CHECKING:
+    from kinematics.answers.solutions import Posture
     from kinematics.mechanism import Design, Mechanism
-    from kinematics.solutions import Posture
 
 
 def register(command: common.AddCommand) -> None:

@@ -14,9 +14,9 @@ from app.panels.control_html import circles_html, comparison_html
 from app.panels.desk import Controlled, Desk, Sheet, answer, box, clicked, esc, put, put_prop
 from app.panels.plots import Plot
 from app.requests import SaveLoci
+from kinematics.answers.singularities import LocusCurves, LocusSpec, OrientationCircle
 from kinematics.errors import InputError
 from kinematics.mechanism import mechanism
-from kinematics.singularities import LocusCurves, LocusSpec, OrientationCircle
 
 NOTHING = "Nothing"
 PLANE = "section"

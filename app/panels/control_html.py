@@ -12,7 +12,7 @@ from app.compute import how_far, short_title
 from app.controller import Here
 from app.panels.desk import Controlled, Logged, Sheet, box, chip, esc, red, tone, volume_text
 from app.worker import Built
-from kinematics.singularities import AT, Clearance, Measure, Remedy, Singularity
+from kinematics.answers.singularities import AT, Clearance, Measure, Remedy, Singularity
 
 ASPECTS = "aspects"
 """The key of the solid that is parted by singular surfaces."""

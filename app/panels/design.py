@@ -26,7 +26,7 @@ from app.panels.desk import (
     safely,
     tone,
 )
-from kinematics.designs import MAX_BYTES, load_design, presets, read_design
+from kinematics.designs.files import MAX_BYTES, load_design, presets, read_design
 from kinematics.errors import InputError
 from kinematics.mechanism import DesignField
 

@@ -25,11 +25,11 @@ from app.requests import Request
 from app.slicer import Drawn, Region
 from app.trajectory import Computed, Reach
 from app.worker import Built
+from kinematics.answers.sections import Box, Sphere, Volume
+from kinematics.answers.singularities import LocusCurves, Profile
 from kinematics.errors import BohemiaError
+from kinematics.facets.map_sweeps import Map
 from kinematics.mechanism import Design, Mechanism
-from kinematics.sections import Box, Sphere, Volume
-from kinematics.singularities import LocusCurves, Profile
-from kinematics.sweeps import Map
 from kinematics.trajectories import Fits
 
 log = logging.getLogger(__name__)

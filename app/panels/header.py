@@ -23,7 +23,7 @@ from app.panels.desk import (
     tone,
 )
 from app.worker import Busy
-from kinematics.singularities import AT
+from kinematics.answers.singularities import AT
 
 PATIENCE = 0.6  # s; work that ends sooner is not worth a progress bar
 

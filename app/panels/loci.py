@@ -10,8 +10,8 @@ import numpy as np
 from app import palette
 from app.panels.desk import esc
 from app.panels.plots import STEPS, TURN, Axes, Figure, number, scales, ticks
-from kinematics.singularities import LocusCurves, LocusSpec, OrientationCircle, Profile
-from kinematics.spatial import Array
+from kinematics.answers.singularities import LocusCurves, LocusSpec, OrientationCircle, Profile
+from kinematics.screws.spatial import Array
 
 WIDTH, HEIGHT = 400.0, 360.0
 CELLS = 90  # columns and rows of which the place under the pointer is told

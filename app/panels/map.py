@@ -33,10 +33,10 @@ from app.panels.desk import (
 from app.panels.plots import STEPS, TURN, Axes, Figure, Plot, nearest, number, scales, ticks
 from app.requests import GoToBall, SaveMap, StartMap, StopMap
 from app.state import Chart, Span, checked_chart
+from kinematics.answers.sections import Quantity
 from kinematics.errors import InputError
+from kinematics.facets.map_sweeps import Map
 from kinematics.mechanism import Coordinate, Design, Mechanism
-from kinematics.sections import Quantity
-from kinematics.sweeps import Map
 
 KINDS = ("CSV", "NPZ", "PNG", "SVG")
 SHADES = 48

@@ -33,8 +33,8 @@ from app.panels.desk import (
     put_prop,
     tone,
 )
+from kinematics.answers.singularities import ModeChange
 from kinematics.mechanism import Coordinate, Mechanism
-from kinematics.singularities import ModeChange
 
 STEP = {"mm": 0.1, "rad": 0.1}  # on the page: mm and degrees
 

@@ -9,9 +9,9 @@ from app import palette
 from app.changes import SetControl
 from app.compute import from_page_units, in_page_units, page_unit
 from app.panels.desk import Controlled, Desk, Sheet, answer, box, chip, esc, put, put_prop
+from kinematics.answers.motion import Motion
 from kinematics.errors import InputError
 from kinematics.mechanism import Coordinate
-from kinematics.motion import Motion
 
 
 class MotionFolder:

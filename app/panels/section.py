@@ -33,8 +33,8 @@ from app.panels.plots import Axes, Figure, Plot, nearest, number, scales, ticks
 from app.requests import SaveSection
 from app.slicer import Drawn
 from app.state import point_in_section
+from kinematics.answers.sections import Section, SectionSpec, Volume
 from kinematics.mechanism import Design, Mechanism
-from kinematics.sections import Section, SectionSpec, Volume
 
 KINDS = ("SVG", "DXF", "CSV")
 COLUMNS = 336  # places along x′ of which the profile tells the area, one a pixel

@@ -34,8 +34,8 @@ from app.panels.desk import (
 )
 from app.panels.rates import MotionFolder
 from app.requests import ChangeDesign, ClearLog, Escape, Swing
+from kinematics.answers.singularities import Remedy
 from kinematics.mechanism import Design, Mechanism
-from kinematics.singularities import Remedy
 
 HELP = """
 **Clearance** is how far the platform may move at its present orientation until it meets a

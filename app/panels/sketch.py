@@ -14,7 +14,7 @@ from app.panels.desk import Desk
 from app.panels.plots import STEPS, TURN, Axes, Figure, Plot, number, scales, ticks
 from app.trajectory import Reach
 from kinematics.mechanism import Coordinate
-from kinematics.spatial import Array
+from kinematics.screws.spatial import Array
 
 MOST = 600  # points of a stroke that the browser sends
 CELLS = 120  # columns and rows of which the place under the pointer is told

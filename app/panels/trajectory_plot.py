@@ -13,7 +13,7 @@ from app.panels.desk import esc
 from app.panels.plots import Axes, Figure, number, ticks
 from app.trajectory import Computed, known_distances
 from kinematics.mechanism import Coordinate
-from kinematics.spatial import Array
+from kinematics.screws.spatial import Array
 from kinematics.trajectories import Event, Trajectory
 
 WIDTH = 430.0

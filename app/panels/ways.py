@@ -27,7 +27,7 @@ from app.panels.sketch import Sketch, sketch_figure, sketch_mark
 from app.plan import FILE, OWN, POINTS, STRAIGHT, STROKE, Pose, axes_of, plane_of, trimmed
 from app.trajectory_files import LARGEST, read_points
 from kinematics.errors import InputError
-from kinematics.spatial import Array
+from kinematics.screws.spatial import Array
 
 OWN_TITLES = {
     STRAIGHT: "Straight from pose to pose",

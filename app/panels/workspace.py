@@ -33,8 +33,8 @@ from app.panels.regions import RegionsFolder
 from app.requests import Forget, GoToBall, Inscribe
 from app.tables import surface_text
 from app.worker import Built
+from kinematics.answers.sections import Volume
 from kinematics.mechanism import Design, Mechanism, SolidSpec, SurfaceKind
-from kinematics.sections import Volume
 
 ALL, CURRENT, CHOSEN = "All working modes together", "The current working mode", "A chosen set"
 MADE_OF: dict[SurfaceKind, str] = {"facets": "Facets", "true": "The true surface"}

@@ -8,10 +8,10 @@ from math import inf, nan
 
 import numpy as np
 
+from kinematics.answers.solutions import Posture
 from kinematics.errors import InputError
 from kinematics.mechanism import Design, Mechanism
-from kinematics.solutions import Posture
-from kinematics.spatial import Array
+from kinematics.screws.spatial import Array
 from kinematics.trajectories.laws import Law
 from kinematics.trajectories.paths import Path
 

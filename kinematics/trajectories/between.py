@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.spatial import Array
+from kinematics.screws.spatial import Array
 from kinematics.trajectories.along import Along
 from kinematics.trajectories.results import JUMP, Close, Limits
 

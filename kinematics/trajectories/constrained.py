@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from kinematics.errors import InputError
 from kinematics.mechanism import Design, Mechanism
-from kinematics.spatial import Array
+from kinematics.screws.spatial import Array
 from kinematics.trajectories.paths import Derivatives, Path
 
 LOOKS = 33  # points of a path at which a coordinate is tried

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from kinematics.mechanism import Design, Mechanism
-from kinematics.spatial import Array
+from kinematics.screws.spatial import Array
 from kinematics.trajectories.results import Trajectory
 
 FEWEST, MOST = 4, 17  # significant digits; a double has no more

@@ -13,7 +13,7 @@ from math import inf, isfinite, nan
 
 import numpy as np
 
-from kinematics.spatial import Array
+from kinematics.screws.spatial import Array
 from kinematics.trajectories.along import Along
 from kinematics.trajectories.demands import beyond, corners, leaps, place
 from kinematics.trajectories.results import Event, Limits, Trajectory

@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from kinematics.answers.solutions import Followed
 from kinematics.errors import InputError
 from kinematics.mechanism import Design, Mechanism
-from kinematics.solutions import Followed
-from kinematics.spatial import Array, Frozen
+from kinematics.screws.spatial import Array, Frozen
 from kinematics.trajectories.digits import MOST, Orders, digits_needed, values_of
 from kinematics.trajectories.results import Trajectory
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics.errors import InputError
-from kinematics.spatial import Array
+from kinematics.screws.spatial import Array
 
 # s, s′ and s″ as polynomials of τ = t/T, from τ⁰ upwards.
 _POLYNOMIALS = {

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline, splev, splprep
 
 from kinematics.errors import InputError
-from kinematics.spatial import Array, finite
+from kinematics.screws.spatial import Array, finite
 from kinematics.trajectories.laws import Law
 
 Pose = tuple[float, ...]

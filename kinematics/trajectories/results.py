@@ -8,8 +8,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.motion import WrenchName
-from kinematics.spatial import Array, Frozen
+from kinematics.answers.motion import WrenchName
+from kinematics.screws.spatial import Array, Frozen
 
 EventKind = Literal[
     "outside", "singularity", "near", "jump", "corner", "rate", "acceleration", "force"

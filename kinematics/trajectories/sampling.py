@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from kinematics.answers.motion import WrenchName
 from kinematics.errors import InputError
 from kinematics.mechanism import Design, Mechanism
-from kinematics.motion import WrenchName
-from kinematics.spatial import Array, finite
+from kinematics.screws.spatial import Array, finite
 from kinematics.trajectories.along import Along, joints_along, moved
 from kinematics.trajectories.between import close
 from kinematics.trajectories.constrained import constrained

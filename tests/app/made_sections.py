@@ -7,7 +7,7 @@ from math import acos, pi, sin, sqrt
 
 import numpy as np
 
-from kinematics.sections import BOUNDS, Construction, Section, SectionSpec
+from kinematics.answers.sections import BOUNDS, Construction, Section, SectionSpec
 
 SPEC = SectionSpec("Section at x′", "x′", ("y′", "z′"), "Fig. 17")
 MAX, LINK = BOUNDS.index("rho_max"), BOUNDS.index("link")

@@ -31,7 +31,7 @@ from app.server import make_server
 from app.slicing import Slicing
 from app.state import Review, new_review
 from app.worker import Worker
-from kinematics.designs import load_design
+from kinematics.designs.files import load_design
 from kinematics.errors import BohemiaError
 
 INLINE = ("control", "loci", "regions")  # lanes; others do nothing

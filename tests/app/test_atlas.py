@@ -12,9 +12,9 @@ from app import compute
 from app.atlas import HERE, Known, atlas, mixes, number, offers_mixed, pose_text
 from app.changes import Move, SetAtlas, Visit, change
 from app.state import SAME_MODE, Review, new_review
-from kinematics.designs import load_design
+from kinematics.answers.solutions import ForwardSolutions, Merged, Refreshed
+from kinematics.designs.files import load_design
 from kinematics.mechanism import mechanism
-from kinematics.solutions import ForwardSolutions, Merged, Refreshed
 
 MACHINE = mechanism("five_rpur")
 

@@ -29,7 +29,7 @@ from app.changes import (
 )
 from app.history import History
 from app.state import Atlas, Chart, Review, Span, new_review, point_in_section
-from kinematics.designs import load_design
+from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 
 

@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from kinematics.designs import load_design
+from kinematics.designs.files import load_design
 from kinematics.mechanism import mechanism
 from tests.conftest import ROOT, Finished, answered, command_environment, refused
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from kinematics.designs import load_design
+from kinematics.designs.files import load_design
 from kinematics.mechanism import mechanism
 from tests.conftest import Finished, answered, refused
 

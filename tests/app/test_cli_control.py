@@ -15,12 +15,12 @@ import numpy as np
 import pytest
 
 from app import locus_files
-from kinematics.designs import load_design
+from kinematics.answers.singularities import LocusCurves, LocusSpec
+from kinematics.designs.files import load_design
 from kinematics.errors import InputError
-from kinematics.five_rpur.mechanism import FiveRPUR
 from kinematics.mechanism import mechanism
-from kinematics.singularities import LocusCurves, LocusSpec
-from kinematics.spatial import Array
+from kinematics.mechanisms.five_rpur.mechanism import FiveRPUR
+from kinematics.screws.spatial import Array
 from tests.conftest import Finished, answered, refused
 
 Run = Callable[..., Finished]

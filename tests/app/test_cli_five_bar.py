@@ -191,7 +191,7 @@ def test_a_dependent_coordinate_may_be_left_out(here: Run, tmp_path: Path) -> No
 
 @pytest.mark.parametrize("degree", [3, 8, 20])
 def test_printed_polynomials_are_as_good_as_their_error(here: Run, degree: int) -> None:
-    from kinematics.designs import load_design
+    from kinematics.designs.files import load_design
     from kinematics.mechanism import mechanism
 
     words = ("trajectory", "five-bar", "rest-to-rest", "--fit", str(degree), "--samples", "201")

@@ -19,8 +19,8 @@ import numpy as np
 import pytest
 
 from app import cli, executors
-from kinematics import sweeps
-from kinematics.designs import load_design
+from kinematics.designs.files import load_design
+from kinematics.facets import map_sweeps
 from kinematics.mechanism import mechanism
 from tests.app.made_sections import area_by_edge
 from tests.conftest import Finished, answered, command_environment, refused
@@ -287,14 +287,14 @@ def test_a_map_is_written_as(here: Run, tmp_path: Path, kind: str) -> None:
 def test_the_default_map_covers_what_the_paper_shows(
     here: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asked: list[sweeps.MapRequest] = []
+    asked: list[map_sweeps.MapRequest] = []
 
-    def stop(request: sweeps.MapRequest, *_: Any, **__: Any) -> sweeps.Map:
+    def stop(request: map_sweeps.MapRequest, *_: Any, **__: Any) -> map_sweeps.Map:
         asked.append(request)
         nothing = np.full((1, *request.shape), np.nan)
-        return sweeps.Map(request, nothing, nothing.copy(), np.zeros(request.shape, dtype=bool))
+        return map_sweeps.Map(request, nothing, nothing.copy(), np.zeros(request.shape, dtype=bool))
 
-    monkeypatch.setattr(sweeps, "sweep", stop)
+    monkeypatch.setattr(map_sweeps, "sweep", stop)
     here("map", "rpur-table1")
     (request,) = asked
     assert request.shape == (37, 37)
@@ -306,9 +306,9 @@ def test_the_default_map_covers_what_the_paper_shows(
 def test_ctrl_c_keeps_what_is_done(
     here: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    sweep = sweeps.sweep
+    sweep = map_sweeps.sweep
 
-    def interrupted(*arguments: Any, on_cells: Any, **options: Any) -> sweeps.Map:
+    def interrupted(*arguments: Any, on_cells: Any, **options: Any) -> map_sweeps.Map:
         def pressed(indices: Any, cells: Any) -> None:
             on_cells(indices, cells)
             signal.raise_signal(signal.SIGINT)
@@ -316,7 +316,7 @@ def test_ctrl_c_keeps_what_is_done(
         options |= {"chunk": 2, "in_flight": 1}
         return sweep(*arguments, on_cells=pressed, **options)
 
-    monkeypatch.setattr(sweeps, "sweep", interrupted)
+    monkeypatch.setattr(map_sweeps, "sweep", interrupted)
     before = signal.getsignal(signal.SIGINT)
     done = here("map", "rpur-table1", "--phi", "0:40:5", "--theta", "0", "-o", "part.csv")
     assert signal.getsignal(signal.SIGINT) is before

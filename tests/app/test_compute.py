@@ -10,7 +10,7 @@ import pytest
 from app import compute
 from app.changes import ChooseModes, Flip, Move, Show, change
 from app.state import Review, new_review
-from kinematics.designs import load_design, presets
+from kinematics.designs.files import load_design, presets
 
 
 @pytest.fixture(scope="module")

@@ -19,10 +19,9 @@ from app.controlling import counterpart, spot_of
 from app.panels import control_html as told
 from app.panels.desk import Controlled, Logged
 from app.state import new_review
-from kinematics.designs import load_design
-from kinematics.motion import Statics
-from kinematics.sections import Sphere
-from kinematics.singularities import (
+from kinematics.answers.motion import Statics
+from kinematics.answers.sections import Sphere
+from kinematics.answers.singularities import (
     Clearance,
     DesignChange,
     Measure,
@@ -30,6 +29,7 @@ from kinematics.singularities import (
     Remedy,
     Singularity,
 )
+from kinematics.designs.files import load_design
 
 EVIL = "<script>alert('1' & \"2\")</script>"
 MACHINES = ("rpur-table1", "five-bar", "rps-3", "spr-3", "sps-spr")

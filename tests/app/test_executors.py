@@ -21,9 +21,9 @@ import pytest
 
 from app import executors
 from app.executors import dask_workers, local_workers
-from kinematics.designs import load_design
+from kinematics.designs.files import load_design
 from kinematics.errors import ComputationError, InputError
-from kinematics.sweeps import Map, MapRequest, map_request, sweep
+from kinematics.facets.map_sweeps import Map, MapRequest, map_request, sweep
 from tests.conftest import command_environment
 
 

@@ -17,7 +17,7 @@ from app.explorer import Explorer
 from app.lane import Done, Lost
 from app.state import Review, new_review
 from app.worker import Busy
-from kinematics.designs import load_design
+from kinematics.designs.files import load_design
 from kinematics.errors import BohemiaError
 
 PATIENCE = 60.0  # s; only a hang is caught by it

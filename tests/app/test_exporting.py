@@ -16,17 +16,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app import exporting
-from kinematics import solids
-from kinematics.designs import load_design, presets, read_design
+from kinematics.designs.files import load_design, presets, read_design
 from kinematics.errors import ComputationError, InputError
 from kinematics.mechanism import mechanism
-from kinematics.spatial import homogeneous, rotation_y, rotation_z
+from kinematics.screws.spatial import homogeneous, rotation_y, rotation_z
+from kinematics.solids import csg
 
 PLACEMENT = homogeneous(rotation_y(0.7) @ rotation_z(-0.3), [100.0, -200.0, 300.0])
 
 
 @cache
-def built() -> solids.BuiltSolid:
+def built() -> csg.BuiltSolid:
     """A real workspace in several pieces."""
     machine = mechanism("five_rpur")
     design = load_design("rpur-table1")
@@ -42,7 +42,7 @@ def read_back(data: bytes, kind: str) -> trimesh.Trimesh:
 
 
 def test_the_formats_are_those_that_can_be_encoded() -> None:
-    assert set(exporting.FORMATS) == set(solids.KINDS)
+    assert set(exporting.FORMATS) == set(csg.KINDS)
     assert set(exporting.MEDIA_TYPES) >= set(exporting.FORMATS)
 
 
@@ -73,7 +73,7 @@ def test_an_unsound_or_empty_solid_is_not_written() -> None:
     solid = built()
     vertices = solid.mesh.vertices.copy()
     vertices[0] = np.nan
-    bad = replace(solid, mesh=solids.SolidMesh(vertices, solid.mesh.faces))
+    bad = replace(solid, mesh=csg.SolidMesh(vertices, solid.mesh.faces))
     with pytest.raises(ComputationError):
         exporting.solid_bytes(bad, np.eye(4), "stl")
 

@@ -9,8 +9,8 @@ import pytest
 from app.atlas import Known
 from app.folds import Ahead, look_ahead, nearest_first, partner, title, words
 from app.state import Review, new_review
-from kinematics.designs import load_design
-from kinematics.solutions import Fold
+from kinematics.answers.solutions import Fold
+from kinematics.designs.files import load_design
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from app.ghosts import _faces, _sticks, outline, right_triangles
-from kinematics.drawings import Body
+from kinematics.answers.drawings import Body
 
 SQUARE = ((0.0, 0.0, 0.0), (30.0, 0.0, 0.0), (30.0, 20.0, 0.0), (0.0, 20.0, 0.0))
 

@@ -13,15 +13,15 @@ from hypothesis import strategies as st
 
 from app import palette
 from app.panels import loci
-from kinematics.designs import load_design
-from kinematics.mechanism import mechanism
-from kinematics.singularities import (
+from kinematics.answers.singularities import (
     LocusCurves,
     LocusSpec,
     OrientationCircle,
     Profile,
     ProfileCurve,
 )
+from kinematics.designs.files import load_design
+from kinematics.mechanism import mechanism
 
 PLAIN = LocusSpec("p", "Plain <b>", ("φ", "y"), ("rad", "mm"))
 POLAR = LocusSpec("o", "Polar", ("θ", "φ"), ("rad", "rad"), polar=True)

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from app.map_files import FORMATS, map_bytes, map_figure
-from kinematics.designs import load_design
+from kinematics.designs.files import load_design
 from kinematics.errors import InputError
-from kinematics.sweeps import Map, map_request
+from kinematics.facets.map_sweeps import Map, map_request
 
 DESIGN = load_design("rpur-table1")
 ALL = ("volume", "pieces", "largest_piece", "sphere", "stroke")

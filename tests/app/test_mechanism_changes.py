@@ -37,7 +37,7 @@ from app.changes import (
 from app.controlling import counterpart, spot_of
 from app.history import History
 from app.state import Chart, Control, Flat, Review, Span, new_review
-from kinematics.designs import load_design
+from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 from kinematics.mechanism import Design
 

@@ -11,7 +11,7 @@ from app import compute
 from app.changes import Place, Visit, change
 from app.morph import DURATION, Morph, between
 from app.state import Review, new_review
-from kinematics.designs import load_design
+from kinematics.designs.files import load_design
 
 
 @pytest.fixture(scope="module")

@@ -19,7 +19,7 @@ from app.playing import _Rested
 from app.requests import Distances, LeaveWay, NextWarning, Play, Scrub, Shortest, StopHere
 from app.state import Review, new_review
 from app.trajectory import Asked, Computed
-from kinematics.designs import load_design
+from kinematics.designs.files import load_design
 
 
 class Stage:

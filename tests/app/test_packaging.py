@@ -101,7 +101,7 @@ def test_the_readmes_python_works() -> None:
 
 
 def test_the_readmes_design_is_valid(tmp_path: Path) -> None:
-    from kinematics.designs import load_design, read_design
+    from kinematics.designs.files import load_design, read_design
 
     (text,) = _blocks("toml")
     head, limb = text.split("[[limb]]")

@@ -18,7 +18,7 @@ from app.compute import how_far
 from app.controller import Here
 from app.requests import SaveLoci, SaveRegions
 from app.state import Review, new_review
-from kinematics.designs import load_design
+from kinematics.designs.files import load_design
 from tests.app.seats import Seat, seat
 
 MACHINES = ("rpur-table1", "five-bar", "rps-3", "spr-3", "sps-spr")

@@ -10,7 +10,7 @@ import pytest
 from app.changes import Place, Restore, SetControl, SetPlan
 from app.requests import LeaveWay, SaveTrajectory, Scrub, StopHere
 from app.state import new_review
-from kinematics.designs import load_design
+from kinematics.designs.files import load_design
 from tests.app import seats
 from tests.app.seats import Seat, seat
 

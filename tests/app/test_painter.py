@@ -16,7 +16,7 @@ from app.controlling import spot_of
 from app.painter import Painter
 from app.state import Review, new_review
 from app.worker import Built
-from kinematics.designs import load_design
+from kinematics.designs.files import load_design
 from kinematics.mechanism import mechanism
 
 

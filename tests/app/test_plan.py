@@ -14,7 +14,7 @@ from app.changes import SetPlan, UseDesign, change
 from app.history import History
 from app.plan import MOST_POINTS, Plan, fresh_plan, missing, path_of, plane_of, trimmed
 from app.state import Review, new_review
-from kinematics.designs import load_design
+from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 from kinematics.mechanism import mechanism
 

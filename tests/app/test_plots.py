@@ -17,9 +17,9 @@ from app.panels import map as maps
 from app.panels.plots import STEPS, TURN, Axes, Figure, _base, scales, ticks
 from app.panels.section import profile
 from app.state import Chart, Span, new_review
-from kinematics.designs import load_design
-from kinematics.sections import Quantity, SectionSpec, Volume
-from kinematics.sweeps import Map, map_request
+from kinematics.answers.sections import Quantity, SectionSpec, Volume
+from kinematics.designs.files import load_design
+from kinematics.facets.map_sweeps import Map, map_request
 
 SPEC = SectionSpec("Section at x′", "x′", ("y′", "z′"), "Fig. 17")
 VOLUME = Quantity("volume", "Volume", "mm³")

@@ -16,7 +16,7 @@ from app import palette, regions
 from app.changes import ChooseModes, EditDesign, Flip, Move, SetFlat, change
 from app.regioning import region_colors, regions_file
 from app.state import Review, new_review
-from kinematics.designs import load_design
+from kinematics.designs.files import load_design
 from kinematics.mechanism import mechanism
 
 PAPERS_AREA = 1_983_383.8618  # mm², of the five-bar's workspace in all working modes

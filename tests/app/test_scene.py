@@ -7,7 +7,7 @@ import viser.transforms as tf
 
 from app import palette
 from app.scene import _CYLINDER, body_mesh, turns_z_to
-from kinematics.drawings import Body
+from kinematics.answers.drawings import Body
 
 
 def _volume(vertices: np.ndarray, faces: np.ndarray) -> float:

@@ -13,8 +13,8 @@ import pytest
 
 from app.palette import limb_color, rgb
 from app.section_files import section_bytes, section_loops
+from kinematics.answers.sections import Section
 from kinematics.errors import InputError
-from kinematics.sections import Section
 from tests.app.made_sections import EMPTY, LENS, RING, SPEC, TWO, area_by_edge
 
 SECTIONS = {"ring": RING, "lens": LENS, "two": TWO, "empty": EMPTY}

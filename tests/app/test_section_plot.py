@@ -13,7 +13,7 @@ import pytest
 from app.painting import scale
 from app.palette import BEYOND, limb_color
 from app.section_plot import PAPER, Bounds, Shade, section_svg
-from kinematics.sections import Section
+from kinematics.answers.sections import Section
 from tests.app.made_sections import (
     EMPTY,
     LENS,

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from app import session
 from app.state import Atlas, Chart, Cut, Options, Review, Shown, Span, new_review
-from kinematics.designs import load_design, presets
+from kinematics.designs.files import load_design, presets
 from kinematics.errors import InputError
 
 

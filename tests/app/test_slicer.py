@@ -11,8 +11,8 @@ import pytest
 from app import slicer
 from app.changes import ChooseModes, Flip, Move, MoveCut, SetControl, Show, change
 from app.state import Review, new_review
-from kinematics.designs import load_design
-from kinematics.sections import Section
+from kinematics.answers.sections import Section
+from kinematics.designs.files import load_design
 from tests.app.made_sections import LENS, RING, TWO
 
 

@@ -11,8 +11,8 @@ import pytest
 from app.lane import Done, Lost
 from app.solver import Wish, job
 from app.state import new_review
-from kinematics.designs import load_design
-from kinematics.solutions import Posture
+from kinematics.answers.solutions import Posture
+from kinematics.designs.files import load_design
 from tests.app import lanes
 from tests.app.lanes import Desk
 

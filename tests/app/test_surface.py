@@ -13,7 +13,7 @@ from app.changes import ChooseSurface, UseDesign, change
 from app.history import History
 from app.state import new_review
 from app.tables import surface_text
-from kinematics.designs import load_design
+from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 from kinematics.mechanism import RESOLUTIONS
 

@@ -24,7 +24,7 @@ from app.state import Review, new_review
 from app.trail import along, wrong
 from app.trajectory import Asked, Computed
 from app.trajectory_text import polynomial
-from kinematics.designs import load_design
+from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 
 MACHINES = {

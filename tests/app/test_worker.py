@@ -15,7 +15,7 @@ from app import compute
 from app.changes import Move, Show, change
 from app.state import Review, new_review
 from app.worker import Built, Busy, Event, Failed, Worker
-from kinematics.designs import load_design
+from kinematics.designs.files import load_design
 from kinematics.errors import BohemiaError
 
 PATIENCE = 60.0  # s; only a hang is caught by it

@@ -11,13 +11,13 @@ from __future__ import annotations
 import time
 from statistics import median
 
-from kinematics.designs import load_design
-from kinematics.five_rpur.singular.aspects import aspects
-from kinematics.five_rpur.singular.ball import singularity_free_ball
-from kinematics.five_rpur.singular.curves import SPECS, locus
-from kinematics.five_rpur.singular.nearest import nearest_singularity
-from kinematics.five_rpur.solid.workspace import workspace
+from kinematics.designs.files import load_design
 from kinematics.mechanism import RESOLUTIONS
+from kinematics.mechanisms.five_rpur.singularities.aspects import aspects
+from kinematics.mechanisms.five_rpur.singularities.ball import singularity_free_ball
+from kinematics.mechanisms.five_rpur.singularities.curves import SPECS, locus
+from kinematics.mechanisms.five_rpur.singularities.nearest import nearest_singularity
+from kinematics.mechanisms.five_rpur.workspace.workspace import workspace
 
 ROUNDS = 9
 CASES = [("+++++", 0.2, 0.1), ("-----", 0.3, -0.4), ("+++++", 0.0, 0.0), ("+-+-+", 0.0, 0.0)]

@@ -15,12 +15,12 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import fsolve
 
-from kinematics.designs import load_design
-from kinematics.five_rpur.design import FiveRPURDesign
-from kinematics.five_rpur.forward import families, general
-from kinematics.five_rpur.forward.assembly import forward
-from kinematics.five_rpur.forward.carrying import refresh
-from kinematics.five_rpur.inverse import limb_lengths
+from kinematics.designs.files import load_design
+from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
+from kinematics.mechanisms.five_rpur.forward import families, general
+from kinematics.mechanisms.five_rpur.forward.assembly import forward
+from kinematics.mechanisms.five_rpur.forward.refreshing import refresh
+from kinematics.mechanisms.five_rpur.inverse import limb_lengths
 
 CLASSES = ["a1a1", "a1a2", "a1a3", "a2a2", "a2a3", "a3a3", "mpa1", "mpa2", "mpa3"]
 LENGTHS = [295.4, 348.7, 306.3, 335.8, 311.8]  # 110 real solutions of Table 1

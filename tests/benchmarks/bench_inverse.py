@@ -12,10 +12,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from kinematics.designs import load_design
-from kinematics.five_rpur.continuation.following import follow
-from kinematics.five_rpur.design import LIMBS, FiveRPURDesign
-from kinematics.five_rpur.inverse import MODES, inside, inverse, limb_lengths, posture
+from kinematics.designs.files import load_design
+from kinematics.mechanisms.five_rpur.continuation.following import follow
+from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
+from kinematics.mechanisms.five_rpur.inverse import MODES, inside, inverse, limb_lengths, posture
 
 FLOOR = 5e6  # limb solutions a second
 ROUNDS = 7

@@ -23,7 +23,7 @@ from app.page import Page
 from app.server import make_server
 from app.state import new_review
 from app.worker import Built
-from kinematics.designs import load_design
+from kinematics.designs.files import load_design
 
 MOVES = 200
 UPDATES = 2000

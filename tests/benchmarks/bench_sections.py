@@ -19,13 +19,13 @@ from statistics import median
 import numpy as np
 from bench_solids import cases
 
-from kinematics.designs import load_design
-from kinematics.five_rpur.section import section, section_range
-from kinematics.five_rpur.slicing import acceleration
-from kinematics.five_rpur.slicing.cutter import Cutter
-from kinematics.five_rpur.usable.inscribed import box, sphere
-from kinematics.five_rpur.volume import integrate, volume
-from kinematics.sweeps import map_request, sweep
+from kinematics.designs.files import load_design
+from kinematics.facets.map_sweeps import map_request, sweep
+from kinematics.mechanisms.five_rpur.inscribed.largest import box, sphere
+from kinematics.mechanisms.five_rpur.section import section, section_range
+from kinematics.mechanisms.five_rpur.slicing import acceleration
+from kinematics.mechanisms.five_rpur.slicing.cutter import Cutter
+from kinematics.mechanisms.five_rpur.volume import integrate, volume
 
 ROUNDS = 9
 

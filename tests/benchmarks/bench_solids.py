@@ -13,10 +13,10 @@ import time
 from pathlib import Path
 from statistics import median
 
-from kinematics.five_rpur.design import FiveRPURDesign, Limb
-from kinematics.five_rpur.solid.workspace import limb_part, workspace
 from kinematics.mechanism import RESOLUTIONS
-from kinematics.solids import KINDS, encode
+from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
+from kinematics.mechanisms.five_rpur.workspace.workspace import limb_part, workspace
+from kinematics.solids.csg import KINDS, encode
 
 ROOT = Path(__file__).resolve().parents[2]
 ROUNDS = 7

@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from kinematics.designs import load_design
+from kinematics.designs.files import load_design
 from kinematics.mechanism import mechanism
 
 FLOOR = 1.0  # seconds for the table

@@ -24,8 +24,8 @@ from OCP.TColgp import TColgp_Array2OfPnt
 from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal, TColStd_Array2OfReal
 from OCP.TopoDS import TopoDS
 
-from kinematics.five_rpur.design import FiveRPURDesign
-from kinematics.five_rpur.offsets import offset_points
+from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
+from kinematics.mechanisms.five_rpur.offsets import offset_points
 
 
 def _arc(radius, start, quarters):

@@ -8,7 +8,7 @@ import pytest
 
 from app import session
 from app.state import new_review
-from kinematics.designs import load_design
+from kinematics.designs.files import load_design
 from tests.browser.conftest import Tab
 
 if TYPE_CHECKING:

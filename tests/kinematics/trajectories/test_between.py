@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinematics import trajectories as t
-from kinematics.designs import load_design
+from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 from kinematics.mechanism import mechanism
 from kinematics.trajectories.along import Along

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kinematics import trajectories as t
-from kinematics.designs import load_design
+from kinematics.designs.files import load_design
 from kinematics.mechanism import Design, Mechanism, mechanism
 from kinematics.trajectories.digits import FEWEST, MOST, rounded
 

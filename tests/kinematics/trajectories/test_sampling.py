@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from kinematics import trajectories as t
-from kinematics.designs import load_design
+from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 from kinematics.mechanism import mechanism
 from tests.conftest import ROOT

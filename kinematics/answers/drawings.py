@@ -1,0 +1,103 @@
+"""How a machine is drawn: shapes with a role, no colours and no widgets. mm, base frame."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from kinematics.screws.spatial import Array
+
+Role = Literal["base", "platform", "cylinder", "rod", "link", "joint", "rail", "stop", "gap"]
+Frame = Literal["base", "platform"]
+
+
+@dataclass(frozen=True, slots=True)
+class Bar:
+    """A round bar from ``start`` to ``end`` (base frame, mm).
+
+    A "rail" runs along the whole stroke, a "stop" marks one end of it, and a "gap" is what a
+    limb that cannot close is short of.
+    """
+
+    name: str
+    start: tuple[float, float, float]
+    end: tuple[float, float, float]
+    radius: float
+    role: Role
+    limb: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A rigid body: the hull of balls of ``radius`` about ``points``, fixed in ``frame``."""
+
+    name: str
+    points: tuple[tuple[float, float, float], ...]
+    radius: float
+    role: Role
+    frame: Frame
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """A named point or axis to label on demand (base frame, mm)."""
+
+    name: str
+    text: str
+    position: tuple[float, float, float]
+    limb: int | None = None
+    direction: tuple[float, float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Drawing:
+    """A machine at one posture; ``size`` is a typical length of it, mm."""
+
+    bars: tuple[Bar, ...]
+    bodies: tuple[Body, ...]
+    points: tuple[Mark, ...]
+    axes: tuple[Mark, ...]
+    size: float
+
+
+def prismatic(
+    limb: int, start: Array, end: Array, stroke: Array, thick: float, upright: float
+) -> Iterator[Bar]:
+    """A prismatic actuator of a limb (from 1): cylinder, rod, the rail of its stroke with stops.
+
+    Args:
+        start, end: (3,) mm, where it is fixed and where its rod ends.
+        stroke: (2,) mm, its shortest and longest length.
+        thick: mm, the cylinder's radius.
+        upright: mm; an actuator that is not longer is drawn along z.
+    """
+    name, (low, high) = f"limb{limb}", stroke
+    unit = direction(end - start, upright)
+    # A real cylinder is as long as the shortest actuator; with ρ_min = 0 a third of the longest.
+    barrel = min(
+        float(np.linalg.norm(end - start)), 0.92 * low if low > 0.25 * high else 0.33 * high
+    )
+    joint = start + barrel * unit
+    yield Bar(f"{name}/cylinder", spot(start), spot(joint), thick, "cylinder", limb)
+    yield Bar(f"{name}/rod", spot(joint), spot(end), 0.55 * thick, "rod", limb)
+    ends = start + low * unit, start + high * unit
+    yield Bar(f"{name}/rail", spot(ends[0]), spot(ends[1]), 0.16 * thick, "rail", limb)
+    half = 0.12 * thick * unit
+    for key, at in zip(("min", "max"), ends, strict=True):
+        yield Bar(f"{name}/{key}", spot(at - half), spot(at + half), 0.95 * thick, "stop", limb)
+
+
+def direction(along: Array, short: float) -> Array:
+    """The unit vector along (3,); that of z where it is no longer than ``short``, mm."""
+    length = float(np.linalg.norm(along))
+    unit: Array = along / length if length > short else np.array([0.0, 0.0, 1.0])
+    return unit
+
+
+def spot(point: Array) -> tuple[float, float, float]:
+    """A point (3,) as drawings have it."""
+    x, y, z = point.tolist()
+    return x, y, z

@@ -1,0 +1,375 @@
+"""Read, check and write design files (TOML), whatever the mechanism.
+
+A design file says `mechanism = "…"`; everything else in it is the mechanism's own matter, see
+`kinematics.mechanism.Mechanism.read_design`. The small checks that every mechanism needs (known
+keys, finite numbers, counts) are here too, so that all messages read alike.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from copy import deepcopy
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any, NoReturn, cast
+
+from kinematics.designs.assets import asset_folder
+from kinematics.errors import DesignError, InputError
+from kinematics.mechanism import Design, DesignField, mechanism, mechanism_kinds
+
+KeyPath = tuple[str | int, ...]
+
+MAX_BYTES = 256 * 1024
+"""A larger text is refused unread: a design is a few hundred bytes."""
+MAX_MAGNITUDE = 1e6
+"""No coordinate or length of a design exceeds a kilometre, in mm."""
+_LOCATED_LINES = 400  # looking a line up costs a parse a line; a design has some forty
+
+
+@dataclass(frozen=True, slots=True)
+class PresetInfo:
+    """A design that comes with Bohemia."""
+
+    name: str
+    mechanism: str
+    title: str
+    source: str
+
+
+class TableError(DesignError):
+    """A value at ``path`` of a design table is wrong; `read_design` adds the line to it."""
+
+    def __init__(self, origin: str, path: KeyPath, problem: str) -> None:
+        self.origin = origin
+        self.path = path
+        self.problem = problem
+        super().__init__(_sentence(origin, None, problem))
+
+
+# --- reading and writing -------------------------------------------------------------------
+
+
+def load_design(name_or_path: str | Path) -> Design:
+    """The preset of this name, or the design in this file.
+
+    Raises:
+        DesignError: there is neither, it cannot be read, or it is broken.
+    """
+    text = str(name_or_path)
+    if text in _preset_paths():
+        return _preset(text)
+    path = Path(name_or_path)
+    if not text.strip() or "\0" in text or not _exists(path):
+        near = difflib.get_close_matches(text, _preset_paths(), n=3, cutoff=0.5)
+        hint = f"did you mean {' or '.join(near)}?" if near else "the presets are "
+        hint = hint if near else hint + ", ".join(_preset_paths())
+        raise DesignError(f"there is no preset and no file {text!r}; {hint}")
+    return _read_file(path)
+
+
+def read_design(text: str, *, origin: str, name: str = "") -> Design:
+    """The design written in ``text`` (TOML).
+
+    Args:
+        text: at most 256 kB.
+        origin: what messages call it: the file's name as the user knows it.
+        name: the design's short name; usually the file's stem.
+
+    Raises:
+        DesignError: with one sentence that names the origin, the line, the key and the remedy.
+    """
+    if len(text) > MAX_BYTES or len(text.encode("utf-8", "replace")) > MAX_BYTES:
+        raise DesignError(f"{origin}: longer than 256 kB, which no design file is; choose another")
+    text = text.removeprefix("\ufeff")  # some editors write a byte order mark
+    try:
+        table = tomllib.loads(text)
+    except RecursionError:
+        raise DesignError(f"{origin}: nested too deeply to be a design file") from None
+    except ValueError as error:
+        raise DesignError(_syntax_sentence(origin, str(error))) from None
+    try:
+        return _from_table(table, origin=origin, name=name)
+    except TableError as error:
+        line = _line_of(text, error.path)
+        raise DesignError(_sentence(origin, line, error.problem)) from None
+
+
+def write_design(design: Design) -> str:
+    """The design as TOML text, which reads back equal (the name stands outside: the file's)."""
+    table = mechanism(design.mechanism).design_table(design)
+    plain = [(k, v) for k, v in table.items() if not _is_table_array(v)]
+    blocks = ["\n".join(f"{_key(k)} = {_value(v)}" for k, v in plain)]
+    for key, value in table.items():
+        if _is_table_array(value):
+            for entry in value:
+                lines = [f"{_key(k)} = {_value(v)}" for k, v in entry.items()]
+                blocks.append("\n".join([f"[[{_key(key)}]]", *lines]))
+    return "\n\n".join(blocks) + "\n"
+
+
+@cache
+def presets() -> tuple[PresetInfo, ...]:
+    """The designs that come with Bohemia, by name."""
+    found = ((name, _preset(name)) for name in _preset_paths())
+    return tuple(PresetInfo(n, d.mechanism, d.title, d.source) for n, d in found)
+
+
+def design_fields(design: Design) -> tuple[DesignField, ...]:
+    """The numbers of a design that a person may edit."""
+    return mechanism(design.mechanism).design_fields(design)
+
+
+def with_field(design: Design, path: Sequence[str | int], value: float) -> Design:
+    """The design with one number changed and everything checked again.
+
+    ``path`` is a `DesignField.path`, as ``("limb", 2, "base", 0)``.
+
+    Raises:
+        InputError: the design has no such number.
+        DesignError: the design would not be valid with it.
+    """
+    kind = mechanism(design.mechanism)
+    table = change_table(kind.design_table(design), kind.design_fields(design), path, value)
+    return kind.read_design(table, origin="", name=design.name)
+
+
+# --- checks for a mechanism's own part of the table ----------------------------------------
+
+
+def check_keys(
+    table: object,
+    *,
+    required: Sequence[str],
+    optional: Sequence[str] = (),
+    origin: str,
+    path: KeyPath = (),
+) -> Mapping[str, Any]:
+    """``table`` itself, if it is a table with all required and no unknown keys.
+
+    Raises:
+        TableError: naming the key, and the one that was probably meant.
+    """
+    if not isinstance(table, Mapping):
+        kind = path[0] if path else "the design"
+        _fail(origin, path, f"{_path_text(path)}must be a table, written as [[{kind}]]")
+    known = (*required, *optional)
+    for key in table:
+        if key not in known:
+            near = difflib.get_close_matches(key, known, n=1, cutoff=0.6)
+            remedy = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(known)}"
+            _fail(origin, (*path, key), f"{_path_text(path)}unknown key {key!r}; {remedy}")
+    for key in required:
+        if key not in table:
+            _fail(origin, path, f"{_path_text(path)}the key {key!r} is missing; add it")
+    return table
+
+
+def read_text(table: Mapping[str, Any], key: str, *, origin: str) -> str:
+    """An optional piece of text, "" where there is none."""
+    value = table.get(key, "")
+    if not isinstance(value, str):
+        _fail(origin, (key,), f"{key} must be text in quotes, got {_shown(value)}")
+    return value
+
+
+def read_number(value: object, *, origin: str, path: KeyPath, unit: str = "mm") -> float:
+    """A finite number of at most `MAX_MAGNITUDE`; a truth value is not a number."""
+    what = _path_text(path, end="")
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        _fail(origin, path, f"{what} must be a number ({unit}), got {_shown(value)}")
+    if not (abs(value) <= MAX_MAGNITUDE):
+        if isinstance(value, float) and not math.isfinite(value):
+            _fail(origin, path, f"{what} must be a finite number ({unit}), got {value}")
+        _fail(origin, path, f"{what} must lie within ±{MAX_MAGNITUDE:.0f} {unit}; check its unit")
+    return float(value)
+
+
+def read_numbers(
+    value: object, count: int, *, origin: str, path: KeyPath, unit: str = "mm"
+) -> tuple[float, ...]:
+    """Exactly ``count`` finite numbers."""
+    what = _path_text(path, end="")
+    if not isinstance(value, list | tuple):
+        _fail(
+            origin, path, f"{what} must be a list of {count} numbers ({unit}), got {_shown(value)}"
+        )
+    if len(value) != count:
+        _fail(origin, path, f"{what} must have {count} numbers ({unit}), got {len(value)}")
+    return tuple(
+        read_number(v, origin=origin, path=(*path, i), unit=unit) for i, v in enumerate(value)
+    )
+
+
+def read_tables(
+    table: Mapping[str, Any], key: str, count: int, *, origin: str
+) -> Sequence[Mapping[str, Any]]:
+    """Exactly ``count`` tables ``[[key]]``."""
+    value = table[key]
+    if not isinstance(value, list | tuple):
+        _fail(origin, (key,), f"{key} must be {count} tables, each written as [[{key}]]")
+    if len(value) != count:
+        extra = (key, count) if len(value) > count else (key, len(value) - 1) if value else (key,)
+        _fail(origin, extra, f"{count} tables [[{key}]] are needed, found {len(value)}")
+    return value
+
+
+def change_table(
+    table: dict[str, Any], fields: Sequence[DesignField], path: Sequence[str | int], value: float
+) -> dict[str, Any]:
+    """``table`` with the number at ``path``, which must be one of the fields, replaced.
+
+    Raises:
+        InputError: there is no such field.
+    """
+    if tuple(path) not in {field.path for field in fields}:
+        raise InputError(f"the design has no number {_path_text(path, end='')!r}")
+    changed = deepcopy(table)
+    place: Any = changed
+    for step in path[:-1]:
+        place = place[step]
+    place[path[-1]] = value
+    return changed
+
+
+def _fail(origin: str, path: KeyPath, problem: str) -> NoReturn:
+    raise TableError(origin, path, problem)
+
+
+# --- inside --------------------------------------------------------------------------------
+
+
+def _from_table(table: Mapping[str, Any], *, origin: str, name: str) -> Design:
+    kinds = mechanism_kinds()
+    if "mechanism" not in table:
+        near = difflib.get_close_matches("mechanism", table, n=1, cutoff=0.6)
+        remedy = f"did you mean it by {near[0]!r}?" if near else f"known are {', '.join(kinds)}"
+        _fail(origin, (near[0],) if near else (), f"the key 'mechanism' is missing; {remedy}")
+    kind = table["mechanism"]
+    if kind not in kinds:
+        near = difflib.get_close_matches(str(kind), kinds, n=1, cutoff=0.6)
+        remedy = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(kinds)}"
+        _fail(origin, ("mechanism",), f"there is no mechanism {_shown(kind)}; {remedy}")
+    return mechanism(kind).read_design(table, origin=origin, name=name)
+
+
+def _read_file(path: Path) -> Design:
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            raise DesignError(f"{path}: longer than 256 kB, which no design file is")
+        text = path.read_bytes().decode("utf-8")
+    except UnicodeDecodeError:
+        raise DesignError(f"{path}: not a text file in UTF-8, so not a design file") from None
+    except OSError as error:
+        reason = (error.strerror or "unreadable").lower()
+        raise DesignError(f"{path}: cannot be read ({reason})") from None
+    return read_design(text, origin=str(path), name=path.stem)
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except OSError:  # a name too long to be one
+        return False
+
+
+@cache
+def _preset(name: str) -> Design:
+    return _read_file(_preset_paths()[name])
+
+
+@cache
+def _preset_paths() -> dict[str, Path]:
+    return {path.stem: path for path in sorted(asset_folder("designs").glob("*.toml"))}
+
+
+def _path_text(path: Sequence[str | int], end: str = ": ") -> str:
+    """("limb", 2, "base", 1) → "limb 3: base: number 2"; tables in a row are counted from 1."""
+    parts: list[str] = []
+    for index, step in enumerate(path):
+        if isinstance(step, str):
+            parts.append(step)
+        elif index == 1:
+            parts[-1] += f" {step + 1}"
+        else:
+            parts.append(f"number {step + 1}")
+    return ": ".join(parts) + end if parts else ""
+
+
+def _sentence(origin: str, line: int | None, problem: str) -> str:
+    where = origin if line is None else f"{origin}, line {line}"
+    return f"{where}: {problem}" if origin else problem
+
+
+def _syntax_sentence(origin: str, message: str) -> str:
+    place = re.search(r"\s*\(at (?:line (\d+), column (\d+)|end of document)\)$", message)
+    problem = message[: place.start()] if place else message
+    problem = problem[:1].lower() + problem[1:]
+    line = int(place[1]) if place and place[1] else None
+    column = f" at column {place[2]}" if place and place[2] else ""
+    end = " at the end of the file" if place and not place[1] else ""
+    return _sentence(origin, line, f"not valid TOML: {problem}{column}{end}; correct it there")
+
+
+def _line_of(text: str, path: KeyPath) -> int | None:
+    """The line on which the value at ``path`` begins, found by parsing ever longer beginnings."""
+    while path and isinstance(path[-1], int) and len(path) != 2:
+        path = path[:-1]  # a number within a list stands on the list's line
+    lines = text.splitlines(keepends=True)
+    if not path or len(lines) > _LOCATED_LINES:
+        return None
+    start = 1
+    for count in range(1, len(lines) + 1):
+        try:
+            table = tomllib.loads("".join(lines[:count]))
+        except ValueError:
+            continue  # within a value that goes on on the next line
+        if _has(table, path):
+            return start
+        start = count + 1
+    return None
+
+
+def _has(table: Any, path: KeyPath) -> bool:
+    for step in path:
+        try:
+            table = table[step]
+        except (KeyError, IndexError, TypeError):
+            return False
+    return True
+
+
+def _shown(value: object) -> str:
+    """A value as it may be quoted in a sentence."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return repr(value if len(value) <= 40 else value[:40] + "…")
+    if isinstance(value, int | float):
+        return str(value)[:40] if abs(value) < 1e30 else "a huge number"
+    if isinstance(value, Mapping):
+        return "a table"
+    return "a list" if isinstance(value, list | tuple) else "something else"
+
+
+def _is_table_array(value: object) -> bool:
+    return isinstance(value, list | tuple) and bool(value) and isinstance(value[0], Mapping)
+
+
+def _key(key: str) -> str:
+    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else _value(key)
+
+
+def _value(value: object) -> str:
+    if isinstance(value, str):
+        escaped = value.replace("\\", "\\\\").replace('"', '\\"')
+        return '"' + re.sub(r"[\x00-\x1f\x7f]", lambda m: f"\\u{ord(m[0]):04x}", escaped) + '"'
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, float | int):
+        return repr(value)
+    return "[" + ", ".join(_value(v) for v in cast(Sequence[object], value)) + "]"

@@ -1,6 +1,0 @@
-"""The planar five-bar (5R) of Sosa-López, Arias-Montiel and Lugo-González (2017)."""
-
-from kinematics.five_bar.design import FiveBarDesign, Limb
-from kinematics.five_bar.mechanism import MECHANISM
-
-__all__ = ["MECHANISM", "FiveBarDesign", "Limb"]

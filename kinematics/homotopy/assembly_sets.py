@@ -1,0 +1,62 @@
+"""From lengths to a set of assembly modes: what mechanisms share, and what is said of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kinematics.errors import InputError
+from kinematics.screws.spatial import Array, finite
+
+NEAR = 1.0
+"""mm, angles times the characteristic length: closer solutions are near a fold."""
+NONE_REAL = "No solution is real: the machine cannot be assembled with these lengths."
+NONE_FOUND = "No real solution was found."
+
+
+def positive_lengths(
+    joints: ArrayLike, symbols: Sequence[str], noun: str = "actuator lengths"
+) -> Array:
+    """Lengths (J,) or (..., J) as (B, J) mm.
+
+    Raises:
+        InputError: not as many finite positive lengths as symbols.
+    """
+    lengths = finite(joints, name="the joints", last=len(symbols)).reshape(-1, len(symbols))
+    if (lengths <= 0.0).any():
+        row, limb = (int(n) for n in np.argwhere(lengths <= 0.0)[0])
+        got = f"{symbols[limb]} = {lengths[row, limb]:g}"
+        raise InputError(f"{noun} must be positive (mm), got {got}")
+    return lengths
+
+
+def grouped(count: int, pairs: ArrayLike) -> NDArray[np.intp]:
+    """Labels 0 … m − 1 of ``count`` things, the same for those that pairs (N, 2) tie together."""
+    labels = np.arange(count)
+    for i, j in np.asarray(pairs, dtype=int).reshape(-1, 2).tolist():
+        one, two = labels[i], labels[j]
+        if one != two:
+            labels[labels == max(one, two)] = min(one, two)
+    return np.unique(labels, return_inverse=True)[1].astype(np.intp)
+
+
+def described(multiplicity: NDArray[np.intp], gap: Array, pairs: int) -> tuple[str, ...]:
+    """A sentence each for doubles, for near-doubles and for pairs that are nearly real."""
+    notes = []
+    for times in np.unique(multiplicity[multiplicity > 1]):
+        count = int(np.count_nonzero(multiplicity == times))
+        what = "solution counts" if count == 1 else "solutions count"
+        notes.append(f"{count} {what} {times}-fold: assembly modes merge there.")
+    near = gap[gap < NEAR]
+    if near.size:
+        notes.append(
+            f"{near.size} solutions have another one within {near.max():.2g} mm, as next to a fold."
+        )
+    if pairs:
+        notes.append(
+            f"{pairs} complex pair{'s are' if pairs > 1 else ' is'} within {NEAR:g} mm of being "
+            "real: assembly modes are about to appear."
+        )
+    return tuple(notes)

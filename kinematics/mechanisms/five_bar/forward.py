@@ -1,0 +1,208 @@
+"""Forward kinematics of the five-bar: both assembly modes, and how they fare while joints move.
+
+P lies at |B_i P| = r_2 from both elbows: two circles, two points, one on each side of the way from
+B_1 to B_2. The determinant of the unit vectors from B_1 and B_2 to P is positive on its left; it
+vanishes where the points meet, at a parallel singularity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kinematics.answers.solutions import ForwardSolutions, Merged, Refreshed, SelfMotion
+from kinematics.mechanisms.five_bar.design import LIMBS, FiveBarDesign
+from kinematics.mechanisms.five_bar.inverse import elbows, in_range, mode_of, normal_angles
+from kinematics.mechanisms.five_bar.joints_line import first_crossing
+from kinematics.mechanisms.five_bar.motion import condition
+from kinematics.screws.spatial import Array, finite
+
+MEETING = 1e-12
+"""Part of the size: circles that miss each other by less touch; centres that near coincide."""
+
+
+def both_points(design: FiveBarDesign, joints: ArrayLike) -> Array:
+    """P of both assembly modes, (..., 2, 2) mm, the one of positive determinant first.
+
+    NaN where the circles about B_1 and B_2 do not meet, or where B_1 = B_2, so that P is free on a
+    circle or nowhere.
+
+    Args:
+        joints: (..., 2) rad.
+    """
+    b = elbows(design, finite(joints, name="the joints", last=LIMBS))
+    between = b[..., 1, :] - b[..., 0, :]
+    d = np.hypot(between[..., 0], between[..., 1])
+    r, s = design.distal
+    slack = MEETING * design.size
+    apart = (d > r + s + slack) | (d < abs(r - s) - slack) | (d <= slack)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        along = 0.5 * (d + (r - s) * (r + s) / d)
+        four_areas = (r + s + d) * np.maximum(r + s - d, 0.0)
+        four_areas = four_areas * np.maximum(d + r - s, 0.0) * np.maximum(d - r + s, 0.0)
+        up = np.where(apart, np.nan, np.sqrt(four_areas) / (2.0 * d))
+        unit = between / d[..., None]
+    left = np.stack([-unit[..., 1], unit[..., 0]], axis=-1)
+    foot = b[..., 0, :] + along[..., None] * unit
+    points = np.stack([foot + up[..., None] * left, foot - up[..., None] * left], axis=-2)
+    points.setflags(write=False)
+    return points
+
+
+def forward(design: FiveBarDesign, joints: ArrayLike) -> tuple[ForwardSolutions, ...]:
+    """All assembly modes for each of a batch of joint angles (B, 2), or of one (2,), rad.
+
+    Raises:
+        InputError: not finite numbers, or not two of them.
+    """
+    flat = finite(joints, name="the joints", last=LIMBS).reshape(-1, LIMBS)
+    start = perf_counter()
+    points = both_points(design, flat)
+    found = [_solutions(design, q, p) for q, p in zip(flat, points, strict=True)]
+    each = (perf_counter() - start) / max(len(found), 1)
+    return tuple(replace(one, seconds=each) for one in found)
+
+
+def _solutions(design: FiveBarDesign, joints: Array, points: Array) -> ForwardSolutions:
+    b = elbows(design, joints)
+    between = float(np.hypot(*(b[1] - b[0])))
+    r, s = design.distal.tolist()
+    slack = MEETING * design.size
+    notes: list[str] = []
+    motions: tuple[SelfMotion, ...] = ()
+    identities: tuple[int, ...] = (0, 1)
+    multiplicity = np.ones(LIMBS, dtype=int)
+    if between <= slack:
+        if abs(r - s) > slack:
+            notes.append("B₁ and B₂ coincide and the distal links differ, so P cannot be put")
+            return _packed(design, joints, points[:0], (), multiplicity[:0], (), notes, 0)
+        motions = (_circle(design, joints, b[0], r),)
+        notes.append("B₁ and B₂ coincide: P moves freely on a circle about them")
+        points = np.array([motions[0].pose])
+        return _packed(
+            design, joints, points, (0,), np.array([2]), motions, notes, 2, complete=False
+        )
+    if not np.isfinite(points).all():
+        far = between > r + s
+        word = "further apart than the distal links reach" if far else "too near to one another"
+        notes.append(f"B₁ and B₂ are {between:.6g} mm apart, {word}: no assembly mode is real")
+        points, identities, multiplicity = points[:0], (), multiplicity[:0]
+    elif float(np.hypot(*(points[0] - points[1]))) <= 1e-9 * design.size:
+        points, identities, multiplicity = points[:1], (0,), np.array([2])
+        notes.append("both assembly modes meet here: a parallel singularity")
+    return _packed(design, joints, points, identities, multiplicity, motions, notes, 2)
+
+
+def _packed(
+    design: FiveBarDesign,
+    joints: Array,
+    points: Array,
+    identities: tuple[int, ...],
+    multiplicity: np.ndarray,
+    motions: tuple[SelfMotion, ...],
+    notes: Sequence[str],
+    count: int,
+    *,
+    complete: bool = True,
+) -> ForwardSolutions:
+    q = np.broadcast_to(joints, (len(points), LIMBS))
+    b = elbows(design, joints)
+    reach = points[:, None, :] - b
+    residual = np.abs(np.linalg.norm(reach, axis=-1) - design.distal).max(axis=-1, initial=0.0)
+    unit = reach / design.distal[:, None]
+    gap = np.full(len(points), np.inf)
+    if len(points) == LIMBS:
+        gap[:] = np.hypot(*(points[0] - points[1]))
+    arrays: dict[str, Any] = {
+        "poses": np.array(points).reshape(-1, 2),
+        "residual": residual,
+        "condition": condition(design, points, q),
+        "determinant": unit[:, 0, 0] * unit[:, 1, 1] - unit[:, 0, 1] * unit[:, 1, 0],
+        "within_stroke": in_range(design, normal_angles(design, q)).all(axis=-1),
+        "multiplicity": np.asarray(multiplicity),
+        "gap": gap,
+        "roots": _complex_points(design, b) if count else np.zeros((0, 2), dtype=complex),
+    }
+    for array in arrays.values():
+        array.setflags(write=False)
+    return ForwardSolutions(
+        joints=tuple(joints.tolist()),
+        modes=tuple(mode_of(design, points, q)),
+        identities=identities,
+        complex_count=count,
+        expected_count=2,
+        complete=complete,
+        method="the two points in which the circles of the distal links meet",
+        seconds=0.0,
+        notes=tuple(notes),
+        self_motions=motions,
+        **arrays,
+    )
+
+
+def _complex_points(design: FiveBarDesign, b: Array) -> np.ndarray:
+    """Both solutions, real or conjugate, as complex (x, y); none where B_1 = B_2."""
+    between = b[1] - b[0]
+    d2 = complex(between @ between)
+    if abs(d2) <= (MEETING * design.size) ** 2:
+        return np.zeros((0, 2), dtype=complex)
+    r, s = design.distal.tolist()
+    a = 0.5 + 0.5 * (r - s) * (r + s) / d2
+    h = np.sqrt(r * r / d2 - a * a)
+    left = np.array([-between[1], between[0]])
+    return np.array([b[0] + a * between + sign * h * left for sign in (1.0, -1.0)])
+
+
+def _circle(design: FiveBarDesign, joints: Array, center: Array, radius: float) -> SelfMotion:
+    """P turning about B_1 = B_2; the pose shown is the one farthest from the base."""
+    away = np.array([0.0, 1.0]) if center[1] >= 0.0 else np.array([0.0, -1.0])
+    p = center + radius * away
+    return SelfMotion(
+        pose=(float(p[0]), float(p[1])),
+        mode=mode_of(design, p, joints)[0],
+        direction=(1.0, 0.0),
+        text="P turns freely about B₁ = B₂ with both actuators locked",
+    )
+
+
+# --- identities ----------------------------------------------------------------------------
+
+
+def refresh(design: FiveBarDesign, before: ForwardSolutions, joints: Sequence[float]) -> Refreshed:
+    """All assembly modes at other angles, with the identities they had ``before``.
+
+    The joints move on the straight line in between. An assembly mode keeps its sign of the
+    determinant as long as it is real; where both end on the way, they have merged with each other,
+    and what is real at the end is new.
+
+    Raises:
+        InputError: not two finite numbers.
+    """
+    (now,) = forward(design, [finite(joints, name="the joints", last=LIMBS)])
+    crossing = first_crossing(design, before.joints, now.joints)
+    if crossing is None and len(before) == len(now):
+        order = [_same_side(before, sign) for sign in np.sign(now.determinant)]
+        kept = tuple(before.identities[n] for n in order)
+        return Refreshed(replace(now, identities=kept), (), ())
+    fresh = max(before.identities, default=-1) + 1
+    new = tuple(range(fresh, fresh + len(now)))
+    merged: tuple[Merged, ...] = ()
+    if len(before):
+        last = before.poses[0] if crossing is None else crossing.point
+        pose = (float(last[0]), float(last[1]))
+        pairs = zip(before.identities, reversed(before.identities), strict=True)
+        merged = tuple(
+            Merged(one, two if two != one else None, pose, before.modes[n])
+            for n, (one, two) in enumerate(pairs)
+        )
+    return Refreshed(replace(now, identities=new), new, merged)
+
+
+def _same_side(before: ForwardSolutions, sign: float) -> int:
+    """Which solution before had this sign of the determinant."""
+    return int(np.argmax(np.sign(before.determinant) * (sign if sign else 1.0)))

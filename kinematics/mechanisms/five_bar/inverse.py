@@ -1,0 +1,253 @@
+"""Inverse kinematics of the five-bar: driven angles, joint points and reasons, for batches.
+
+Limb i closes where ρ_i = |P − A_i| lies between |r_1 − r_2| and r_1 + r_2. With φ_i the direction
+of P from A_i, θ_i = φ_i ± ψ_i, where r_2² = r_1² + ρ_i² − 2 r_1 ρ_i cos ψ_i: the two roots of
+Sosa-López et al. 2017, eq. 7, in the same order, the sign of the working mode being that of its
+root. Sign +: the elbow B_i lies to the left of the way from A_i to P. (In the paper's a_2 and c_2,
+x + r_3 is a misprint for x − r_3.)
+
+Poses are (x, y), mm; angles rad, in (−π, π] or, where a joint has a range, nearest to its middle.
+Where P stands on A_i (r_1 = r_2), θ_i is free, and φ_i is taken as 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from itertools import product
+from math import floor, log10
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kinematics.answers.solutions import Bound, InverseSolutions, Margin, Posture, Reason
+from kinematics.errors import InputError
+from kinematics.mechanisms.five_bar.design import LIMBS, SUBSCRIPTS, FiveBarDesign
+from kinematics.screws.spatial import Array, finite, homogeneous
+
+MODES: tuple[str, ...] = tuple("".join(signs) for signs in product("+-", repeat=LIMBS))
+"""The four working modes "++", "+-", "-+", "--"."""
+
+REACH_SLACK = 1e-13
+"""Part of r_1 + r_2 by which rounding may carry P over the end of a limb's reach."""
+RANGE_SLACK = 1e-9
+"""rad by which rounding may carry an angle over the end of its range."""
+_CHUNK = 65536
+
+
+def inverse(design: FiveBarDesign, poses: ArrayLike) -> InverseSolutions:
+    """All four working modes, in the order of `MODES`, of poses (..., 2) in mm.
+
+    Raises:
+        InputError: not finite numbers, or not two a pose.
+    """
+    p = finite(poses, name="a pose", last=2)
+    both = limb_angles(design, p)
+    joints = np.stack([_pick(both, mode) for mode in MODES], axis=-2)
+    within = np.asarray(in_range(design, joints).all(axis=-1))
+    with np.errstate(invalid="ignore"):
+        elbow = elbows(design, joints)
+        off = np.abs(np.linalg.norm(p[..., None, None, :] - elbow, axis=-1) - design.distal)
+    worst = off.max(axis=(-1, -2))
+    for array in (joints, within, worst):
+        array.setflags(write=False)
+    return InverseSolutions(modes=MODES, joints=joints, within_stroke=within, residual=worst)
+
+
+def limb_angles(design: FiveBarDesign, poses: ArrayLike) -> Array:
+    """θ_i with both signs of every limb, (..., 2, 2) rad, sign + first; NaN where none closes."""
+    p = np.asarray(poses, dtype=float)
+    away = p[..., None, :] - design.base
+    rho = np.hypot(away[..., 0], away[..., 1])
+    r1, r2 = design.proximal, design.distal
+    # tan²(ψ/2) as a quotient of products keeps its digits where a limb is stretched or folded.
+    over = (r2 - rho + r1) * (r2 + rho - r1)
+    under = (rho + r1 + r2) * (rho + r1 - r2)
+    slack = REACH_SLACK * (r1 + r2)
+    open_ = (rho > r1 + r2 + slack) | (rho < np.abs(r1 - r2) - slack)
+    half = np.arctan2(np.sqrt(np.maximum(over, 0.0)), np.sqrt(np.maximum(under, 0.0)))
+    half = np.where(open_, np.nan, half)
+    phi = np.arctan2(away[..., 1], away[..., 0])
+    angles = phi[..., None] + 2.0 * half[..., None] * np.array([1.0, -1.0])
+    return normal_angles(design, angles.swapaxes(-1, -2)).swapaxes(-1, -2)
+
+
+def joints_of(design: FiveBarDesign, poses: ArrayLike, mode: str) -> Array:
+    """θ of one working mode, (..., 2) rad; NaN where a limb cannot close."""
+    signs(mode)
+    return _pick(limb_angles(design, finite(poses, name="a pose", last=2)), mode)
+
+
+def normal_angles(design: FiveBarDesign, angles: ArrayLike) -> Array:
+    """Angles (..., 2) turned by whole turns: into (−π, π], or nearest to the middle of a range."""
+    a = np.asarray(angles, dtype=float)
+    low, high = design.joint_range.T
+    middle = np.where(np.isfinite(low), 0.5 * (low + np.where(np.isfinite(high), high, 0.0)), 0.0)
+    with np.errstate(invalid="ignore"):
+        turns = np.ceil((a - middle - np.pi) / (2 * np.pi))
+    return np.where(turns == 0.0, a, a - 2 * np.pi * turns)
+
+
+def in_range(design: FiveBarDesign, joints: ArrayLike) -> NDArray[np.bool_]:
+    """(..., 2): which joints close and lie within their range."""
+    q = np.asarray(joints, dtype=float)
+    low, high = design.joint_range.T
+    with np.errstate(invalid="ignore"):
+        answer: NDArray[np.bool_] = (q >= low - RANGE_SLACK) & (q <= high + RANGE_SLACK)
+    return answer
+
+
+def inside(
+    design: FiveBarDesign, poses: ArrayLike, modes: Iterable[str] | None = None
+) -> NDArray[np.bool_]:
+    """Whether poses (..., 2) can be held in one of ``modes`` (None: of all); (...) bool."""
+    p = finite(poses, name="a pose", last=2)
+    chosen = MODES if modes is None else tuple(modes)
+    flat = p.reshape(-1, 2)
+    answer = np.zeros(len(flat), dtype=bool)
+    for k in range(0, len(flat), _CHUNK):
+        both = limb_angles(design, flat[k : k + _CHUNK])
+        for mode in chosen:
+            signs(mode)
+            answer[k : k + _CHUNK] |= in_range(design, _pick(both, mode)).all(axis=-1)
+    return answer.reshape(p.shape[:-1])
+
+
+def elbows(design: FiveBarDesign, joints: ArrayLike) -> Array:
+    """B_i (..., 2, 2) mm from angles (..., 2) rad (eq. 2)."""
+    q = np.asarray(joints, dtype=float)
+    e = np.stack([np.cos(q), np.sin(q)], axis=-1)
+    found: Array = design.base + design.proximal[:, None] * e
+    return found
+
+
+def mode_of(design: FiveBarDesign, poses: ArrayLike, joints: ArrayLike) -> list[str]:
+    """The working modes of configurations (N, 2), (N, 2); + where a limb is stretched or folded."""
+    p = np.asarray(poses, dtype=float).reshape(-1, 2)
+    away = p[:, None, :] - design.base
+    arm = elbows(design, np.asarray(joints, dtype=float).reshape(-1, 2)) - design.base
+    left = away[..., 0] * arm[..., 1] - away[..., 1] * arm[..., 0]
+    slack = -1e-12 * design.proximal * (design.proximal + design.distal)
+    return ["".join("+" if one else "-" for one in row) for row in left >= slack]
+
+
+def signs(mode: str) -> Array:
+    """The signs of a working mode, "+-" → (2,) of ±1.
+
+    Raises:
+        InputError: not one sign for each of the two limbs.
+    """
+    if len(mode) != LIMBS or set(mode) - {"+", "-"}:
+        raise InputError(
+            f"a working mode has one sign, + or -, for each of the 2 limbs, as '+-'; "
+            f"got {mode[:20]!r}"
+        )
+    return np.array([1.0 if sign == "+" else -1.0 for sign in mode])
+
+
+# --- one posture ---------------------------------------------------------------------------
+
+
+def posture(
+    design: FiveBarDesign, pose: Sequence[float], mode: str, *, known: ArrayLike | None = None
+) -> Posture:
+    """The posture at one pose in one working mode, with reasons where it cannot be held.
+
+    Args:
+        known: angles (2,) rad for which the pose was solved; it then has exactly these, and its
+            residual is theirs.
+
+    Raises:
+        InputError: the pose is not two finite numbers, or the mode not two signs.
+    """
+    p = finite(pose, name="a pose", last=2)
+    if p.ndim != 1:
+        raise InputError("a posture takes one pose of 2 numbers (x, y)")
+    joints = joints_of(design, p, mode)
+    if known is not None:
+        joints = normal_angles(design, finite(known, name="the known angles", last=LIMBS))
+    off = np.abs(np.linalg.norm(p - elbows(design, joints), axis=-1) - design.distal)
+    off = off[np.isfinite(off)]
+    margins: list[Margin] = []
+    reasons: list[Reason] = []
+    for i, limb in enumerate(design.limbs):
+        rho = float(np.hypot(*(p - design.base[i])))
+        longest, shortest = limb.proximal + limb.distal, abs(limb.proximal - limb.distal)
+        room = min(longest - rho, rho - shortest) if shortest > 0.0 else longest - rho
+        margins.append(Margin(i + 1, "link", room))
+        if not np.isfinite(joints[i]):
+            reasons.append(_reach_reason(i, rho, longest, shortest))
+        elif limb.joint_range_deg is not None:
+            low, high = design.joint_range[i].tolist()
+            angle = float(joints[i])
+            margins.append(Margin(i + 1, "rho_min", angle - low, "rad"))
+            margins.append(Margin(i + 1, "rho_max", high - angle, "rad"))
+            if angle < low - RANGE_SLACK:
+                reasons.append(_range_reason(i, "rho_min", angle, low))
+            elif angle > high + RANGE_SLACK:
+                reasons.append(_range_reason(i, "rho_max", angle, high))
+    return Posture(
+        pose=(float(p[0]), float(p[1])),
+        mode=mode,
+        joints=tuple(joints.tolist()),
+        reasons=tuple(reasons),
+        residual=float(off.max()) if off.size else float("nan"),
+        margins=tuple(margins),
+    )
+
+
+def _reach_reason(i: int, rho: float, longest: float, shortest: float) -> Reason:
+    far = rho > longest
+    amount = rho - longest if far else shortest - rho
+    digits = _digits(amount)
+    word = "beyond the reach of" if far else "too near the base of"
+    bound = f"r₁ + r₂ = {longest:g} mm" if far else f"|r₁ − r₂| = {shortest:g} mm"
+    text = (
+        f"P lies {amount:.{digits}f} mm {word} limb {i + 1} "
+        f"(|A{SUBSCRIPTS[i]}P| = {rho:.{digits}f} mm, {bound})"
+    )
+    return Reason(i + 1, "link", amount, text)
+
+
+def _range_reason(i: int, bound: Bound, angle: float, end: float) -> Reason:
+    amount = abs(angle - end)
+    word = "below" if bound == "rho_min" else "beyond"
+    shown = np.degrees([amount, angle, end])
+    digits = _digits(float(shown[0]))
+    text = (
+        f"θ{SUBSCRIPTS[i]} is {shown[0]:.{digits}f}° {word} its range "
+        f"({shown[1]:.{digits}f}°, the end is {shown[2]:g}°)"
+    )
+    return Reason(i + 1, bound, amount, text, "rad")
+
+
+def _digits(amount: float) -> int:
+    """Decimals that show a positive amount: one, and more for less than 0.1."""
+    return 1 if amount >= 0.1 else min(12, 1 - floor(log10(amount)))
+
+
+def transform(poses: ArrayLike) -> Array:
+    """From coordinates about P to base coordinates, (..., 2) → (..., 4, 4).
+
+    The linkage moves in the plane z = 0 of the base frame, whose x and y are the paper's. P is a
+    hinge, no body: the frame at P keeps the base's directions.
+    """
+    p = finite(poses, name="a pose", last=2)
+    origin = np.concatenate([p, np.zeros((*p.shape[:-1], 1))], axis=-1)
+    return homogeneous(np.eye(3), origin)
+
+
+def pose_from_transform(matrix: ArrayLike) -> tuple[float, float]:
+    """The pose whose P is nearest to the origin of a frame (4, 4).
+
+    Raises:
+        InputError: not a 4x4 matrix of finite numbers.
+    """
+    m = finite(matrix, name="a transform", last=4)
+    if m.shape != (4, 4):
+        raise InputError("a transform must be a 4x4 matrix")
+    return float(m[0, 3]), float(m[1, 3])
+
+
+def _pick(both: Array, mode: str) -> Array:
+    """The angles of a mode (..., 2) out of those with both signs (..., 2, 2)."""
+    return np.stack([both[..., i, int(sign == "-")] for i, sign in enumerate(mode)], axis=-1)

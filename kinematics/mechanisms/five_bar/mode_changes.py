@@ -1,0 +1,105 @@
+"""Where two working modes of the five-bar meet: a limb stretched, folded, or folded onto its base.
+
+Only there can a machine change its working mode; everywhere else the elbow would have to leap.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kinematics.answers.sections import BOUNDS
+from kinematics.answers.singularities import ModeChange
+from kinematics.answers.solutions import Posture
+from kinematics.mechanisms.five_bar import workspace
+from kinematics.mechanisms.five_bar.design import LIMBS, FiveBarDesign
+from kinematics.mechanisms.five_bar.inverse import posture, signs
+from kinematics.mechanisms.five_bar.loci import base_points
+from kinematics.mechanisms.five_bar.paths import events
+from kinematics.mechanisms.five_bar.singularities import nearest_on
+from kinematics.screws.spatial import Array
+
+HERE = 1e-7
+"""Part of the size: so near to the place a machine stands in it."""
+_LINK = BOUNDS.index("link")
+
+
+def mode_change(design: FiveBarDesign, at: Posture, wanted: str = "") -> ModeChange | None:
+    """The way to where one limb can go over to its other working mode.
+
+    Of all such places the nearest to which P can go straight, without a parallel singularity or
+    the end of a range in between; if there is none, the nearest.
+
+    Args:
+        wanted: a mode; only limbs that differ from it are asked for. "": any limb.
+
+    Returns:
+        None where the posture cannot be held, or no limb has such a place in this mode.
+    """
+    if not at.reachable:
+        return None
+    goal = wanted or "".join("-" if sign == "+" else "+" for sign in at.mode)
+    signs(goal)
+    p = np.array(at.pose)
+    ways: list[tuple[bool, float, int, Array]] = []
+    for i in range(LIMBS):
+        if goal[i] != at.mode[i]:
+            for point in _places(design, at.mode, i, p):
+                stopped = any(e.stops for e in events(design, p, _short(p, point), at.mode))
+                ways.append((stopped, float(np.hypot(*(point - p))), i, point))
+    if not ways:
+        return None
+    blocked, distance, i, point = min(ways, key=lambda way: way[:3])
+    other = at.mode[:i] + goal[i] + at.mode[i + 1 :]
+    here = distance <= HERE * design.size
+    there = _held(design, at.mode, other, point)
+    if there is None:
+        return None
+    x, y = there[0].pose
+    if here:
+        text = f"limb {i + 1} is in its serial singularity: it may go on in mode {_shown(other)}"
+    else:
+        free = "on the straight way a singularity or the end of a range is met"
+        text = (
+            f"limb {i + 1} goes over to mode {_shown(other)} only where it is stretched or folded, "
+            f"next at x = {x:.3f} mm, y = {y:.3f} mm, {distance:.1f} mm away; "
+            f"{free if blocked else 'the way there is free'}"
+        )
+    return ModeChange(there[0], there[1], here, 0.0, blocked, text)
+
+
+def _places(design: FiveBarDesign, mode: str, i: int, p: Array) -> list[Array]:
+    """The nearest point of each circle on which limb i has only one working mode."""
+    edges = [
+        edge
+        for loop in workspace.loops(design, (mode,))
+        for edge in loop
+        if int(edge.shown.bound[0]) == _LINK and int(edge.shown.limb[0]) == i + 1
+    ]
+    found = [nearest[1] for edge in edges if (nearest := nearest_on([edge], p)) is not None]
+    if i in base_points(design) and posture(design, tuple(design.base[i].tolist()), mode).reachable:
+        found.append(design.base[i])
+    return found
+
+
+def _short(p: Array, point: Array) -> Array:
+    """Just before a point, so that what happens at the point itself is not on the way."""
+    before: Array = p + (1.0 - 1e-6) * (point - p)
+    return before
+
+
+def _held(
+    design: FiveBarDesign, mode: str, other: str, point: Array
+) -> tuple[Posture, Posture] | None:
+    """The postures of both modes at a point, or a rounding towards where both can be held."""
+    base = design.base
+    for part in (0.0, 1e-14, 1e-13, 1e-12):
+        for toward in (base[0] + base[1], *(2.0 * point - each for each in base), *base):
+            pose = tuple((point + part * (toward - point)).tolist())
+            one, two = posture(design, pose, mode), posture(design, pose, other)
+            if one.reachable and two.reachable:
+                return one, two
+    return None
+
+
+def _shown(mode: str) -> str:
+    return mode.replace("-", "−")

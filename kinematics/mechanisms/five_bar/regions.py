@@ -1,0 +1,83 @@
+"""Regions of the five-bar's plane as results: the workspace, each working mode's, the aspects."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from kinematics.answers.sections import Region, RegionSpec
+from kinematics.errors import InputError
+from kinematics.mechanisms.five_bar import workspace
+from kinematics.mechanisms.five_bar.aspects import aspects
+from kinematics.mechanisms.five_bar.design import FiveBarDesign
+from kinematics.mechanisms.five_bar.inverse import MODES, signs
+from kinematics.plane import regions as outlines
+
+SPECS = (
+    RegionSpec("workspace", "Workspace", ("x", "y"), "Fig. 9", uses_modes=True),
+    RegionSpec("modes", "Workspace of each working mode", ("x", "y"), uses_modes=True),
+    RegionSpec("aspects", "Aspects", ("x", "y"), uses_modes=True),
+)
+
+
+def regions(
+    design: FiveBarDesign, key: str, modes: tuple[str, ...] | None = None
+) -> tuple[Region, ...]:
+    """Regions of `SPECS`, each with exact edges and area.
+
+    Args:
+        key: "workspace": what can be reached in any of the modes, one region, of which some pieces
+            may hang together; "modes": one for each mode; "aspects": the parts of each mode that
+            no singularity divides, larger ones first.
+        modes: of which; None: all four.
+
+    Raises:
+        InputError: there are no such regions, or no such mode.
+    """
+    chosen = MODES if modes is None else tuple(modes)
+    for mode in chosen:
+        signs(mode)
+    if key == "workspace":
+        return (_of_modes(design, chosen if modes is not None else None),)
+    if key == "modes":
+        return tuple(_of_modes(design, (mode,)) for mode in chosen)
+    if key == "aspects":
+        return tuple(region for region in _aspects(design) if region.mode in chosen)
+    known = ", ".join(spec.key for spec in SPECS)
+    raise InputError(f"a five-bar has no regions {key!r}; known are {known}")
+
+
+@lru_cache(maxsize=64)
+def _of_modes(design: FiveBarDesign, modes: tuple[str, ...] | None) -> Region:
+    chosen = MODES if modes is None else modes
+    loops = workspace.loops(design, chosen)
+    section = outlines.section_of(loops, workspace.made_of(design, chosen) if chosen else None)
+    one = chosen[0] if len(chosen) == 1 else ""
+    title = f"working mode {one.replace('-', '−')}" if one else "workspace"
+    return Region(title, section, 0.0, one, 0, 0, outlines.point_inside(loops))
+
+
+@lru_cache(maxsize=64)
+def _aspects(design: FiveBarDesign) -> tuple[Region, ...]:
+    found: list[Region] = []
+    for aspect in aspects(design):
+        sign = "det B > 0" if aspect.sign > 0 else "det B < 0"
+        off = max((e.deviation for loop in aspect.loops for e in loop), default=0.0)
+        found.append(
+            Region(
+                f"working mode {aspect.mode.replace('-', '−')}, {sign}",
+                outlines.section_of(aspect.loops),
+                off,
+                aspect.mode,
+                aspect.sign,
+                aspect.group,
+                outlines.point_inside(aspect.loops),
+            )
+        )
+    return tuple(found)
+
+
+def frame() -> np.ndarray:
+    """4x4 from (x, y, normal) to the base frame: the plane is the base's own z = 0."""
+    return np.eye(4)

@@ -1,0 +1,475 @@
+"""Simplified arrangements A1, A2, A3 and Mp in a 5-RPUR design, and what follows from them.
+
+Two limbs make a simplified arrangement when (Tale Masouleh et al., Meccanica 46 (2011), section
+3, conditions 1-3) their base points lie in one plane normal to e1 or coincide, their second links
+are equally long, and their platform points are aligned with e2 or coincide. In the same working
+mode v_i ∥ v_j then, and B_i B_j is aligned with e2 (eqs. 7, 8). By what coincides:
+
+    A1  the platform points (and so the U joints, which may be one)
+    A2  the base points
+    A3  neither
+
+Mp is a third limb that satisfies the conditions with such a pair. That relation is an
+equivalence, so a design falls into groups. Wrenches of a group lie in one plane, spanned by e2
+and v: three limbs exhaust it, hence {Mp Ai Aj}, and any four limbs in a group, are
+architecturally singular in the working modes that move each group alike.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import combinations
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinematics.answers.solutions import Finding
+from kinematics.mechanisms.five_rpur.design import LIMBS, SUBSCRIPTS, FiveRPURDesign
+from kinematics.mechanisms.five_rpur.inverse import MODES, inside, signs
+from kinematics.mechanisms.five_rpur.velocity import characteristic_length
+from kinematics.screws.spatial import Array
+
+PairKind = Literal["A1", "A2", "A3", "same"]
+
+TOLERANCE = 1e-9
+"""Lengths equal to this part of the design's size are equal."""
+_NEAR = 1e-2  # part of the size within which a condition is missed narrowly
+_SINGULAR = 1e-9  # of the largest possible value, for a normalised determinant
+_SAMPLES = 24
+_SEARCH = 4096, 48  # poses at a time, times, in the search for a reachable one
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """Two limbs (from 1) in a simplified arrangement; "same" if they coincide altogether."""
+
+    limbs: tuple[int, int]
+    kind: PairKind
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Limbs that satisfy the paper's conditions with each other: two or more, from 1.
+
+    Attributes:
+        limbs: in rising order.
+        pairs: all pairs of them.
+        kind: the arrangement that the group is called by: that of its most special pair, A1
+            before A2 before A3; "same" only if nothing else is in it.
+    """
+
+    limbs: tuple[int, ...]
+    pairs: tuple[Pair, ...]
+    kind: PairKind
+
+    @property
+    def middle(self) -> bool:
+        """There is a third limb, Mp."""
+        return len(self.limbs) > 2
+
+
+@dataclass(frozen=True, slots=True)
+class Arrangements:
+    """What was found in a design.
+
+    Attributes:
+        groups: largest first, then by the first limb.
+        name: the class, as "{A1A2}", "{MpA2}", "{A3}" or "" for a general design; "" too where
+            the design is beyond the paper's classes (see ``reasons``).
+        reasons: why the design is architecturally singular by its form, one sentence each.
+    """
+
+    groups: tuple[Group, ...]
+    name: str
+    reasons: tuple[str, ...]
+
+    @property
+    def architecturally_singular(self) -> bool:
+        """Singular at every pose, at least in the modes that move each group alike."""
+        return bool(self.reasons)
+
+
+@dataclass(frozen=True, slots=True)
+class SimplifiedClass:
+    """Same-mode forward kinematics of a simplified class: how many θ, how many solutions."""
+
+    angles: int
+    solutions: int
+    closed_form: bool
+
+
+# Counts of θ and of all complex solutions in which each group stands in one mode. For {A1A2} the
+# paper states 48 (section 3.2): the two solutions for B1 and B2 are counted once there.
+CLASSES = {
+    "{A1A1}": SimplifiedClass(8, 96, True),
+    "{A1A2}": SimplifiedClass(8, 96, True),
+    "{A1A3}": SimplifiedClass(12, 144, False),
+    "{A2A2}": SimplifiedClass(8, 96, False),
+    "{A2A3}": SimplifiedClass(12, 144, False),
+    "{A3A3}": SimplifiedClass(16, 192, False),
+    "{MpA1}": SimplifiedClass(4, 96, True),
+    "{MpA2}": SimplifiedClass(4, 96, True),
+    "{MpA3}": SimplifiedClass(6, 144, False),
+}
+
+
+@lru_cache(maxsize=64)
+def arrangements(design: FiveRPURDesign) -> Arrangements:
+    """The simplified arrangements of a design, compared to `TOLERANCE` × `size`."""
+    equal = TOLERANCE * size(design)
+    groups: list[list[int]] = []
+    for i in range(LIMBS):
+        for group in groups:
+            if _conditions(design, group[0], i).max() <= equal:
+                group.append(i)
+                break
+        else:
+            groups.append([i])
+    found = [_group(design, group, equal) for group in groups if len(group) > 1]
+    found.sort(key=lambda group: (-len(group.limbs), group.limbs))
+    return Arrangements(
+        groups=tuple(found),
+        name=_name(found),
+        reasons=tuple(_singular_by_form(design, found, equal)),
+    )
+
+
+def size(design: FiveRPURDesign) -> float:
+    """The design's size, mm: the largest of its lengths and coordinate differences."""
+    spans = [np.ptp(points, axis=0).max() for points in (design.base, design.platform)]
+    return float(max(*spans, design.link.max(), design.stroke.max()))
+
+
+def singular_modes(design: FiveRPURDesign) -> tuple[str, ...]:
+    """The working modes in which the six wrenches are dependent at every pose.
+
+    Their determinant is sampled at poses of a fixed sequence, reachable or not: where a limb
+    cannot close, h = sqrt(l² − Y²) is imaginary and the determinant complex, but if it vanishes
+    identically it vanishes there too.
+    """
+    poses = _sample_poses(design)
+    found = []
+    for mode in MODES:
+        value = _normalised_determinant(design, poses, signs(mode))
+        if (value < _SINGULAR).all():
+            found.append(mode)
+    return tuple(found)
+
+
+@lru_cache(maxsize=256)
+def findings(design: FiveRPURDesign) -> tuple[Finding, ...]:
+    """What a designer should know: arrangements, their consequences, warnings; in plain words."""
+    found = arrangements(design)
+    answer = [Finding("warning", "Architecturally singular", text) for text in found.reasons]
+    if not found.reasons and len(modes := singular_modes(design)) > 0:
+        answer.append(_modes_finding(modes))
+    if not _reachable_somewhere(design):
+        answer.append(
+            Finding(
+                "warning",
+                "No reachable pose found",
+                f"None of {_SEARCH[0] * _SEARCH[1]} sampled poses can be held within the "
+                "strokes: the workspace is empty or very small. Bring the limbs closer together, "
+                "or lengthen links and strokes.",
+            )
+        )
+    answer += [_group_finding(group) for group in found.groups]
+    answer += _class_findings(design, found)
+    answer += _near_misses(design, found)
+    return tuple(answer)
+
+
+# --- recognising ---------------------------------------------------------------------------
+
+
+def _conditions(design: FiveRPURDesign, i: int, j: int) -> Array:
+    """By how much two limbs miss conditions 1, 2 and 3, mm."""
+    base = design.base[i] - design.base[j]
+    platform = design.platform[i] - design.platform[j]
+    link = design.link[i] - design.link[j]
+    return np.abs([base[1], link, np.hypot(platform[1], platform[2])])
+
+
+def _group(design: FiveRPURDesign, members: Sequence[int], equal: float) -> Group:
+    pairs = tuple(
+        Pair((i + 1, j + 1), _pair_kind(design, i, j, equal)) for i, j in combinations(members, 2)
+    )
+    kinds = {pair.kind for pair in pairs}
+    order: tuple[PairKind, ...] = ("A1", "A2", "A3", "same")
+    kind = next(kind for kind in order if kind in kinds)
+    return Group(tuple(i + 1 for i in members), pairs, kind)
+
+
+def _pair_kind(design: FiveRPURDesign, i: int, j: int, equal: float) -> PairKind:
+    base = bool(np.abs(design.base[i] - design.base[j]).max() <= equal)
+    platform = bool(np.abs(design.platform[i] - design.platform[j]).max() <= equal)
+    if base and platform:
+        return "same"
+    return "A1" if platform else "A2" if base else "A3"
+
+
+def _name(groups: Sequence[Group]) -> str:
+    if any(len(group.limbs) > 3 for group in groups):
+        return ""
+    if any(pair.kind == "same" for group in groups for pair in group.pairs):
+        return ""
+    middle = "Mp" if any(group.middle for group in groups) else ""
+    kinds = sorted(str(group.kind) for group in groups)
+    return f"{{{middle}{''.join(kinds)}}}" if kinds else ""
+
+
+def _singular_by_form(design: FiveRPURDesign, groups: Sequence[Group], equal: float) -> list[str]:
+    reasons = []
+    for group in groups:
+        limbs = _listed(group.limbs)
+        members = [i - 1 for i in group.limbs]
+        if len(members) > 3:
+            reasons.append(
+                f"Limbs {limbs} all satisfy the conditions of a simplified arrangement with each "
+                f"other: their forces lie in one plane, where only three are independent. {_ALIKE}"
+            )
+            continue
+        if group.middle and _coincide(design.platform[members], equal):
+            reasons.append(
+                f"Limbs {limbs} share one platform point and their base points lie in one plane "
+                f"normal to e₁: their forces meet in one point and lie in one plane. {_ALIKE}"
+            )
+        elif group.middle and _coincide(design.base[members], equal):
+            reasons.append(
+                f"Limbs {limbs} share one base point and their platform points are aligned with "
+                f"e₂: their forces meet in one point and lie in one plane. {_ALIKE}"
+            )
+        else:
+            reasons += [
+                f"Limbs {_listed(pair.limbs)} coincide: same base point, same platform point, "
+                f"same link; one of them is redundant. {_ALIKE}"
+                for pair in group.pairs
+                if pair.kind == "same"
+            ]
+    if len(groups) == 2 and groups[0].middle:
+        three, two = (_listed(group.limbs) for group in groups)
+        reasons.append(
+            f"Limbs {three} form an Mp set and limbs {two} a further arrangement, "
+            f"{_set_name(groups)}: together they and the constraint give only five independent "
+            f"wrenches. {_ALIKE}"
+        )
+    if _coincide(design.platform[:, 1:], equal):
+        reasons.append(
+            "All platform points lie on one line along e₂: no limb can resist a turn of the "
+            "platform about it, in any working mode."
+        )
+    if _coincide(design.base[:, [0, 2]], equal):
+        reasons.append(
+            "All base points lie on one line along e₁: no limb can resist a turn of the whole "
+            "machine about it, in any working mode."
+        )
+    return reasons
+
+
+_ALIKE = "With these limbs in the same working mode, the platform cannot be held at any pose."
+
+
+def _set_name(groups: Sequence[Group]) -> str:
+    return f"{{Mp {' '.join(str(group.kind) for group in groups)}}}"
+
+
+def _coincide(points: Array, equal: float) -> bool:
+    return bool(np.ptp(points, axis=0).max() <= equal)
+
+
+# --- sampling ------------------------------------------------------------------------------
+
+
+def _sample_poses(design: FiveRPURDesign) -> Array:
+    rng = np.random.default_rng(20110401)
+    reach = size(design)
+    position = design.base.mean(axis=0) + rng.uniform(-reach, reach, (_SAMPLES, 3))
+    return np.concatenate([position, rng.uniform(-np.pi, np.pi, (_SAMPLES, 2))], axis=1)
+
+
+def _normalised_determinant(design: FiveRPURDesign, poses: Array, sigma: Array) -> Array:
+    """|det| of the six wrenches over the product of their norms, in the turned frame.
+
+    With the couple along e1 × e2 (the frame's z') taken out, rows are the force −(qX, pY, pq)
+    and its moments about e2 and e1; see `kinematics.mechanisms.five_rpur.velocity`.
+    """
+    theta, phi = poses[:, 4, None], poses[:, 3, None]
+    c, s, cf, sf = np.cos(theta), np.sin(theta), np.cos(phi), np.sin(phi)
+    dx, dz = poses[:, 0, None] - design.base[:, 0], poses[:, 2, None] - design.base[:, 2]
+    sx, sy, sz = design.platform.T
+    my, mz = cf * sy - sf * sz, sf * sy + cf * sz
+    x, z = dx * c - dz * s + sx, dx * s + dz * c + mz
+    y = poses[:, 1, None] + my - design.base[:, 1]
+    q = sigma * np.sqrt((design.link**2 - y**2).astype(complex))
+    p = z - q
+    length = characteristic_length(design)
+    force = np.stack([q * x, p * y, p * q], axis=-1)
+    # B − O' = (s_x, m_y − Y, m_z − q); its moment with the force about e2 (x') and e1 (y').
+    about_e2 = (my - y) * force[..., 2] - (mz - q) * force[..., 1]
+    about_e1 = (mz - q) * force[..., 0] - sx * force[..., 2]
+    rows = np.concatenate([force, np.stack([about_e2, about_e1], axis=-1) / length], axis=-1)
+    norms = np.sqrt((np.abs(rows) ** 2).sum(axis=-1))
+    tiny = norms <= 1e-200
+    determinant: Array = np.abs(np.linalg.det(rows / np.where(tiny, 1.0, norms)[..., None]))
+    return np.where(tiny.any(axis=-1), 0.0, determinant)
+
+
+def _reachable_somewhere(design: FiveRPURDesign) -> bool:
+    """Whether a reachable pose turns up, in any working modes.
+
+    Positions are drawn only where, for the orientation drawn, every limb's box allows them.
+    """
+    rng = np.random.default_rng(20110401)
+    count, rounds = _SEARCH
+    for _ in range(rounds):
+        phi, theta = rng.uniform(-np.pi, np.pi, (2, count, 1))
+        c, s, cf, sf = np.cos(theta), np.sin(theta), np.cos(phi), np.sin(phi)
+        rx, ry, rz = design.base.T
+        sx, sy, sz = design.platform.T
+        high = design.stroke[:, 1]
+        centre = (rx * c - rz * s - sx, ry - cf * sy + sf * sz, rx * s + rz * c - sf * sy - cf * sz)
+        reach = (high, design.link, high + design.link)
+        low = np.stack([(m - r).max(axis=1) for m, r in zip(centre, reach, strict=True)])
+        top = np.stack([(m + r).min(axis=1) for m, r in zip(centre, reach, strict=True)])
+        ok: NDArray[np.bool_] = np.all(low < top, axis=0)
+        x, y, z = low + (top - low) * rng.uniform(size=(3, count))
+        c, s, phi, theta = c[:, 0], s[:, 0], phi[:, 0], theta[:, 0]
+        poses = np.stack([x * c + z * s, y, z * c - x * s, phi, theta], axis=-1)[ok]
+        if len(poses) and inside(design, poses).any():
+            return True
+    return False
+
+
+# --- words ---------------------------------------------------------------------------------
+
+
+def _listed(limbs: Sequence[int]) -> str:
+    *most, last = (str(i) for i in limbs)
+    return f"{', '.join(most)} and {last}" if most else last
+
+
+def _modes_finding(modes: tuple[str, ...]) -> Finding:
+    if len(modes) == len(MODES):
+        which = "in all working modes"
+    elif len(modes) <= 4:
+        which = f"in the working modes {', '.join(modes)}"
+    else:
+        which = f"in {len(modes)} of the 32 working modes"
+    return Finding(
+        "warning",
+        "Architecturally singular",
+        f"The six wrenches are dependent at every pose {which}: the platform cannot be held.",
+    )
+
+
+_KIND_TEXT = {
+    "A1": "their platform points coincide and their base points lie in one plane normal to e₁",
+    "A2": "their base points coincide and their platform points are aligned with e₂",
+    "A3": "their base points lie in one plane normal to e₁ and their platform points are aligned "
+    "with e₂",
+    "same": "their base points and their platform points coincide",
+}
+
+
+def _group_finding(group: Group) -> Finding:
+    limbs = _listed(group.limbs)
+    if not group.middle:
+        text = (
+            f"Limbs {limbs}: {_KIND_TEXT[group.kind]}, and their links are equal. In the same "
+            "working mode their second links stay parallel, and the line through their U joints "
+            "is parallel to e₂."
+        )
+        title = f"Arrangement {group.kind}" if group.kind != "same" else "Coincident pair"
+        return Finding("info", title, text, group.limbs)
+    pairs = ", ".join(f"{p.limbs[0]}-{p.limbs[1]} {p.kind}" for p in group.pairs)
+    text = (
+        f"Limbs {limbs} all satisfy the conditions with each other (pairs: {pairs}): in the same "
+        "working mode all their second links stay parallel."
+    )
+    return Finding("info", "Mp set", text, group.limbs)
+
+
+def _class_findings(design: FiveRPURDesign, found: Arrangements) -> list[Finding]:
+    known = CLASSES.get(found.name)
+    if known is None or found.reasons:
+        if found.groups or found.reasons:
+            return []
+        text = (
+            "No two limbs form a simplified arrangement: a general design, up to 1680 complex "
+            "solutions of the forward kinematics."
+        )
+        return [Finding("info", "General design", text)]
+    how = "in closed form" if known.closed_form else "from one polynomial in one unknown"
+    limbs = tuple(i for group in found.groups for i in group.limbs)
+    answer = [
+        Finding(
+            "info",
+            f"Simplified design {found.name}",
+            f"With the limbs of each arrangement in the same working mode, the forward "
+            f"kinematics gives θ {how} ({known.angles} values) and up to {known.solutions} "
+            "solutions.",
+            limbs,
+        )
+    ]
+    text = _self_motion(design, found)
+    if text:
+        answer.append(Finding("info", "Self-motion", text, limbs))
+    return answer
+
+
+def _self_motion(design: FiveRPURDesign, found: Arrangements) -> str:
+    """The self-motions that the paper names for {A1A1} (after eq. 12) and {A1A2} (after 25)."""
+    if found.name == "{A1A1}":
+        one, two = found.groups
+        offsets = [float(design.platform[group.limbs[0] - 1, 0]) for group in (one, two)]
+        if abs(offsets[0] - offsets[1]) <= TOLERANCE * size(design):
+            return (
+                f"Both platform points have the same x′ ({offsets[0]:g} mm), so the U joints of "
+                f"limbs {_listed(one.limbs)} and of limbs {_listed(two.limbs)} can come onto one "
+                "line along e₁; there θ is free with all actuators locked."
+            )
+        return ""
+    if found.name == "{A1A2}":
+        merged = next(group for group in found.groups if group.kind == "A1").limbs
+        shared = next(group for group in found.groups if group.kind == "A2").limbs
+        s = float(design.platform[merged[0] - 1, 0])
+        s1, s2 = (float(design.platform[i - 1, 0]) for i in shared)
+        # X − a is fixed by ρ_j² − ρ_i² (eq. 22); with B_34 on the axis it has to be −s34.
+        value = (s2 - s) ** 2 - (s1 - s) ** 2
+        i, j = (SUBSCRIPTS[k - 1] for k in shared)
+        return (
+            f"Where the U joint of limbs {_listed(merged)} comes onto the line along e₁ through "
+            f"the base point of limbs {_listed(shared)}, and ρ{j}² − ρ{i}² = {value:g} mm², θ is "
+            "free with all actuators locked."
+        )
+    return ""
+
+
+_CONDITION_TEXT = (
+    "their base points differ by {:.3g} mm along e₁",
+    "their links differ by {:.3g} mm",
+    "their platform points are {:.3g} mm off a line along e₂",
+)
+
+
+def _near_misses(design: FiveRPURDesign, found: Arrangements) -> list[Finding]:
+    """Pairs that satisfy two conditions and miss the third by little, as a slip would."""
+    equal, near = TOLERANCE * size(design), _NEAR * size(design)
+    answer = []
+    for i, j in combinations(range(LIMBS), 2):
+        misses = _conditions(design, i, j)
+        off = [k for k in range(3) if misses[k] > equal]
+        if len(off) == 1 and misses[off[0]] <= near:
+            text = _CONDITION_TEXT[off[0]].format(misses[off[0]])
+            answer.append(
+                Finding(
+                    "info",
+                    "Nearly an arrangement",
+                    f"Limbs {i + 1} and {j + 1} would form a simplified arrangement, but {text}.",
+                    (i + 1, j + 1),
+                )
+            )
+    return answer

@@ -1,0 +1,121 @@
+"""The 5-RPUR as a machine: which bars, bodies and marks stand where at one posture."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from kinematics.answers.drawings import Bar, Body, Drawing, Mark, prismatic, spot
+from kinematics.answers.solutions import Posture
+from kinematics.mechanisms.five_rpur.design import SUBSCRIPTS, FiveRPURDesign
+from kinematics.mechanisms.five_rpur.inverse import joint_points, transform
+from kinematics.screws.spatial import Array, rotation_y
+
+E1 = np.array([0.0, 1.0, 0.0])
+
+
+def drawing(design: FiveRPURDesign, posture: Posture) -> Drawing:
+    """The machine at ``posture``, in the base frame, mm."""
+    base, elbow, tip = joint_points(design, posture.pose, posture.mode)
+    theta = posture.pose[4]
+    e2 = rotation_y(theta)[:, 0]
+    size = machine_size(design)
+    bars: list[Bar] = []
+    points: list[Mark] = []
+    for i in range(len(design.limbs)):
+        limb = i + 1
+        a, b, c = base[i], elbow[i], tip[i]
+        gap_end = None
+        if not np.isfinite(b).all():
+            b, gap_end = _nearest_closure(design, i, c, a)
+        bars += _limb(design, i, a, b, gap_end if gap_end is not None else c, e2, size)
+        if gap_end is not None:
+            bars.append(Bar(f"limb{limb}/gap", spot(gap_end), spot(c), 0.012 * size, "gap", limb))
+        points += [
+            Mark(f"limb{limb}/A", f"A{SUBSCRIPTS[i]}", spot(a), limb),
+            Mark(f"limb{limb}/B", f"B{SUBSCRIPTS[i]}", spot(b), limb),
+            Mark(f"limb{limb}/C", f"C{SUBSCRIPTS[i]}", spot(c), limb),
+        ]
+    bars += _pedestals(design, size)
+    placed = transform(posture.pose)
+    centre = placed[:3, 3]
+    floor = design.base[:, 2].min() - 0.2 * size
+    return Drawing(
+        bars=tuple(bars),
+        bodies=(
+            Body("platform", _hull_points(design.platform), 0.028 * size, "platform", "platform"),
+            Body("base", _slab(design, floor, size), 0.02 * size, "base", "base"),
+        ),
+        points=tuple(points),
+        axes=(
+            Mark(
+                "e1",
+                "e₁",
+                spot(design.base.mean(axis=0) * [1, 1, 0] + [0, 0, floor]),
+                None,
+                spot(E1),
+            ),
+            Mark("e2", "e₂", spot(centre), None, spot(e2)),
+        ),
+        size=size,
+    )
+
+
+def machine_size(design: FiveRPURDesign) -> float:
+    """A typical length of the machine, mm: half of what a limb spans when fully stretched."""
+    return float(0.6 * np.mean(design.stroke[:, 1] + design.link))
+
+
+def _limb(
+    design: FiveRPURDesign, i: int, a: Array, b: Array, c: Array, e2: Array, size: float
+) -> Iterator[Bar]:
+    limb, name = i + 1, f"limb{i + 1}"
+    thick = 0.026 * size
+    yield from prismatic(limb, a, b, design.stroke[i], thick, 1e-9 * size)
+    yield Bar(f"{name}/link", spot(b), spot(c), 0.5 * thick, "link", limb)
+    # R joint at A about e1; U joint at B about e1 and e2; R joint at C about e2.
+    for key, at, axis in (("R_A", a, E1), ("U_B1", b, E1), ("U_B2", b, e2), ("R_C", c, e2)):
+        reach = (1.5 if key == "R_A" else 1.15) * thick
+        yield Bar(
+            f"{name}/{key}",
+            spot(at - reach * axis),
+            spot(at + reach * axis),
+            0.62 * thick,
+            "joint",
+            limb,
+        )
+
+
+def _nearest_closure(design: FiveRPURDesign, i: int, c: Array, a: Array) -> tuple[Array, Array]:
+    """Where a limb that cannot close ends: its U joint, and the tip it can reach instead of C."""
+    tip = c.copy()
+    tip[1] = a[1] + np.clip(c[1] - a[1], -design.link[i], design.link[i])
+    elbow = c.copy()
+    elbow[1] = a[1]
+    return elbow, tip
+
+
+def _pedestals(design: FiveRPURDesign, size: float) -> Iterator[Bar]:
+    floor = design.base[:, 2].min() - 0.2 * size
+    for i, a in enumerate(design.base):
+        foot = np.array([a[0], a[1], floor])
+        yield Bar(f"limb{i + 1}/pedestal", spot(foot), spot(a), 0.03 * size, "base")
+
+
+def _slab(
+    design: FiveRPURDesign, floor: float, size: float
+) -> tuple[tuple[float, float, float], ...]:
+    reach = 0.12 * size
+    corners = [
+        (x + dx, y + dy, floor)
+        for x, y, _ in design.base
+        for dx in (-reach, reach)
+        for dy in (-reach, reach)
+    ]
+    return tuple(spot(np.array(p)) for p in dict.fromkeys(corners))
+
+
+def _hull_points(points: Array) -> tuple[tuple[float, float, float], ...]:
+    """The platform's joints and its origin O', so that even coincident joints make a body."""
+    return tuple(dict.fromkeys((*(spot(p) for p in points), (0.0, 0.0, 0.0))))

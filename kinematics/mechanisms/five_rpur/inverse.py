@@ -1,0 +1,473 @@
+"""Inverse kinematics of the 5-RPUR: actuator lengths, joint points and reasons, for batches.
+
+In the base frame turned by R_y(−θ), with (X, Y, Z) = C_i − A_i, the second link is
+C − B = (0, Y, σ h), h = sqrt(l² − Y²), and the actuator ρ = hypot(X, Z − σ h); σ = ±1 is the
+working mode of the limb (Tale Masouleh et al., Meccanica 46 (2011), eqs. 3-6 and 27).
+
+Poses are (x, y, z, φ, θ), mm and rad. A limb closes where |Y| ≤ l; what lies beyond a stroke is
+still computed, what cannot close is NaN.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import product
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kinematics.answers.solutions import Bound, InverseSolutions, Margin, Posture, Reason
+from kinematics.errors import InputError
+from kinematics.mechanisms.five_rpur.design import LIMBS, SUBSCRIPTS, FiveRPURDesign
+from kinematics.screws.spatial import Array, finite, frozen, homogeneous, rotation_x, rotation_y
+
+MODES: tuple[str, ...] = tuple("".join(signs) for signs in product("+-", repeat=LIMBS))
+"""The 32 working modes, limb 5 changing fastest: "+++++", "++++-", … "-----"."""
+
+STROKE_SLACK = 1e-9
+"""mm by which rounding may carry an actuator over its stroke end."""
+LINK_SLACK = 1e-13
+"""Part of l by which rounding may carry |Y| over l."""
+SNAP = 1e-10
+"""mm within which a length is the one that was wanted."""
+
+_Components = tuple[Array, Array, Array]
+
+_CHUNK = 4096  # poses at a time, so that the temporaries stay in the cache
+
+
+# --- lengths -------------------------------------------------------------------------------
+
+
+def limb_lengths(design: FiveRPURDesign, poses: ArrayLike) -> Array:
+    """Actuator lengths in both working modes of every limb.
+
+    Args:
+        poses: (..., 5) mm and rad.
+
+    Returns:
+        (..., 5, 2) mm, sign + first; NaN where the limb cannot close (|Y| > l).
+
+    Raises:
+        InputError: not finite numbers, or not five a pose.
+    """
+    flat, shape = _flat(poses)
+    lengths = np.empty((len(flat), LIMBS, 2))
+    for part in _chunks(len(flat)):
+        lengths[part] = _both_lengths(design, _offsets(design, flat[part]))
+    return frozen(lengths.reshape(*shape, LIMBS, 2))
+
+
+def inverse(design: FiveRPURDesign, poses: ArrayLike) -> InverseSolutions:
+    """All 32 working modes, in the order of `MODES`, of poses (..., 5) in mm and rad.
+
+    Raises:
+        InputError: not finite numbers, or not five a pose.
+    """
+    flat, shape = _flat(poses)
+    count = len(flat)
+    joints = np.empty((count, len(MODES), LIMBS))
+    within = np.empty((count, len(MODES)), dtype=bool)
+    residual = np.empty(count)
+    for part in _chunks(count):
+        offsets = _offsets(design, flat[part])
+        lengths = _both_lengths(design, offsets)
+        np.take(lengths.reshape(-1, 2 * LIMBS), _PICK, axis=1, out=joints[part], mode="clip")
+        within[part] = _all_modes(_within(design, lengths))
+        residual[part] = _worst_residual(design, flat[part], offsets, lengths)
+    return InverseSolutions(
+        modes=MODES,
+        joints=frozen(joints.reshape(*shape, len(MODES), LIMBS)),
+        within_stroke=frozen(within.reshape(*shape, len(MODES))),
+        residual=frozen(residual.reshape(shape)),
+    )
+
+
+def inside(
+    design: FiveRPURDesign, poses: ArrayLike, modes: Iterable[str] | None = None
+) -> NDArray[np.bool_]:
+    """Whether poses (..., 5) can be held within all strokes in one of ``modes`` (None: of all).
+
+    Returns:
+        (...) bool; the workspace as a membership test.
+    """
+    flat, shape = _flat(poses)
+    chosen = None if modes is None else _picks(modes)
+    answer = np.empty(len(flat), dtype=bool)
+    for part in _chunks(len(flat)):
+        ok = _within(design, _both_lengths(design, _offsets(design, flat[part])))
+        if chosen is None:
+            answer[part] = np.all(np.any(ok, axis=2), axis=1)
+        else:
+            picked: NDArray[np.bool_] = ok.reshape(-1, 2 * LIMBS)[:, chosen]
+            answer[part] = np.any(np.all(picked, axis=2), axis=1)
+    return frozen(answer.reshape(shape))
+
+
+def signs(mode: str | ArrayLike) -> Array:
+    """The signs σ_i of working modes: "+-+++" → (5,), or ±1 numbers (..., 5) as they are.
+
+    Raises:
+        InputError: not one sign for each of the five limbs.
+    """
+    if isinstance(mode, str):
+        if len(mode) != LIMBS or set(mode) - {"+", "-"}:
+            raise InputError(
+                f"a working mode has one sign, + or -, for each of the 5 limbs, as '+-+++'; "
+                f"got {mode[:20]!r}"
+            )
+        return np.array([1.0 if sign == "+" else -1.0 for sign in mode])
+    values = finite(mode, name="the signs of a working mode", last=LIMBS)
+    if not (np.abs(values) == 1.0).all():
+        raise InputError("the signs of a working mode must be +1 or -1")
+    return values
+
+
+# --- one posture ---------------------------------------------------------------------------
+
+
+def posture(
+    design: FiveRPURDesign,
+    pose: Sequence[float] | ArrayLike,
+    mode: str,
+    *,
+    known: ArrayLike | None = None,
+) -> Posture:
+    """The posture at one pose in one working mode, with reasons where it cannot be held.
+
+    A limb that cannot close has NaN as its length and only its link among the margins.
+
+    Args:
+        known: lengths (5,) mm for which the pose was solved; where the pose gives them back but
+            for rounding (`SNAP`), the posture has exactly these, and its residual is theirs.
+
+    Raises:
+        InputError: the pose is not five finite numbers, or the mode not five signs.
+    """
+    flat, shape = _flat(pose)
+    if shape != ():
+        raise InputError("a posture takes one pose of 5 numbers (x, y, z, φ, θ)")
+    sign = signs(mode)
+    offsets = _offsets(design, flat)
+    x, y, z = offsets
+    with np.errstate(invalid="ignore", over="ignore"):
+        lengths = np.hypot(x, z - sign[:, None] * _height(design, y))
+    if known is not None:
+        wanted = finite(known, name="the known lengths", last=LIMBS)[:, None]
+        lengths = np.where(np.abs(lengths - wanted) <= SNAP, wanted, lengths)
+    elbows = _elbows(design, flat, offsets, sign[:, None])
+    residual = _residual(design, flat[:, 4], elbows, _tips(design, flat), lengths)
+    return _describe(design, flat[0], mode, lengths[:, 0], np.abs(y[:, 0]), residual[:, 0])
+
+
+def _describe(
+    design: FiveRPURDesign, pose: Array, mode: str, lengths: Array, offset: Array, residual: Array
+) -> Posture:
+    closing = residual[np.isfinite(residual)]
+    reasons: list[Reason] = []
+    margins: list[Margin] = []
+    for i, (limb, rho, beyond) in enumerate(
+        zip(design.limbs, lengths.tolist(), offset.tolist(), strict=True)
+    ):
+        number, low, high = i + 1, *limb.stroke
+        margins.append(Margin(number, "link", limb.link - beyond))
+        if not np.isfinite(rho):
+            reasons.append(_link_reason(i, limb.link, beyond))
+            continue
+        margins.append(Margin(number, "rho_min", rho - low))
+        margins.append(Margin(number, "rho_max", high - rho))
+        if rho < low - STROKE_SLACK:
+            reasons.append(_stroke_reason(i, "rho_min", rho, low))
+        elif rho > high + STROKE_SLACK:
+            reasons.append(_stroke_reason(i, "rho_max", rho, high))
+    return Posture(
+        pose=tuple(pose.tolist()),
+        mode=mode,
+        joints=tuple(lengths.tolist()),
+        reasons=tuple(reasons),
+        residual=float(closing.max()) if closing.size else float("nan"),
+        margins=tuple(margins),
+    )
+
+
+def _stroke_reason(i: int, bound: Bound, rho: float, end: float) -> Reason:
+    amount = abs(rho - end)
+    digits = decimals(amount)
+    word, name = ("short", "ρ min") if bound == "rho_min" else ("long", "ρ max")
+    text = (
+        f"limb {i + 1} is {amount:.{digits}f} mm too {word} "
+        f"(ρ{SUBSCRIPTS[i]} = {rho:.{digits}f} mm, {name} = {end:g} mm)"
+    )
+    return Reason(i + 1, bound, amount, text)
+
+
+def _link_reason(i: int, link: float, beyond: float) -> Reason:
+    amount = beyond - link
+    digits = decimals(amount)
+    text = (
+        f"limb {i + 1} cannot reach: its platform point lies {amount:.{digits}f} mm beyond the "
+        f"link length l{SUBSCRIPTS[i]} = {link:g} mm along e₁ (|Y| = {beyond:.{digits}f} mm)"
+    )
+    return Reason(i + 1, "link", amount, text)
+
+
+def decimals(amount: float) -> int:
+    """Decimals that show an amount ≥ 0: one, and more for less than 0.1 mm."""
+    return 1 if amount >= 0.1 or amount < 1e-12 else min(12, 1 - int(np.floor(np.log10(amount))))
+
+
+# --- points and frames ---------------------------------------------------------------------
+
+
+def joint_points(
+    design: FiveRPURDesign, poses: ArrayLike, modes: str | ArrayLike
+) -> tuple[Array, Array, Array]:
+    """A, B and C of every limb in the base frame.
+
+    Args:
+        poses: (..., 5) mm and rad.
+        modes: one mode as "+-+++" for all poses, or signs ±1 (..., 5) that broadcast with them.
+
+    Returns:
+        Three arrays (..., 5, 3) mm; real beyond the strokes too, B is NaN where a limb cannot
+        close.
+    """
+    flat, sigma, shape = _broadcast(poses, modes)
+    elbow = _elbows(design, flat, _offsets(design, flat), sigma)
+    tip = _tips(design, flat)
+    out = (*shape, LIMBS, 3)
+    base = np.broadcast_to(design.base, out).copy()
+    return (
+        frozen(base),
+        frozen(np.stack(elbow, axis=-1).swapaxes(0, 1).reshape(out)),
+        frozen(np.stack(tip, axis=-1).swapaxes(0, 1).reshape(out)),
+    )
+
+
+def closure_residual(
+    design: FiveRPURDesign, poses: ArrayLike, modes: str | ArrayLike, joints: ArrayLike
+) -> Array:
+    """How far each limb is from closing with the given lengths, (..., 5) mm.
+
+    The largest of | |B−A| − ρ |, | |C−B| − l |, |(C−B)·e2| and |y_B − y_A| (eqs. 3-5), in the
+    base frame; NaN where a limb cannot close.
+    """
+    flat, sigma, shape = _broadcast(poses, modes)
+    rho = np.broadcast_to(np.asarray(joints, dtype=float), (*shape, LIMBS)).reshape(-1, LIMBS).T
+    elbows = _elbows(design, flat, _offsets(design, flat), sigma)
+    residual = _residual(design, flat[:, 4], elbows, _tips(design, flat), rho)
+    return frozen(residual.T.reshape(*shape, LIMBS))
+
+
+def transform(poses: ArrayLike) -> Array:
+    """From platform to base coordinates: poses (..., 5) → (..., 4, 4), Q by eq. 1."""
+    p = finite(poses, name="a pose", last=5)
+    return homogeneous(_platform_rotation(p), p[..., :3])
+
+
+def pose_from_transform(matrices: ArrayLike) -> Array:
+    """The pose whose frame is nearest: (..., 4, 4) → (..., 5) mm and rad, angles in (−π, π].
+
+    The platform turns only as R_y(θ) R_x(φ). Of these rotations the one nearest in the
+    Frobenius norm is taken, the position is kept.
+
+    Raises:
+        InputError: not 4x4, or its upper left part is not a rotation (to 1e-3).
+    """
+    m = finite(matrices, name="a transform", last=4)
+    if m.ndim < 2 or m.shape[-2] != 4:
+        raise InputError("a transform must be a 4x4 matrix")
+    r = m[..., :3, :3]
+    skew = np.abs(r @ r.swapaxes(-1, -2) - np.eye(3)).max(axis=(-1, -2))
+    if (skew > 1e-3).any() or (np.linalg.det(r) < 0).any():
+        raise InputError("the upper left 3x3 part of a transform must be a rotation")
+    phi, theta = _nearest_angles(r)
+    return np.concatenate([m[..., :3, 3], phi[..., None], theta[..., None]], axis=-1)
+
+
+def _nearest_angles(r: Array) -> tuple[Array, Array]:
+    """Angles that maximise trace(Qᵀ R), from a scan that finds the hill and exact half steps."""
+
+    def best_theta(phi: Array, r: Array) -> tuple[Array, Array]:
+        c, s = np.cos(phi), np.sin(phi)
+        cosine = r[..., 0, 0] + s * r[..., 2, 1] + c * r[..., 2, 2]
+        sine = s * r[..., 0, 1] + c * r[..., 0, 2] - r[..., 2, 0]
+        trace = np.hypot(cosine, sine) + c * r[..., 1, 1] - s * r[..., 1, 2]
+        return np.arctan2(sine, cosine), trace
+
+    def best_phi(theta: Array) -> Array:
+        c, s = np.cos(theta), np.sin(theta)
+        cosine = r[..., 1, 1] + s * r[..., 0, 2] + c * r[..., 2, 2]
+        sine = s * r[..., 0, 1] + c * r[..., 2, 1] - r[..., 1, 2]
+        return np.arctan2(sine, cosine)
+
+    scan = np.linspace(-np.pi, np.pi, 72, endpoint=False)
+    _, trace = best_theta(scan, r[..., None, :, :])
+    phi = scan[trace.argmax(axis=-1)]
+    theta, _ = best_theta(phi, r)
+    for _ in range(200):  # two rounds do for an admissible rotation: the mixed derivative is 0
+        before = phi
+        phi = best_phi(theta)
+        theta, _ = best_theta(phi, r)
+        if (np.abs(np.sin(phi - before)) < 1e-15).all():
+            break
+    return wrap_angle(phi), wrap_angle(theta)
+
+
+def wrap_angle(angle: ArrayLike) -> Array:
+    """Angles in (−π, π]; those already there are untouched."""
+    a = np.asarray(angle, dtype=float)
+    inside_range = (a > -np.pi) & (a <= np.pi)
+    return np.where(inside_range, a, np.pi - np.mod(np.pi - a, 2 * np.pi))
+
+
+# --- inside --------------------------------------------------------------------------------
+
+
+def _mode_pick(modes: Iterable[str]) -> NDArray[np.intp]:
+    """Where the limbs' lengths of each mode stand in the 10 of a pose, (M, 5)."""
+    return np.array(
+        [[2 * i + (sign == "-") for i, sign in enumerate(mode)] for mode in modes], dtype=np.intp
+    ).reshape(-1, LIMBS)
+
+
+_PICK = _mode_pick(MODES)
+
+
+def _picks(modes: Iterable[str]) -> NDArray[np.intp]:
+    chosen = [modes] if isinstance(modes, str) else list(modes)
+    for mode in chosen:
+        signs(mode)
+    return _mode_pick(chosen)
+
+
+def _flat(poses: object) -> tuple[Array, tuple[int, ...]]:
+    array = finite(poses, name="a pose", last=5)
+    return array.reshape(-1, 5), array.shape[:-1]
+
+
+def _chunks(count: int) -> Iterator[slice]:
+    return (slice(k, min(k + _CHUNK, count)) for k in range(0, count, _CHUNK))
+
+
+def _offsets(design: FiveRPURDesign, poses: Array) -> _Components:
+    """C_i − A_i in the frame turned by R_y(−θ): X, Y, Z, each (5, n), of poses (n, 5)."""
+    r = design.base.T[:, :, None]
+    s = design.platform.T[:, :, None]
+    px, py, pz, phi, theta = poses.T
+    c, sn = np.cos(theta), np.sin(theta)
+    cf, sf = np.cos(phi), np.sin(phi)
+    dx, dz = px - r[0], pz - r[2]
+    return (
+        dx * c - dz * sn + s[0],
+        py - r[1] + s[1] * cf - s[2] * sf,
+        dx * sn + dz * c + s[1] * sf + s[2] * cf,
+    )
+
+
+def _height(design: FiveRPURDesign, y: Array) -> Array:
+    """h = sqrt(l² − Y²), (5, n); NaN where |Y| > l."""
+    link = design.link[:, None]
+    distance = np.abs(y)
+    with np.errstate(invalid="ignore", over="ignore"):
+        h = np.sqrt((link - distance) * (link + distance))
+    edge = np.isnan(h) & (distance <= link * (1.0 + LINK_SLACK))
+    if edge.any():
+        h[edge] = 0.0
+    return h
+
+
+def _both_lengths(design: FiveRPURDesign, offsets: _Components) -> Array:
+    """(n, 5, 2) from X, Y, Z, each (5, n)."""
+    x, y, z = offsets
+    h = _height(design, y)
+    lengths = np.empty((2, *x.shape))
+    with np.errstate(invalid="ignore", over="ignore"):
+        np.hypot(x, z - h, out=lengths[0])
+        np.hypot(x, z + h, out=lengths[1])
+    return lengths.transpose(2, 1, 0)
+
+
+def _within(design: FiveRPURDesign, lengths: Array) -> NDArray[np.bool_]:
+    low, high = design.stroke[:, :1] - STROKE_SLACK, design.stroke[:, 1:] + STROKE_SLACK
+    answer: NDArray[np.bool_] = (lengths >= low) & (lengths <= high)  # False for NaN
+    return answer
+
+
+def _broadcast(poses: object, modes: str | ArrayLike) -> tuple[Array, Array, tuple[int, ...]]:
+    """Poses (n, 5), signs (5, n) or (5, 1), and the common leading shape."""
+    p = finite(poses, name="a pose", last=5)
+    sigma = signs(modes)
+    if sigma.ndim == 1:
+        return p.reshape(-1, 5), sigma[:, None], p.shape[:-1]
+    shape = np.broadcast_shapes(p.shape[:-1], sigma.shape[:-1])
+    flat = np.broadcast_to(p, (*shape, 5)).reshape(-1, 5)
+    return flat, np.broadcast_to(sigma, (*shape, LIMBS)).reshape(-1, LIMBS).T, shape
+
+
+def _elbows(
+    design: FiveRPURDesign, poses: Array, offsets: _Components, sigma: Array
+) -> _Components:
+    """x, y, z of B_i in the base frame, each (5, n); all NaN where the limb cannot close."""
+    x, y, z = offsets
+    w = z - sigma * _height(design, y)
+    x = x + 0.0 * w
+    c, s = np.cos(poses[:, 4]), np.sin(poses[:, 4])
+    r = design.base.T[:, :, None]
+    return r[0] + c * x + s * w, r[1] + 0.0 * w, r[2] - s * x + c * w
+
+
+def _tips(design: FiveRPURDesign, poses: Array) -> _Components:
+    """x, y, z of C_i = p + Q s'_i (eq. 6), each (5, n)."""
+    q = _platform_rotation(poses).transpose(1, 2, 0)[:, :, None, :]  # (3, 3, 1, n)
+    sx, sy, sz = design.platform.T[:, :, None]
+    x, y, z = (poses[:, k] + q[k, 0] * sx + q[k, 1] * sy + q[k, 2] * sz for k in range(3))
+    return x, y, z
+
+
+def _residual(
+    design: FiveRPURDesign, theta: Array, elbows: _Components, tips: _Components, rho: Array
+) -> Array:
+    """The largest violation of eqs. 3-5 and of y_B = y_A, (5, n)."""
+    bx, by, bz = elbows
+    rx, ry, rz = design.base.T[:, :, None]
+    vx, vy, vz = (tip - elbow for tip, elbow in zip(tips, elbows, strict=True))
+    with np.errstate(over="ignore"):
+        worst: Array = np.abs(np.sqrt((bx - rx) ** 2 + (bz - rz) ** 2) - rho)
+        link = np.sqrt(vx * vx + vy * vy + vz * vz) - design.link[:, None]
+    across = vx * np.cos(theta) - vz * np.sin(theta)
+    for part in (link, across, by - ry):
+        np.maximum(worst, np.abs(part), out=worst)
+    return worst
+
+
+def _worst_residual(
+    design: FiveRPURDesign, poses: Array, offsets: _Components, lengths: Array
+) -> Array:
+    """(n,) over both modes of all limbs, NaN where a limb, hence every mode, cannot close."""
+    tips = _tips(design, poses)
+    plus, minus = (
+        _residual(
+            design,
+            poses[:, 4],
+            _elbows(design, poses, offsets, np.full((LIMBS, 1), sign)),
+            tips,
+            lengths[..., k].T,
+        ).max(axis=0)
+        for k, sign in enumerate((1.0, -1.0))
+    )
+    worst: Array = np.maximum(plus, minus)
+    return worst
+
+
+def _all_modes(within: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """(n, 5, 2) limb by limb → (n, 32) mode by mode, in the order of `MODES`."""
+    answer = within[:, 0]
+    for i in range(1, LIMBS):
+        answer = (answer[:, :, None] & within[:, i, None, :]).reshape(len(within), -1)
+    return answer
+
+
+def _platform_rotation(poses: Array) -> Array:
+    rotation: Array = rotation_y(poses[..., 4]) @ rotation_x(poses[..., 3])
+    return rotation

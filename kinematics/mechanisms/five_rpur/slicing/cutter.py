@@ -1,0 +1,247 @@
+"""Sections of one orientation in batches: the machine as the kernel takes it.
+
+Lengths mm, angles rad.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinematics.answers.sections import Ints
+from kinematics.errors import InputError
+from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign, Limb
+from kinematics.mechanisms.five_rpur.offsets import SAME_NUMBERS, aligned_offsets
+from kinematics.mechanisms.five_rpur.slicing import acceleration
+from kinematics.screws.spatial import Array
+
+_USUAL = 1500  # sections: what a process that asks for one volume may ask for
+_MOST_EDGES = 4096  # of one section; twice what crossings of five limbs can make
+
+
+@dataclass(frozen=True, eq=False)
+class Cuts:
+    """Sections at ``at`` (N,): ``moments`` (N, 3) of 1, v, w about the origin,
+    ``marks`` (N,) equal where sections are built alike, ``parts`` (N,) connected pieces.
+    """
+
+    at: Array
+    moments: Array
+    marks: NDArray[np.int64]
+    parts: NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Integral:
+    """Sections at increasing ``at`` (N,): ``moments`` (N, 6) of 1, v, w about the origin and their
+    derivatives by x', ``marks`` (N,) equal where sections are built alike; the ``weights`` (N, 2)
+    of moments and derivatives make integrals of them; ``error`` is that of the volume, and
+    ``sections`` so many were computed.
+    """
+
+    at: Array
+    moments: Array
+    marks: Ints
+    weights: Array
+    error: float
+    sections: int
+
+
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """A section's boundary: ``low`` and ``high`` (5,) are S(ρ_min) and S(ρ_max), ``moments`` (6,)
+    of 1, v, w, v², w², vw about the origin, the rest as `boundary.describe` has it.
+    """
+
+    low: Array
+    high: Array
+    whose: Ints
+    places: Array
+    firsts: Ints
+    areas: Array
+    pieces: Ints
+    perimeter: float
+    moments: Array
+
+
+class Cutter:
+    """The sections of a workspace at one orientation, for a set of working modes.
+
+    Attributes:
+        limbs: (6, 5) rows w'_x, w'_y, w'_z (eq. 27), l, ρ_min, ρ_max.
+        signs: (5, 2) whether any wanted mode has limb i in + and in −.
+        table: (1024,) whether a point is inside that lies in the halves whose bits are set.
+        size: mm, a length of the machine.
+        origin: (2,) y', z' about which moments are taken.
+        range: x' outside of which there is nothing; equal ends if there is nothing at all.
+    """
+
+    def __init__(
+        self,
+        design: FiveRPURDesign,
+        phi: float,
+        theta: float,
+        modes: Iterable[str] | None,
+    ) -> None:
+        offsets = aligned_offsets(design, phi, theta, SAME_NUMBERS)
+        self.limbs = np.array([*offsets.T, design.link, *design.stroke.T])
+        self.signs, self.table = _halves(None if modes is None else frozenset(modes))
+        wx, wy, wz, link, _, high = self.limbs
+        self.size = float((link + high).max())
+        self.origin = np.array([wy.mean(), wz.mean()])
+        first, last = float((wx - high).max()), float((wx + high).min())
+        low_y, high_y = float((wy - link).max()), float((wy + link).min())
+        low_z, high_z = float((wz - high - link).max()), float((wz + high + link).min())
+        none = first >= last or low_y >= high_y or low_z >= high_z or not self.signs.any()
+        self.range = (first, first) if none else (first, last)
+
+    def heights(self, x: Array) -> tuple[Array, Array]:
+        """S(ρ_min) and S(ρ_max) of each limb at x (N,), (N, 5) each; −1 out of reach."""
+        wx, low, high = self.limbs[0], self.limbs[4], self.limbs[5]
+        apart = np.abs(x[:, None] - wx)
+        lows = np.sqrt(np.maximum((low - apart) * (low + apart), 0.0))
+        highs = np.sqrt(np.maximum((high - apart) * (high + apart), 0.0))
+        return lows, np.where(apart > high, -1.0, highs)
+
+    def cut(self, x: Array) -> Cuts:
+        """The sections at x (N,)."""
+        x = np.asarray(x, dtype=float)
+        count = len(x)
+        moments = np.empty((count, 3))
+        marks, parts = np.empty(count, np.int64), np.empty(count, np.int64)
+        machine = self.limbs, self.signs, self.table, self.size, self.origin
+        acceleration.call("measure", count, x, *self.heights(x), *machine, moments, marks, parts)
+        return Cuts(x, moments, marks, parts)
+
+    def integral(self, first: float, last: float, relative: float, most: int) -> Integral:
+        """Sections that tell the volume between two x', first < last.
+
+        Args:
+            relative: the error wanted, as a part of the volume.
+            most: about how many sections are taken at most.
+        """
+        found = acceleration.call(
+            "integral",
+            _USUAL,
+            first,
+            last,
+            self.limbs,
+            self.signs,
+            self.table,
+            self.size,
+            self.origin,
+            relative,
+            most,
+        )
+        return Integral(*found)
+
+    def outline(self, x: float) -> Outline:
+        """The boundary of the section at x, and its moments."""
+        low, high, moments = np.empty(LIMBS), np.empty(LIMBS), np.empty(6)
+        room = _MOST_EDGES
+        edges, ends, turns = np.empty((room, 4), np.int64), np.empty((room, 2)), np.empty(room)
+        machine = self.limbs, self.signs, self.table, self.size
+        count = acceleration.call(
+            "outline", 1, x, low, high, *machine, edges, ends, turns, self.origin, moments
+        )
+        whose, places = np.empty((count, 2), np.int64), np.empty((count, 8))
+        firsts, areas = np.empty(count + 1, np.int64), np.empty(count + 1)
+        pieces = np.empty(count + 1, np.int64)
+        loops, perimeter = acceleration.call(
+            "describe",
+            1,
+            edges[:count],
+            ends[:count],
+            turns[:count],
+            self.limbs,
+            low,
+            high,
+            whose,
+            places,
+            firsts,
+            areas,
+            pieces,
+        )
+        return Outline(
+            low,
+            high,
+            whose,
+            places,
+            firsts[: loops + 1],
+            areas[:loops],
+            pieces[:loops],
+            perimeter,
+            moments,
+        )
+
+    def pieces(self, x: Array, weights: Array) -> Array:
+        """The integrals of the connected pieces' areas, largest first (P,).
+
+        Args:
+            x: (N,) increasing.
+            weights: (N, 2) of the areas and of their derivatives.
+        """
+        room = 16 * len(x) + 1024
+        while True:
+            forest, volumes = np.empty(room, np.int64), np.empty((room, 2))
+            machine = self.limbs, self.signs, self.table, self.size
+            used = acceleration.call("trace", len(x), x, weights, *machine, forest, volumes)
+            if used >= 0:
+                break
+            room *= 4
+        for n in range(used):  # every one points below itself
+            forest[n] = forest[forest[n]]
+        roots, owner = np.unique(forest[:used], return_inverse=True)
+        sums = np.zeros((len(roots), 2))
+        np.add.at(sums, owner, volumes[:used])
+        # Derivatives take more than there is from what hardly one section met.
+        whole = sums.sum(axis=1)
+        whole = np.where(whole > 0.0, whole, sums[:, 0])
+        return np.asarray(np.sort(whole)[::-1])
+
+    def strokes(self, x: Array, samples: int) -> tuple[Array, Array]:
+        """The shortest and the longest actuators (5,) each that occur in sections at x (N,)."""
+        lows, highs = self.heights(x)
+        low_used, high_used = np.full(LIMBS, np.inf), np.full(LIMBS, -np.inf)
+        machine = self.limbs, x, self.signs, self.table, self.size
+        acceleration.call("strokes", x.size, lows, highs, *machine, samples, low_used, high_used)
+        return low_used, high_used
+
+
+def example() -> Cutter:
+    """A small machine with something of everything in its sections."""
+    one, two, three, four, five = (
+        Limb((10.0 * i, 2.0 * i * i, 0.0), (3.0, -2.0 * i, 1.0), 30.0, (40.0, 70.0))
+        for i in range(LIMBS)
+    )
+    return Cutter(FiveRPURDesign((one, two, three, four, five)), 0.1, -0.2, None)
+
+
+@lru_cache(maxsize=64)
+def _halves(modes: frozenset[str] | None) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Which signs each limb may have, (5, 2), and which states are inside, (4^5,)."""
+    states = np.arange(4**LIMBS)
+    if modes is None:
+        signs = np.ones((LIMBS, 2), dtype=bool)
+        pairs = states[:, None] >> (2 * np.arange(LIMBS)) & 3
+        table = np.asarray((pairs > 0).all(axis=1))
+    else:
+        signs = np.zeros((LIMBS, 2), dtype=bool)
+        table = np.zeros(4**LIMBS, dtype=bool)
+        for mode in modes:
+            if len(mode) != LIMBS or set(mode) - set("+-"):
+                raise InputError(
+                    f"a working mode is {LIMBS} signs such as '+-+++', one a limb, got {mode!r}"
+                )
+            wanted = 0
+            for i, sign in enumerate(mode):
+                signs[i, int(sign == "-")] = True
+                wanted |= 1 << (2 * i + int(sign == "-"))
+            table |= states & wanted == wanted
+    signs.setflags(write=False)
+    table.setflags(write=False)
+    return signs, table

@@ -1,0 +1,197 @@
+"""Forward displacement of the 4-SPS + 1-SPR: all assembly modes for given leg lengths."""
+
+from __future__ import annotations
+
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kinematics.answers.solutions import ForwardSolutions
+from kinematics.homotopy.assembly_sets import (
+    NEAR,
+    NONE_FOUND,
+    NONE_REAL,
+    described,
+    grouped,
+    positive_lengths,
+)
+from kinematics.homotopy.solving import Roots
+from kinematics.homotopy.tracking import Complex
+from kinematics.mechanisms.four_sps_spr import closure as moving
+from kinematics.mechanisms.four_sps_spr.design import JOINT_SYMBOLS, FourSPSSPRDesign
+from kinematics.mechanisms.four_sps_spr.forward.equations import Frame, normal_form, to_transforms
+from kinematics.mechanisms.four_sps_spr.forward.roots import own_start_set, roots_at
+from kinematics.mechanisms.four_sps_spr.forward.self_motion import self_motions
+from kinematics.mechanisms.four_sps_spr.forward.start_set import GENERAL_COUNT
+from kinematics.mechanisms.four_sps_spr.inverse import (
+    STROKE_SLACK,
+    leg_lengths,
+    rotation,
+    violation,
+)
+from kinematics.mechanisms.four_sps_spr.wrenches import condition, wrench_system
+from kinematics.screws.spatial import Array, frozen
+
+REAL = 1e-7
+"""Largest imaginary part of a real solution, relative to its size; of a double one its root."""
+_DOUBLE_REAL = 1e-4  # as REAL, of solutions where several coincide
+_DOUBLE = 1e-5  # of the characteristic length: closer ones are one, seen twice
+_CHUNK = 16  # length vectors at a time
+_FAR = 500.0  # units: with longer legs the platform is a point to them, and digits are lost
+
+
+def forward(design: FourSPSSPRDesign, joints: ArrayLike) -> tuple[ForwardSolutions, ...]:
+    """All assembly modes for each of some vectors of leg lengths.
+
+    Args:
+        joints: (5,) or (..., 5) mm, > 0.
+
+    Returns:
+        One set for each vector, in their order. No solution, or lengths beyond a stroke, are
+        answers like others.
+
+    Raises:
+        InputError: not five finite positive lengths each.
+    """
+    lengths = positive_lengths(joints, JOINT_SYMBOLS, "leg lengths")
+    answers: list[ForwardSolutions] = []
+    for k in range(0, len(lengths), _CHUNK):
+        part = lengths[k : k + _CHUNK]
+        began = perf_counter()
+        found = roots_at(design, part)
+        made = [_real_ones(design, one, roots) for one, roots in zip(part, found, strict=True)]
+        seconds = (perf_counter() - began) / len(part)
+        answers += [
+            _answer(design, one, roots, real, seconds)
+            for one, roots, real in zip(part, found, made, strict=True)
+        ]
+    return tuple(answers)
+
+
+class _Real:
+    """The real solutions at one vector of lengths: poses (n, 6), and how many each stands for."""
+
+    def __init__(self, poses: Array, weights: NDArray[np.intp], pairs: int) -> None:
+        self.poses, self.weights, self.pairs = poses, weights, pairs
+
+
+def _real_ones(design: FourSPSSPRDesign, joints: Array, roots: Roots) -> _Real:
+    frame = Frame.of(design)
+    form = normal_form(roots.values)
+    away = np.abs(form.imag).max(axis=0, initial=0.0) / np.maximum(
+        np.abs(form).max(axis=0, initial=0.0), 1.0
+    )
+    limit = np.where(roots.multiplicity > 1, _DOUBLE_REAL, REAL)
+    limit[roots.regular :] = _DOUBLE_REAL
+    real = np.flatnonzero(away <= limit)
+    r, p = to_transforms(frame, roots.values[:, real])
+    closure = moving.Closure(design, float(joints.max()))
+    kept, poses = [], []
+    for n, (turn, place) in enumerate(zip(r, p, strict=True)):
+        state = moving.State(turn, place)
+        sharp = moving.closed(closure, state, joints, rounds=6)
+        if sharp is None and real[n] >= roots.regular:
+            sharp = state  # as good as a singular solution gets
+        if sharp is not None:
+            kept.append(n)
+            poses.append(moving.pose_of(sharp))
+    weights = roots.multiplicity[real[kept]] if kept else np.zeros(0, dtype=np.intp)
+    table = np.array(poses).reshape(-1, 6)
+    order = np.lexsort((table[:, 1], table[:, 0], -table[:, 2]))
+    return _Real(table[order], weights[order], _nearly_real(design, frame, form, away, limit))
+
+
+def _nearly_real(
+    design: FourSPSSPRDesign, frame: Frame, form: Complex, away: Array, limit: Array
+) -> int:
+    """Complex pairs that are less than `NEAR` from their conjugates, and not real."""
+    # |Δp| is about 4 |Im y| units, a rotation turns by 4 |Im x|.
+    apart = np.hypot(
+        4.0 * frame.unit * np.sqrt((form[4:].imag ** 2).sum(axis=0)),
+        4.0 * design.length * np.sqrt((form[:4].imag ** 2).sum(axis=0)),
+    )
+    return int(np.count_nonzero((apart < NEAR) & (away > limit))) // 2
+
+
+def _answer(
+    design: FourSPSSPRDesign, joints: Array, roots: Roots, real: _Real, seconds: float
+) -> ForwardSolutions:
+    poses, weights, gap = _merged(design, real)
+    count = len(poses)
+    generic = own_start_set(design).roots.shape[1]
+    low, high = design.stroke[:, 0] - STROKE_SLACK, design.stroke[:, 1] + STROKE_SLACK
+    reach = bool(((joints >= low) & (joints <= high)).all())
+    free = self_motions(design, joints, Frame.of(design), roots.values[:, roots.regular :])
+    far = bool(joints.max() > _FAR * Frame.of(design).unit)
+    notes = (*_completeness(roots, generic), *described(weights, gap, real.pairs))
+    if far:
+        notes = (*notes, "The legs are so much longer than the machine that digits are lost.")
+    notes = (*notes, *(motion.text for motion in free))
+    if not count:
+        notes = (*notes, NONE_REAL if roots.complete and not far else NONE_FOUND)
+    residual = np.zeros(count)
+    if count:
+        error = np.abs(leg_lengths(design, poses) - joints).max(axis=-1)
+        residual = np.maximum(error, np.abs(violation(design, poses)))
+    return ForwardSolutions(
+        joints=tuple(joints.tolist()),
+        poses=frozen(poses),
+        modes=("",) * count,
+        residual=frozen(residual),
+        condition=frozen(condition(design, poses)) if count else frozen(np.zeros(0)),
+        determinant=wrench_system(design, poses).determinant if count else frozen(np.zeros(0)),
+        within_stroke=frozen(np.full(count, reach)),
+        multiplicity=frozen(weights),
+        gap=frozen(gap),
+        identities=tuple(range(1, count + 1)),
+        complex_count=roots.count,
+        expected_count=generic,
+        complete=roots.complete and not free and not far,
+        method=f"{roots.expected} paths tracked from the design's own start set",
+        seconds=seconds,
+        notes=notes,
+        self_motions=free,
+        roots=frozen(normal_form(roots.values)),
+    )
+
+
+def _merged(design: FourSPSSPRDesign, real: _Real) -> tuple[Array, NDArray[np.intp], Array]:
+    """Of solutions that coincide one stays, with their number; and the gaps between the rest."""
+    poses, weights = real.poses, real.weights
+    apart = pose_distances(design, poses, poses)
+    np.fill_diagonal(apart, np.inf)
+    close = np.argwhere(np.triu(apart <= _DOUBLE * design.length, 1))
+    if close.size:
+        groups = grouped(len(poses), close)
+        firsts = np.unique(groups, return_index=True)[1]
+        poses, weights = poses[firsts], np.bincount(groups, weights).astype(np.intp)
+        apart = pose_distances(design, poses, poses)
+        np.fill_diagonal(apart, np.inf)
+    return poses, weights, apart.min(axis=1, initial=np.inf)
+
+
+def pose_distances(design: FourSPSSPRDesign, one: Array, other: Array) -> Array:
+    """Between poses (n, 6) and (m, 6), (n, m) mm; rotations count as chords of the circle with the
+    characteristic length as its radius."""
+    a, b = (_points(design, poses) for poses in (one, other))
+    d = a[:, None, :] - b[None, :, :]
+    distances: Array = np.sqrt((d * d).sum(axis=-1))
+    return distances
+
+
+def _points(design: FourSPSSPRDesign, poses: Array) -> Array:
+    turns = rotation(poses).reshape(-1, 9) * (design.length / np.sqrt(2.0))
+    return np.hstack([poses[:, :3], turns])
+
+
+def _completeness(found: Roots, generic: int) -> tuple[str, ...]:
+    notes = []
+    if generic < GENERAL_COUNT:
+        notes.append(
+            f"This design has {generic} solutions where the general one has {GENERAL_COUNT}; the "
+            "others are at infinity whatever the lengths."
+        )
+    if found.complete and found.infinite:
+        notes.append(f"{found.infinite} of {generic} solutions are at infinity.")
+    return (*notes, *found.doubts)

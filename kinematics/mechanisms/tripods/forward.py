@@ -1,0 +1,322 @@
+"""Forward kinematics: all 16 solutions, 8 in each operation mode, for given limb lengths.
+
+Each mode is solved in closed form by `conics` as complex numbers; only then are the real ones told
+from the others. Solutions come in pairs, mirrored by the plane of the triangle that carries the
+revolute joints: Z changes its sign, the tilt stays, the azimuth turns by π in mode 2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kinematics.answers.solutions import ForwardSolutions, SelfMotion
+from kinematics.homotopy.assembly_sets import positive_lengths
+from kinematics.mechanisms.tripods import conics, posing
+from kinematics.mechanisms.tripods.conics import Complex
+from kinematics.mechanisms.tripods.design import JOINT_SYMBOLS, MODES, TripodDesign, mode_sign
+from kinematics.mechanisms.tripods.inverse import STROKE_SLACK
+from kinematics.mechanisms.tripods.posing import Reduced
+from kinematics.mechanisms.tripods.wrenches import characteristic_length, condition, wrench_system
+from kinematics.screws.spatial import Array, frozen
+
+EXPECTED = 16
+_EACH = 8  # in one operation mode
+_REAL = 1e-9  # largest imaginary part, relative, of what is real but for rounding
+_SAME = 3e-7  # distance, relative, of solutions that are one, seen several times
+_FAR = 1e6  # beyond it a solution is at infinity
+_MISS = 1e-12  # what a solution may leave of the equations, relative
+_CHUNK = 512  # length vectors at a time
+_METHOD = "two conics a mode in closed form, polished"
+
+
+def forward(design: TripodDesign, joints: ArrayLike) -> tuple[ForwardSolutions, ...]:
+    """All assembly modes for each of some vectors of limb lengths.
+
+    Args:
+        joints: (3,) or (..., 3) mm, > 0.
+
+    Returns:
+        One set for each vector, in their order; ``roots`` are Study parameters (8, 16), complex,
+        mode 1 first, mirror pairs next to each other. Lengths beyond a stroke are answered too.
+
+    Raises:
+        InputError: not three finite positive lengths each.
+    """
+    rho = positive_lengths(joints, JOINT_SYMBOLS)
+    answers: list[ForwardSolutions] = []
+    for part in (rho[n : n + _CHUNK] for n in range(0, len(rho), _CHUNK)):
+        began = perf_counter()
+        h = design.revolute_radius / design.spherical_radius
+        scaled = part / design.spherical_radius
+        both: list[list[_Told]] = []
+        for mode in MODES:
+            r = conics.roots(h, mode_sign(mode), scaled)
+            points = np.stack([r.x0, r.x1, r.x2, r.v], axis=-1)
+            sets = [_distinct(*one) for one in zip(points, r.miss, strict=True)]
+            both.append(_told(design, part, mode, sets, r.curve.tolist()))
+        seconds = (perf_counter() - began) / len(part)
+        told = zip(part, both[0], both[1], strict=True)
+        answers += [_answer(design, one, a, b, seconds) for one, a, b in told]
+    return tuple(answers)
+
+
+def mirrored(design: TripodDesign, poses: ArrayLike, mode: str) -> Array:
+    """The other pose of each pair, (..., 3): the same limb lengths, v → −v."""
+    p = posing.read_poses(poses)
+    x0, x1, x2, v = posing.reduce_poses(design, p, mode)
+    return posing.to_poses(design, Reduced(x0, -x1, -x2, -v), mode)
+
+
+# --- inside --------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class _Distinct:
+    """The solutions of one mode: (n, 4) complex, how often each counts, which are real."""
+
+    points: Complex
+    multiplicity: NDArray[np.intp]
+    real: NDArray[np.bool_]
+    everything: Complex
+
+    @property
+    def count(self) -> int:
+        return int(self.multiplicity.sum())
+
+
+def _distinct(points: Complex, miss: Array) -> _Distinct:
+    """Join those that coincide but for rounding; leave out those at infinity."""
+    with np.errstate(invalid="ignore"):
+        size = np.abs(points).max(axis=-1)
+    good = np.isfinite(size) & (size < _FAR) & (miss < _MISS)
+    points = points[good]
+    both = np.stack([points * np.array([s, s, s, 1.0]) for s in (1.0, -1.0)])
+    apart = np.abs(both[:, :, None] - points[None, None]).max(axis=-1).min(axis=0)
+    alike = apart <= _SAME * (1.0 + np.abs(points).max(axis=-1, initial=0.0))
+    left = np.ones(len(points), dtype=bool)
+    joined, counts = [], []
+    for n in range(len(points)):
+        if not left[n]:
+            continue
+        group = np.flatnonzero(alike[n] & left)
+        left[group] = False
+        turn = np.where(
+            np.abs(both[0, group] - points[n]).max(axis=-1)
+            <= np.abs(both[1, group] - points[n]).max(axis=-1),
+            1.0,
+            -1.0,
+        )
+        same = points[group].copy()
+        same[:, :3] *= turn[:, None]
+        joined.append(same.mean(axis=0))
+        counts.append(len(group))
+    one = np.array(joined, dtype=complex).reshape(-1, 4)
+    number = np.array(counts, dtype=np.intp)
+    # The mean of solutions that coincide is far better known than each of them.
+    bound = _REAL * (1.0 + np.abs(one).max(axis=-1, initial=0.0))
+    real = (np.abs(one.imag) <= bound[:, None]).all(axis=-1)
+    return _Distinct(one, number, real, points)
+
+
+@dataclass(frozen=True, slots=True)
+class _Told:
+    """What is known of the solutions of one mode; of the n real ones poses (n, 3) and so on."""
+
+    mode: str
+    found: _Distinct
+    curve: bool
+    poses: Array
+    placed: Array
+    residual: Array
+    condition: Array
+    determinant: Array
+    roots: Complex
+
+
+def _told(
+    design: TripodDesign, rho: Array, mode: str, sets: list[_Distinct], curves: list[bool]
+) -> list[_Told]:
+    """For B length vectors (B, 3) at once, since the arrays of each are short."""
+    radius = design.spherical_radius
+    x0, x1, x2, v = np.concatenate([one.points[one.real].real for one in sets]).T
+    norm = np.sqrt(x0 * x0 + x1 * x1 + x2 * x2)
+    reduced = Reduced(x0 / norm, x1 / norm, x2 / norm, radius * v)
+    poses = posing.to_poses(design, reduced, mode)
+    counts = [int(one.real.sum()) for one in sets]
+    off = posing.limb_lengths(design, poses, mode) - np.repeat(rho, counts, axis=0)
+    a, b, c, d = np.concatenate([one.everything for one in sets]).T
+    roots = posing.to_study(design, Reduced(a, b, c, radius * d), mode)
+    each = [
+        np.split(values, np.cumsum(counts)[:-1])
+        for values in (
+            poses,
+            posing.transform(design, poses, mode),
+            np.abs(off).max(axis=-1, initial=0.0),
+            condition(design, poses, mode),
+            wrench_system(design, poses, mode).determinant,
+        )
+    ]
+    whole = np.split(roots, np.cumsum([len(one.everything) for one in sets])[:-1])
+    return [
+        _Told(mode, one, curve, *parts)
+        for one, curve, *parts in zip(sets, curves, *each, whole, strict=True)
+    ]
+
+
+def _answer(
+    design: TripodDesign, rho: Array, first: _Told, second: _Told, seconds: float
+) -> ForwardSolutions:
+    began = perf_counter()
+    both = (first, second)
+    sets = [told.found for told in both]
+    curve = [told.curve for told in both]
+    modes = tuple(told.mode for told in both for _ in range(len(told.poses)))
+    pose, residual, number, determinant, placed = (
+        np.concatenate([getattr(told, name) for told in both])
+        for name in ("poses", "residual", "condition", "determinant", "placed")
+    )
+    numbers = [one.multiplicity[one.real] for one in sets]
+    roots = [told.roots for told in both]
+    count = sum(one.count for one in sets)
+    complete = count == EXPECTED and not any(curve)
+    complete &= all(_closed(one.everything) for one in sets)
+    motions = _self_motions(design, rho, curve)
+    low, high = design.stroke
+    within = bool(((rho >= low - STROKE_SLACK) & (rho <= high + STROKE_SLACK)).all())
+    arrays = (pose, residual, number, determinant)
+    for array in arrays:
+        array.setflags(write=False)
+    return ForwardSolutions(
+        joints=tuple(rho.tolist()),
+        poses=pose,
+        modes=modes,
+        residual=residual,
+        condition=number,
+        determinant=determinant,
+        within_stroke=frozen(np.full(len(pose), within)),
+        multiplicity=frozen(np.concatenate(numbers)),
+        gap=frozen(_gaps(design, placed)),
+        identities=tuple(range(len(pose))),
+        complex_count=count,
+        expected_count=EXPECTED,
+        complete=complete,
+        method=_METHOD,
+        seconds=seconds + perf_counter() - began,
+        notes=_notes(count, len(pose), motions, number, complete=complete),
+        self_motions=motions,
+        roots=frozen(np.concatenate(roots).T),
+    )
+
+
+def _closed(points: Complex) -> bool:
+    """The conjugate of every solution is a solution."""
+    if not len(points):
+        return True
+    other = np.stack([points * np.array([s, s, s, 1.0]) for s in (1.0, -1.0)]).conj()
+    apart = np.abs(other[:, :, None] - points[None, None]).max(axis=-1).min(axis=(0, 2))
+    return bool((apart <= 1e-6 * (1.0 + np.abs(points).max(axis=-1))).all())
+
+
+def _gaps(design: TripodDesign, placed: Array) -> Array:
+    """(N,) distance of each pose to the nearest other one, mm, angles times h2; inf of a single."""
+    if len(placed) < 2:
+        return np.full(len(placed), np.inf)
+    apart = _apart(design, placed, placed)
+    np.fill_diagonal(apart, np.inf)
+    return np.asarray(apart.min(axis=1))
+
+
+def distances(
+    design: TripodDesign,
+    poses: Array,
+    modes: tuple[str, ...],
+    others: Array,
+    other_modes: tuple[str, ...],
+) -> Array:
+    """(N, M) mm: √(|ΔO′|² + (h2 · angle)²) between all poses of two sets, whatever their modes."""
+    a, b = posing.transform(design, poses, modes), posing.transform(design, others, other_modes)
+    return _apart(design, a, b)
+
+
+def _apart(design: TripodDesign, a: Array, b: Array) -> Array:
+    shift = np.linalg.norm(a[:, None, :3, 3] - b[None, :, :3, 3], axis=-1)
+    # |R1 − R2| = 2 √2 sin(angle/2), which is exact for small angles too.
+    turn = np.linalg.norm(a[:, None, :3, :3] - b[None, :, :3, :3], axis=(-1, -2))
+    angle = 2.0 * np.arcsin(np.clip(turn / np.sqrt(8.0), 0.0, 1.0))
+    return np.asarray(np.hypot(shift, characteristic_length(design) * angle))
+
+
+def _self_motions(design: TripodDesign, rho: Array, curve: list[bool]) -> tuple[SelfMotion, ...]:
+    """Equal limbs where the spherical triangle is twice the revolute one leave a curve free.
+
+    There r² = D0 for all limbs wherever v = −k Im ζ³/x0 and (E + k²) q − E = k² (Re ζ³)²,
+    E = D0 − (k − h)², k = 2 h. The pose given has Re ζ³ = 0.
+    """
+    found = []
+    for mode, free in zip(MODES, curve, strict=True):
+        k, h = mode_sign(mode) * design.spherical_radius, design.revolute_radius
+        e = float((rho**2).mean()) - (k - h) ** 2
+        if not free or e <= 0.0:
+            continue
+        q = e / (e + k * k)
+        s = float(np.sqrt(q))
+        azimuth = np.pi / 6.0
+        x0 = float(np.sqrt(1.0 - q))
+        lift = -k * s**3 / x0
+        reduced = Reduced(
+            np.array(x0),
+            np.array(s * np.cos(azimuth)),
+            np.array(s * np.sin(azimuth)),
+            np.array(lift),
+        )
+        pose = posing.to_poses(design, reduced, mode)
+        found.append(
+            SelfMotion(
+                tuple(pose.tolist()),
+                mode,
+                free_direction(design, pose, mode),
+                "With three equal limbs and a triangle of spherical joints twice as large as that "
+                f"of the revolute ones, the platform stays free in operation mode {mode} although "
+                "all actuators are locked.",
+            )
+        )
+    return tuple(found)
+
+
+def free_direction(design: TripodDesign, pose: Array, mode: str) -> tuple[float, ...]:
+    """d(Z, θ, φ) of unit length, angles times h2, that changes the limb lengths least."""
+    length = characteristic_length(design)
+    step = 1e-6
+    scale = np.array([length, 1.0, 1.0]) * step
+    up, down = (
+        posing.limb_lengths(design, pose + sign * np.diag(scale), mode) for sign in (1.0, -1.0)
+    )
+    slopes = (up - down).T / (2.0 * scale) / np.array([1.0, length, length])
+    direction = np.linalg.svd(slopes)[2][-1] / np.array([1.0, length, length])
+    return tuple(float(v) for v in direction)
+
+
+def _notes(
+    count: int,
+    real: int,
+    motions: tuple[SelfMotion, ...],
+    number: Array,
+    *,
+    complete: bool,
+) -> tuple[str, ...]:
+    notes = [motion.text for motion in motions]
+    if count < EXPECTED and not motions:
+        notes.append(
+            f"{EXPECTED - count} of {EXPECTED} solutions are at infinity for these lengths."
+        )
+    elif not complete and not motions:
+        notes.append("Solutions nearly coincide, so that they may not be told apart rightly.")
+    if complete and not real:
+        notes.append("There is no real solution: the limbs cannot be assembled with these lengths.")
+    if (~np.isfinite(number)).any():
+        notes.append("Some solutions are singular: the platform is not held there.")
+    return tuple(notes)

@@ -1,0 +1,236 @@
+"""Poses (Z, tilt, azimuth) of both machines, and the one form in which both are solved.
+
+In operation mode 2 the platform's quaternion is (c, s cos φ, s sin φ, 0), c, s = cos, sin θ/2, and
+its torsion is zero; in mode 1 it is (0, s sin φ, −s cos φ, c), which is the same turned by π about
+the platform's normal: R u_i of mode 1 is −R u_i of mode 2. So with k = ±h of the spherical joints
+(σ = −1 in mode 1) both modes share their formulas.
+
+A 3-SPR is a 3-RPS held by its platform: its poses are the inverses of those of the 3-RPS with
+base and platform exchanged. `Reduced` is the pose of the triangle with the spherical joints as the
+triangle with the revolute joints sees it. With ζ = x1 + i x2, u = e^{iα_i} and q = |ζ|², the
+spherical joint i stands, seen from the revolute one i, at
+
+    p_i = 2 k Re(ζ² u) + k x0² − h  outwards and  z_i = v + 2 k x0 Im(ζ̄ u)  upwards,
+
+and r_i² = p_i² + z_i², since the limb stays in its plane. Lengths mm, angles rad.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kinematics.errors import InputError
+from kinematics.mechanisms.tripods import study
+from kinematics.mechanisms.tripods.design import (
+    AZIMUTHS,
+    LIMBS,
+    RADIAL,
+    TANGENT,
+    TripodDesign,
+    mode_sign,
+)
+from kinematics.mechanisms.tripods.study import Values
+from kinematics.screws.spatial import Array, finite, homogeneous
+
+POSE = 3
+"""Z (mm), tilt θ and azimuth φ (rad) of the axis about which the platform is tilted."""
+
+_COS, _SIN = np.cos(AZIMUTHS), np.sin(AZIMUTHS)
+
+
+class Reduced(NamedTuple):
+    """The spherical triangle seen from the revolute one, as zero-torsion form and altitude.
+
+    Attributes:
+        x0, x1, x2: (...,) with x0² + x1² + x2² = 1; both signs are the same pose.
+        v: (...,) mm, the altitude of its centre.
+    """
+
+    x0: Values
+    x1: Values
+    x2: Values
+    v: Values
+
+
+# --- between the forms ---------------------------------------------------------------------
+
+
+def read_poses(poses: ArrayLike) -> Array:
+    """Poses (..., 3) as finite numbers.
+
+    Raises:
+        InputError: they are not.
+    """
+    return finite(poses, name="a pose", last=POSE)
+
+
+def quaternion(poses: Array, mode: str) -> Array:
+    """(..., 4) of length one, the paper's x (eq. 15 with the torsion of the mode)."""
+    half = 0.5 * poses[..., 1]
+    c, s = np.cos(half), np.sin(half)
+    x1, x2 = s * np.cos(poses[..., 2]), s * np.sin(poses[..., 2])
+    zero = np.zeros_like(c)
+    parts = (c, x1, x2, zero) if mode_sign(mode) > 0 else (zero, x2, -x1, c)
+    return np.stack(parts, axis=-1)
+
+
+def reduce_poses(design: TripodDesign, poses: Array, mode: str) -> Reduced:
+    """(Z, θ, φ) → the reduced form. Infinite or NaN v: no finite position has this altitude.
+
+    Of a 3-SPR, Z = h1 s² sin θ sin 3φ − v cos θ: at θ = 90° the altitude is no longer free.
+    """
+    z, tilt, azimuth = (poses[..., n] for n in range(POSE))
+    c, s = np.cos(0.5 * tilt), np.sin(0.5 * tilt)
+    if design.revolute_on_base:
+        return Reduced(c, s * np.cos(azimuth), s * np.sin(azimuth), z)
+    sign = -mode_sign(mode)  # the inverse of mode 2 has its axis turned round
+    lift = design.base_radius * s * s * np.sin(tilt) * np.sin(3.0 * azimuth) - z
+    cosine = np.cos(tilt)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        v = np.where(np.abs(cosine) < LEVEL, np.nan, lift / cosine)
+    return Reduced(c, sign * s * np.cos(azimuth), sign * s * np.sin(azimuth), v)
+
+
+ASIDE = 1e-8
+"""rad: there the pose is as wrong by its tilt as its position is by rounding, some 1e-6 mm."""
+LEVEL = 1e-12
+"""|cos θ| below which the altitude of a 3-SPR says nothing of where it is."""
+
+
+def to_study(design: TripodDesign, reduced: Reduced, mode: str) -> Values:
+    """The Study parameters (..., 8) of the platform's pose; complex for complex ones."""
+    x0, x1, x2, v = reduced
+    zero = np.zeros_like(x0 * x1)
+    k = mode_sign(mode) * design.spherical_radius
+    parts = (x0, x1, x2, zero) if mode_sign(mode) > 0 else (zero, x2, -x1, x0)
+    x = np.stack(np.broadcast_arrays(*parts), axis=-1)
+    place = np.stack(
+        np.broadcast_arrays(k * (x1 * x1 - x2 * x2), -2.0 * k * x1 * x2, v + zero), axis=-1
+    )
+    found = study.with_translation(x, place)
+    return found if design.revolute_on_base else study.inverse(found)
+
+
+def to_poses(design: TripodDesign, reduced: Reduced, mode: str) -> Array:
+    """Real reduced poses → (..., 3): Z, tilt in [0, π], azimuth in (−π, π].
+
+    At a tilt of 90° these three say nothing of where along its normal the platform of a 3-SPR
+    stands, which they do as little as `ASIDE` from it: there the pose next to it is given.
+    """
+    x0, x1, x2, v = (np.asarray(part, dtype=float) for part in reduced)
+    # x and −x are one pose; at a tilt of π, where that is one orientation seen from both sides,
+    # the azimuth is the one in (−90°, 90°].
+    flip = (x0 < 0.0) | ((x0 == 0.0) & ((x1 < 0.0) | ((x1 == 0.0) & (x2 < 0.0))))
+    sign = np.where(flip, -1.0, 1.0)
+    s = np.hypot(x1, x2)
+    tilt = 2.0 * np.arctan2(s, sign * x0)
+    sign = np.where((x0 == 0.0) | design.revolute_on_base, sign, -mode_sign(mode) * sign)
+    azimuth = np.where(s > 0.0, np.arctan2(sign * x2, sign * x1), 0.0)
+    azimuth = np.where(azimuth <= -np.pi, np.pi, azimuth)
+    z = v
+    if not design.revolute_on_base:
+        off = tilt - 0.5 * np.pi
+        near = 0.5 * np.pi + np.where(off < 0.0, -ASIDE, ASIDE)
+        tilt = np.where(np.abs(off) < ASIDE, near, tilt)
+        s = np.sin(0.5 * tilt)
+        lift = design.base_radius * s * s * np.sin(tilt) * np.sin(3.0 * azimuth)
+        z = lift - v * np.cos(tilt)
+    return np.stack(np.broadcast_arrays(z, tilt, azimuth), axis=-1)
+
+
+def positions(design: TripodDesign, poses: Array, mode: str) -> Array:
+    """O′ (..., 3), mm: X and Y are parasitic motions, Z is the pose's.
+
+    Where no finite position has this altitude, above the base's centre, so that it can be drawn.
+    """
+    found = study.translation(to_study(design, reduce_poses(design, poses, mode), mode))
+    found = np.where(np.isfinite(found), found, 0.0)
+    found[..., 2] = poses[..., 0]
+    return np.asarray(found, dtype=float)
+
+
+def transform(design: TripodDesign, poses: ArrayLike, mode: str | Sequence[str]) -> Array:
+    """From platform to base coordinates: poses (..., 3) → (..., 4, 4); see `positions`.
+
+    Args:
+        mode: one for all poses, or one for each of (N, 3).
+    """
+    p = read_poses(poses)
+    if not isinstance(mode, str):
+        if p.ndim != 2 or len(p) != len(mode):
+            raise InputError(f"{len(mode)} modes need as many poses, got an array {p.shape}")
+        each = np.array(mode)
+        found = np.empty((len(p), 4, 4))
+        for one in sorted(set(mode)):
+            found[each == one] = transform(design, p[each == one], one)
+        return found
+    return homogeneous(study.rotation(quaternion(p, mode)), positions(design, p, mode))
+
+
+def pose_from_transform(
+    design: TripodDesign, matrix: ArrayLike, mode: str
+) -> tuple[float, float, float]:
+    """The pose of a mode with the given altitude and the nearest orientation.
+
+    X and Y follow from the three coordinates, so those of ``matrix`` are left out of account. Of
+    the orientations of the mode the one nearest in the Frobenius norm is taken.
+
+    Raises:
+        InputError: not 4x4, or its upper left part is not a rotation (to 1e-3).
+    """
+    m = finite(matrix, name="a transform", last=4)
+    if m.shape != (4, 4):
+        raise InputError("a transform must be a 4x4 matrix")
+    r = m[:3, :3]
+    if np.abs(r @ r.T - np.eye(3)).max() > 1e-3 or np.linalg.det(r) < 0:
+        raise InputError("the upper left 3x3 part of a transform must be a rotation")
+    x = study.from_rotation(r)
+    kept = x[[0, 1, 2]] if mode_sign(mode) > 0 else np.array([x[3], -x[2], x[1]])
+    c, x1, x2 = kept if np.abs(kept).max() > 1e-9 else np.array([1.0, 0.0, 0.0])
+    if c < 0.0:
+        c, x1, x2 = -c, -x1, -x2
+    s = float(np.hypot(x1, x2))
+    azimuth = float(np.arctan2(x2, x1)) if s > 0.0 else 0.0
+    return float(m[2, 3]), float(2.0 * np.arctan2(s, c)), azimuth
+
+
+# --- limbs ---------------------------------------------------------------------------------
+
+
+def offsets(h: float, k: Values | float, reduced: Reduced) -> tuple[Values, Values]:
+    """p_i outwards and z_i upwards from revolute joint i to spherical joint i, (..., 3) mm each."""
+    x0, x1, x2, v = (np.asarray(part)[..., None] for part in reduced)
+    outward = 2.0 * k * ((x1 * x1 - x2 * x2) * _COS - 2.0 * x1 * x2 * _SIN) + k * x0 * x0 - h
+    upward = v + 2.0 * k * x0 * (x1 * _SIN - x2 * _COS)
+    return outward, upward
+
+
+def limb_lengths(design: TripodDesign, poses: Array, mode: str) -> Array:
+    """r_i (..., 3), mm; NaN where no finite position has this altitude."""
+    k = mode_sign(mode) * design.spherical_radius
+    p, z = offsets(design.revolute_radius, k, reduce_poses(design, poses, mode))
+    return np.hypot(p, z)
+
+
+def joint_points(design: TripodDesign, poses: Array, mode: str) -> tuple[Array, Array]:
+    """A_i and B_i in the base frame, (..., 3, 3) mm each."""
+    b = placed(transform(design, poses, mode), design.platform_radius * RADIAL)
+    return np.broadcast_to(design.base_radius * RADIAL, b.shape).copy(), b
+
+
+def revolute_axes(design: TripodDesign, poses: Array, mode: str) -> Array:
+    """s_i in the base frame, (..., 3, 3): at rest (3-RPS), or turned with the platform (3-SPR)."""
+    if design.revolute_on_base:
+        return np.broadcast_to(TANGENT, (*poses.shape[:-1], LIMBS, 3))
+    turned: Array = TANGENT @ study.rotation(quaternion(poses, mode)).swapaxes(-1, -2)
+    return turned
+
+
+def placed(matrix: Array, points: Array) -> Array:
+    """Points (N, 3) of a frame, seen from outside: (..., 4, 4) → (..., N, 3)."""
+    turned: Array = points @ matrix[..., :3, :3].swapaxes(-1, -2)
+    return turned + matrix[..., None, :3, 3]

@@ -1,0 +1,108 @@
+"""Study parameters (x0 … x3, y0 … y3) of a displacement, in and out (Nayak et al. 2017, eq. 2).
+
+The x are the quaternion of the rotation, normed to length one, and Σ x_i y_i = 0 (eqs. 3 and 8).
+Arrays may be complex: a rotation is then complex too. Lengths mm.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kinematics.errors import InputError
+from kinematics.screws.spatial import Array, finite
+
+Values = NDArray[Any]
+"""Real or complex numbers."""
+
+
+def rotation(x: Values) -> Values:
+    """The rotational part of eq. 2: x (..., 4), of length one → (..., 3, 3)."""
+    x0, x1, x2, x3 = (x[..., n] for n in range(4))
+    rows = [
+        [x0 * x0 + x1 * x1 - x2 * x2 - x3 * x3, 2 * (x1 * x2 - x0 * x3), 2 * (x0 * x2 + x1 * x3)],
+        [2 * (x0 * x3 + x1 * x2), x0 * x0 - x1 * x1 + x2 * x2 - x3 * x3, 2 * (x2 * x3 - x0 * x1)],
+        [2 * (x1 * x3 - x0 * x2), 2 * (x0 * x1 + x2 * x3), x0 * x0 - x1 * x1 - x2 * x2 + x3 * x3],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def translation(study: Values) -> Values:
+    """The translational part of eq. 2: (..., 8) → (..., 3)."""
+    x, y = study[..., :4], study[..., 4:]
+    # 2 E(x) y of `with_translation`, whose rows are orthogonal.
+    return np.stack([2.0 * (row * y).sum(axis=-1) for row in _rows(x)], axis=-1)
+
+
+def with_translation(x: Values, position: Values) -> Values:
+    """The Study parameters of a rotation x (..., 4) and a translation (..., 3): (..., 8).
+
+    Eq. 2 and eq. 3 are four equations in y whose rows are orthogonal, of length 2 and 1.
+    """
+    one, two, three = _rows(x)
+    y = 0.5 * (position[..., 0:1] * one + position[..., 1:2] * two + position[..., 2:3] * three)
+    return np.concatenate(np.broadcast_arrays(x, y), axis=-1)
+
+
+def _rows(x: Values) -> tuple[Values, Values, Values]:
+    x0, x1, x2, x3 = (x[..., n] for n in range(4))
+    return (
+        np.stack([x1, -x0, x3, -x2], axis=-1),
+        np.stack([x2, -x3, -x0, x1], axis=-1),
+        np.stack([x3, x2, -x1, -x0], axis=-1),
+    )
+
+
+def inverse(study: Values) -> Values:
+    """The inverse displacement: the conjugate of the dual quaternion, (..., 8) → (..., 8)."""
+    turned: Values = study * np.array([1.0, -1.0, -1.0, -1.0] * 2)
+    return turned
+
+
+def to_transform(study: ArrayLike) -> Array:
+    """4x4 matrices of real Study parameters (..., 8) of any length but zero.
+
+    Raises:
+        InputError: not finite, x = 0, or off the Study quadric by more than 1e-6 of their size.
+    """
+    values = finite(study, name="the Study parameters", last=8)
+    square = (values[..., :4] ** 2).sum(axis=-1)
+    if (square == 0.0).any():
+        raise InputError("the Study parameters x0 … x3 must not all be zero")
+    off = np.abs((values[..., :4] * values[..., 4:]).sum(axis=-1))
+    size = np.linalg.norm(values[..., :4], axis=-1) * np.linalg.norm(values[..., 4:], axis=-1)
+    if (off > 1e-6 * size).any():
+        raise InputError("the Study parameters must satisfy x0 y0 + x1 y1 + x2 y2 + x3 y3 = 0")
+    values = values / np.sqrt(square)[..., None]
+    matrix = np.zeros((*values.shape[:-1], 4, 4))
+    matrix[..., :3, :3] = rotation(values[..., :4])
+    matrix[..., :3, 3] = translation(values)
+    matrix[..., 3, 3] = 1.0
+    return matrix
+
+
+def from_rotation(matrix: ArrayLike) -> Array:
+    """The unit quaternion (..., 4) of rotations (..., 3, 3), the largest entry positive."""
+    r = np.asarray(matrix, dtype=float)
+    # 4 x xᵀ, of which the row with the largest diagonal is well conditioned.
+    d0, d1, d2 = (r[..., n, n] for n in range(3))
+    outer = np.empty((*r.shape[:-2], 4, 4))
+    diagonal = (1 + d0 + d1 + d2, 1 + d0 - d1 - d2, 1 - d0 + d1 - d2, 1 - d0 - d1 + d2)
+    for n, value in enumerate(diagonal):
+        outer[..., n, n] = value
+    pairs = {
+        (0, 1): r[..., 2, 1] - r[..., 1, 2],
+        (0, 2): r[..., 0, 2] - r[..., 2, 0],
+        (0, 3): r[..., 1, 0] - r[..., 0, 1],
+        (1, 2): r[..., 1, 0] + r[..., 0, 1],
+        (1, 3): r[..., 0, 2] + r[..., 2, 0],
+        (2, 3): r[..., 2, 1] + r[..., 1, 2],
+    }
+    for (i, j), value in pairs.items():
+        outer[..., i, j] = outer[..., j, i] = value
+    largest = np.argmax(np.stack(diagonal, axis=-1), axis=-1)
+    row = np.take_along_axis(outer, largest[..., None, None], axis=-2)[..., 0, :]
+    unit: Array = row / np.linalg.norm(row, axis=-1, keepdims=True)
+    return unit

@@ -1,0 +1,192 @@
+"""Singularities, clearances, remedies, home and drawing of the five-bar."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from kinematics.mechanism import mechanism
+from kinematics.mechanisms.five_bar import curves, inverse, singularities, workspace
+from tests.kinematics.mechanisms.five_bar.conftest import (
+    BOTH,
+    EMPTY,
+    MACHINES,
+    PAPER,
+    RANGED,
+    UNLIKE,
+)
+
+M = mechanism("five_bar")
+
+
+def test_a_parallel_singularity_is_named_with_its_free_motion() -> None:
+    at = M.posture(PAPER, (0.0, 415.69219381653056), "+-")
+    (found,) = M.singularities(PAPER, at)
+    assert found.kind == "parallel"
+    assert found.cause == "B₁, P and B₂ are in line"
+    np.testing.assert_allclose(np.abs(found.motion), [0.0, 1.0], atol=1e-6)
+    assert not M.singularities(PAPER, M.posture(PAPER, (0.0, 700.0), "+-"))
+    near = M.posture(PAPER, (0.0, 416.0), "+-")
+    assert not M.singularities(PAPER, near)
+    assert M.singularities(PAPER, near, 0.02)
+
+
+def test_serial_ones_and_a_self_motion() -> None:
+    (stretched,) = M.singularities(PAPER, M.posture(PAPER, (720.0, 0.0), "+-"))
+    assert stretched.kind == "serial"
+    assert stretched.limbs == (1,)
+    folded = M.singularities(PAPER, M.posture(PAPER, (-240.0, 0.0), "++"))
+    assert folded[0].cause == "limb 1 is folded onto its base"
+    (loop, *_) = [each for each in curves.loops(PAPER) if each.kind == "circle"]
+    p, q = loop.points(0.4)
+    at = M.posture(PAPER, p.tolist(), inverse.mode_of(PAPER, p, q)[0])
+    assert [each.kind for each in M.singularities(PAPER, at)] == ["self-motion"]
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_clearances_are_the_nearest_of_dense_samples(name: str) -> None:
+    design = MACHINES[name]
+    rng = np.random.default_rng(8)
+    told = 0
+    for _ in range(25):
+        p = rng.uniform(-600.0, 600.0, 2)
+        at = M.posture(design, p.tolist(), inverse.MODES[rng.integers(4)])
+        found = M.clearances(design, at)
+        if not at.reachable:
+            assert found == ()
+            continue
+        told += 1
+        assert [c.distance for c in found] == sorted(c.distance for c in found)
+        for c in found:
+            assert np.hypot(*(np.array(c.point[:2]) - p)) == pytest.approx(c.distance)
+        points = [
+            curves.sampled(piece, 2.0)[0]
+            for piece in curves.pieces(design)
+            if piece.mode == at.mode
+        ]
+        least = min((np.hypot(*(each - p).T).min() for each in points), default=np.inf)
+        parallel = [c.distance for c in found if c.kind == "parallel"]
+        assert len(parallel) == (1 if np.isfinite(least) else 0)
+        if parallel:
+            assert least - 1.1 <= parallel[0] <= least + 1e-9
+        rim = [
+            edge.point(s)
+            for loop in workspace.loops(design, (at.mode,))
+            for edge in loop
+            for s in np.linspace(0.0, 1.0, 200)
+        ]
+        (edge,) = [c for c in found if c.kind == "boundary"]
+        nearest = min(float(np.hypot(*(each - p))) for each in rim)
+        assert nearest - 8.0 <= edge.distance <= nearest + 1e-9
+    assert told > 3
+    quick = M.clearances(PAPER, M.home(PAPER), singular=False)
+    assert "parallel" not in {c.kind for c in quick}
+
+
+def test_ranges_have_clearances_of_their_own() -> None:
+    kinds = {(c.kind, c.limb) for c in M.clearances(BOTH, M.posture(BOTH, (0.0, 700.0), "+-"))}
+    assert ("stroke", 1) in kinds
+    assert ("mode", 2) in kinds
+
+
+@pytest.mark.parametrize(
+    ("design", "pose", "mode"),
+    [
+        (PAPER, (300.0, 900.0), "+-"),
+        (PAPER, (0.0, 2000.0), "--"),
+        (UNLIKE, (-240.0, 100.0), "++"),
+        (UNLIKE, (260.0, 20.0), "+-"),
+        (RANGED, (-100.0, 300.0), "-+"),
+        (RANGED, (-600.0, -600.0), "-+"),
+    ],
+)
+def test_the_way_back_in(design: object, pose: tuple[float, float], mode: str) -> None:
+    at = M.posture(design, pose, mode)
+    found = M.remedy(design, at)
+    assert found.nearest is not None
+    assert found.nearest.reachable
+    assert found.nearest.mode == mode
+    gone = float(np.hypot(*np.subtract(found.nearest.pose, pose)))
+    assert found.distance == pytest.approx(gone)
+    rng = np.random.default_rng(2)  # nothing nearer can be held
+    angle = rng.uniform(0.0, 2 * np.pi, 4000)
+    reach = found.distance * (1.0 - 1e-4) * np.sqrt(rng.uniform(0.0, 1.0, 4000))
+    ring = np.array(pose) + reach[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    assert not inverse.inside(design, ring, (mode,)).any()
+    assert found.changes
+    for changes in found.changes:
+        changed = design
+        for change in changes:
+            changed = M.with_field(changed, change.path, change.after)
+            assert change.text
+        assert M.posture(changed, pose, mode).reachable
+    for other in found.modes:
+        assert M.posture(design, pose, other).reachable
+
+
+def test_no_way_back_where_nothing_is_reached() -> None:
+    found = M.remedy(EMPTY, M.posture(EMPTY, (0.0, 0.0), "+-"))
+    assert found.nearest is None
+    assert "common place" in found.text
+    fine = M.remedy(PAPER, M.home(PAPER))
+    assert fine.distance == 0.0
+    assert not fine.changes
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_home_is_held_and_far_from_singularities(name: str) -> None:
+    design = MACHINES[name]
+    home = M.home(design)
+    assert home.reachable
+    assert home.mode == "+-"
+    assert float(M.measure(design, home.pose, home.mode, "transmission")) > 0.3
+    for value, c in zip(home.pose, M.pose_coordinates(design), strict=True):
+        assert c.lower <= value <= c.upper
+
+
+def test_home_of_nothing_is_still_a_posture() -> None:
+    home = M.home(EMPTY)
+    assert not home.reachable
+    assert M.drawing(EMPTY, home).bars
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_drawings_have_links_of_their_lengths(name: str) -> None:
+    design = MACHINES[name]
+    for pose in ((0.0, 500.0), (100.0, 300.0), (0.0, 5000.0)):
+        at = M.posture(design, pose, "+-")
+        drawn = M.drawing(design, at)
+        bars = {bar.name: bar for bar in drawn.bars}
+        assert len(bars) == len(drawn.bars)
+        for i, limb in enumerate(design.limbs):
+            for part, length in (("proximal", limb.proximal), ("link", limb.distal)):
+                bar = bars[f"limb{i + 1}/{part}"]
+                assert bar.start[2] == bar.end[2] > 0.0
+                assert np.linalg.norm(np.subtract(bar.end, bar.start)) == pytest.approx(length)
+            assert (f"limb{i + 1}/gap" in bars) == (not np.isfinite(at.joints[i]))
+            assert (f"limb{i + 1}/min" in bars) == (limb.joint_range_deg is not None)
+        heights = [bars[f"limb{i}/{p}"].start[2] for i in (1, 2) for p in ("proximal", "link")]
+        assert len(set(heights)) == 4  # the links pass one another
+        assert all(np.isfinite([*bar.start, *bar.end]).all() for bar in drawn.bars)
+
+
+def test_what_is_said_of_it() -> None:
+    for topic in (
+        "move",
+        "mode",
+        "solutions",
+        "workspace",
+        "singularities",
+        "trajectory",
+        "design",
+    ):
+        assert M.about(topic)
+    assert "cannot be reproduced" in M.about("trajectory")
+    assert M.about("map") == ""
+
+
+def test_distances_of_many_points() -> None:
+    found = singularities.parallel_distance(
+        PAPER, "+-", np.array([[0.0, 415.69219381653056 + 5.0]])
+    )
+    assert found[0] == pytest.approx(5.0, abs=1e-6)

@@ -1,0 +1,36 @@
+"""Designs, and how far postures are apart, for all tests of the 5-RPUR."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from kinematics.answers.solutions import Posture
+from kinematics.designs.files import load_design
+from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
+
+
+def preset(name: str) -> FiveRPURDesign:
+    design = load_design(name)
+    assert isinstance(design, FiveRPURDesign)
+    return design
+
+
+def of_forward_case(case: Any) -> FiveRPURDesign:
+    """The machine of a case of rpur_forward.json, which has no strokes."""
+    rows = zip(case["r"], case["s_prime"], case["l"], strict=True)
+    return FiveRPURDesign(tuple(Limb(tuple(r), tuple(s), l_, (250.0, 400.0)) for r, s, l_ in rows))
+
+
+def of_volume_case(case: Any) -> FiveRPURDesign:
+    """The machine of a case of volumes.json."""
+    rows = zip(case["r"], case["s"], case["l"], case["rho_min"], case["rho_max"], strict=True)
+    return FiveRPURDesign(tuple(Limb(tuple(r), tuple(s), l_, (a, b)) for r, s, l_, a, b in rows))
+
+
+def distance(one: Posture, two: Posture) -> float:
+    """mm; angles at 100 mm."""
+    gap = np.subtract(one.pose, two.pose)
+    gap[3:] = (gap[3:] + np.pi) % (2 * np.pi) - np.pi
+    return float(np.abs(gap * [1, 1, 1, 100, 100]).max())

@@ -1,0 +1,162 @@
+"""The kernel compiled and in plain Python: the same numbers, and nobody waits for a compiler."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from kinematics.designs.files import load_design
+from kinematics.mechanisms.five_rpur.maps import map_cells
+from kinematics.mechanisms.five_rpur.section import section
+from kinematics.mechanisms.five_rpur.slicing import acceleration, boundary, measures, tracing
+from kinematics.mechanisms.five_rpur.volume import volume
+
+MEASURED = """
+import json, sys
+from kinematics.designs.files import load_design
+from kinematics.mechanisms.five_rpur.section import section
+from kinematics.mechanisms.five_rpur.slicing import acceleration
+from kinematics.mechanisms.five_rpur.volume import volume
+design = load_design("rpur-table1")
+cuts = [section(design, 0.3, -0.2, x) for x in (-150.0, 40.0, 210.0)]
+exact = volume(design, 0.3, -0.2, ["+-+-+"], relative=1e-2)
+print(json.dumps({
+    "areas": [cut.area for cut in cuts],
+    "sweeps": [cut.sweep.tolist() for cut in cuts],
+    "volume": exact.value, "pieces": exact.pieces,
+    "compiled": acceleration.is_compiled(), "numba": "numba" in sys.modules,
+}))
+"""
+
+
+def run(code, **environment):
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=150,
+    )
+    return json.loads(done.stdout)
+
+
+@pytest.mark.usefixtures("compiled")
+def test_plain_python_gives_the_same():
+    plain = run(MEASURED, NUMBA_DISABLE_JIT="1")
+    assert not plain["compiled"]
+    design = load_design("rpur-table1")
+    cuts = [section(design, 0.3, -0.2, x) for x in (-150.0, 40.0, 210.0)]
+    exact = volume(design, 0.3, -0.2, ["+-+-+"], relative=1e-2)
+    assert acceleration.is_compiled()
+    assert plain["areas"] == pytest.approx([cut.area for cut in cuts], rel=1e-12)
+    for told, cut in zip(plain["sweeps"], cuts, strict=True):
+        assert told == pytest.approx(cut.sweep.tolist(), abs=1e-9)
+    assert plain["volume"] == pytest.approx(exact.value, rel=1e-12)
+    assert plain["pieces"] == pytest.approx(exact.pieces, rel=1e-12)
+
+
+def test_a_section_never_waits_for_the_compiler(tmp_path):
+    code = """
+import json, sys
+from kinematics.designs.files import load_design
+from kinematics.mechanisms.five_rpur.section import section
+cut = section(load_design("rpur-table1"), 0.0, 0.0, 50.0)
+print(json.dumps({"area": cut.area, "numba": "numba" in sys.modules}))
+"""
+    told = run(code, XDG_CACHE_HOME=str(tmp_path))
+    assert list(tmp_path.rglob("*.nb?")) == []
+    assert told["area"] == pytest.approx(46_318.5898, rel=1e-8)
+    assert not told["numba"]
+
+
+@pytest.mark.usefixtures("compiled")
+def test_nothing_is_compiled_a_second_time_in_ordinary_use():
+    design = load_design("rpur-table2")
+    section(design, 0.1, 0.2, 30.0, ["+++++", "-----"])
+    volume(design, 0.1, 0.2, relative=1e-3)
+    volume(design, 0.1, 0.2, ["+++++"], relative=1e-3, between=(0.0, 50.0))
+    map_cells(design, [[0.0, 0.0, 0.0, 0.1, 0.2]], ("+++++",), ("volume", "pieces", "stroke"))
+    section(design, 0.1, 0.2, 1e6)
+    for modes in ((), ("+++++", "--+-+", "+-+++")):
+        volume(design, 0.1, 0.2, modes, relative=1e-3)
+    for function in (
+        measures.measure,
+        measures.strokes,
+        boundary.outline,
+        boundary.describe,
+        tracing.trace,
+    ):
+        assert len(function.signatures) == 1, function
+
+
+BROKEN = {
+    "at once": "def njit(function, **options): raise numba.NumbaError('no')",
+    "when called": """
+def njit(function, **options):
+    def call(*arguments): raise numba.NumbaError('no')
+    return call
+""",
+}
+
+
+@pytest.mark.parametrize("when", BROKEN)
+def test_a_numba_that_cannot_is_done_without(when, tmp_path):
+    code = f"""
+import json, numba
+{BROKEN[when]}
+numba.njit = njit
+from kinematics.designs.files import load_design
+from kinematics.mechanisms.five_rpur.section import section
+from kinematics.mechanisms.five_rpur.slicing import acceleration
+prepared = acceleration.prepare()
+cut = section(load_design("rpur-table1"), 0.0, 0.0, 50.0)
+print(json.dumps([prepared, acceleration.prepare(), acceleration.is_compiled(), cut.area]))
+"""
+    *compiled, area = run(code, XDG_CACHE_HOME=str(tmp_path))
+    assert compiled == [False, False, False]
+    assert area == pytest.approx(46_318.5898, rel=1e-8)
+
+
+@pytest.mark.parametrize("when", BROKEN)
+def test_a_volume_does_without_a_numba_that_cannot(when, tmp_path):
+    """A volume is worth compiling for, whoever asks first."""
+    code = f"""
+import json, numba
+{BROKEN[when]}
+numba.njit = njit
+from kinematics.designs.files import load_design
+from kinematics.mechanisms.five_rpur.slicing import acceleration
+from kinematics.mechanisms.five_rpur.volume import volume
+exact = volume(load_design("rpur-table1"), 0.0, 0.0, ["+-+-+"], relative=0.1)
+print(json.dumps([acceleration.is_compiled(), exact.value, exact.error, list(exact.pieces)]))
+"""
+    compiled, value, error, pieces = run(code, XDG_CACHE_HOME=str(tmp_path))
+    assert not compiled
+    exact = volume(load_design("rpur-table1"), 0.0, 0.0, ("+-+-+",))
+    assert abs(value - exact.value) <= error + exact.error
+    assert sum(pieces) == pytest.approx(value)
+
+
+def test_what_is_kept_is_told_apart_by_its_place(root, tmp_path):
+    """numba finds what it has compiled by the file's path and date: another copy has nothing."""
+    copy = tmp_path / "copy"
+    for name in ("kinematics", "assets"):
+        shutil.copytree(root / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
+    code = """
+import json, sys
+sys.path.insert(0, {!r})
+from kinematics.mechanisms.five_rpur.slicing import acceleration
+print(json.dumps(str(acceleration._folder())))
+"""
+    here, again, there = (
+        run(code.format(str(place)), XDG_CACHE_HOME=str(tmp_path)) for place in (root, root, copy)
+    )
+    assert here == again != there
+    assert Path(here).is_relative_to(tmp_path)

@@ -1,0 +1,228 @@
+"""All assembly modes of the 4-SPS + 1-SPR: the reference cases, counts, completeness, identities.
+
+The cases in reference/sps_spr_forward.json were computed outside this project.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from kinematics.errors import InputError
+from kinematics.mechanisms.four_sps_spr import inverse
+from kinematics.mechanisms.four_sps_spr.forward import monodromy
+from kinematics.mechanisms.four_sps_spr.forward.assembly import forward, pose_distances
+from kinematics.mechanisms.four_sps_spr.forward.equations import (
+    Frame,
+    conjugate,
+    from_transforms,
+    marks,
+    parameters,
+    polish,
+    to_transforms,
+)
+from kinematics.mechanisms.four_sps_spr.forward.refreshing import refresh
+from kinematics.mechanisms.four_sps_spr.forward.roots import distances, own_start_set, roots_at
+from kinematics.mechanisms.four_sps_spr.forward.start_set import GENERAL_COUNT, general_set
+from kinematics.mechanisms.four_sps_spr.home import home
+from tests.kinematics.mechanisms.four_sps_spr.machines import (
+    general,
+    machine,
+    pentagon,
+    pentagons,
+    poses,
+    preset,
+    reference,
+)
+
+CASES = reference("sps_spr_forward")["cases"]
+
+
+def design_of(case):
+    flat = [np.column_stack([case[key], np.zeros(5)]) for key in ("A", "b")]
+    return machine(*flat, (*case["n6"], 0.0), stroke=(3.0, 15.0))
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case["kind"])
+def test_every_reference_solution_is_found_and_no_other(case) -> None:
+    (found,) = forward(design_of(case), case["lengths"])
+    assert found.complex_count == found.expected_count == case["n_complex"]
+    assert found.complete
+    assert len(found) == case["n_real"]
+    transforms = inverse.transform(found.poses)
+    for known in case["real_solutions"]:
+        r, p = np.array(known["R"]).reshape(3, 3), np.array(known["p"])
+        apart = np.abs(transforms[:, :3, :3] - r).max(axis=(1, 2))
+        apart = np.maximum(apart, np.abs(transforms[:, :3, 3] - p).max(axis=1))
+        assert apart.min() < 1e-8
+    assert found.residual.max() < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("design", "count"), [(general(), 40), (general(2), 40), (preset(), 40), (pentagons(), 32)]
+)
+def test_random_poses_are_among_the_solutions_of_their_lengths(design, count: int) -> None:
+    there = poses(design, 24, seed=8, tilt=0.8)
+    answers = forward(design, inverse.leg_lengths(design, there))
+    for pose, found in zip(there, answers, strict=True):
+        # Of the pentagons, some solutions of single lengths coincide or go to infinity.
+        assert found.complete
+        assert found.complex_count == count
+        assert pose_distances(design, pose[None], found.poses).min() < 1e-6
+        assert found.residual.max() < 1e-10
+        assert np.abs(inverse.violation(design, found.poses)).max() < 1e-10
+
+
+def test_a_general_pair_of_planes_has_forty_too() -> None:
+    rng = np.random.default_rng(4)
+    base, platform = pentagon(400.0), pentagon(100.0)
+    base[:, :2] += rng.normal(size=(5, 2)) * 60.0
+    platform[:, :2] += rng.normal(size=(5, 2)) * 30.0
+    design = machine(base, platform, (*rng.normal(size=2), 0.0))
+    found = forward(design, inverse.leg_lengths(design, poses(design, 6)))
+    assert {each.complex_count for each in found} == {40}
+    for each in found:  # base, platform and axis are plane: mirror images
+        mirrored = each.poses * np.array([1.0, 1.0, -1.0, 1.0, -1.0, -1.0])
+        assert pose_distances(design, mirrored, each.poses).min(axis=1).max() < 1e-6
+
+
+def test_the_set_is_closed_under_conjugation_and_regular() -> None:
+    design = general()
+    (roots,) = roots_at(design, inverse.leg_lengths(design, poses(design, 1)))
+    assert roots.complete
+    assert (roots.multiplicity == 1).all()
+    apart = distances(conjugate(roots.values), roots.values)
+    assert apart.min(axis=1).max() < 1e-9
+    assert len(set(apart.argmin(axis=1).tolist())) == GENERAL_COUNT
+    between = distances(roots.values, roots.values) + np.eye(GENERAL_COUNT)
+    assert between.min() > 1e-6
+
+
+def test_batches_are_their_single_vectors() -> None:
+    design = preset()
+    lengths = inverse.leg_lengths(design, poses(design, 20, seed=2))
+    together = forward(design, lengths.reshape(4, 5, 5))
+    for one, found in zip(lengths[::7], together[::7], strict=True):
+        (alone,) = forward(design, one)
+        assert found.poses == pytest.approx(alone.poses, abs=1e-8)
+        assert found.joints == tuple(one.tolist())
+
+
+def test_a_level_pentagon_is_a_fourfold_solution() -> None:
+    design = pentagons()
+    (found,) = forward(design, inverse.leg_lengths(design, (0.0, 0.0, 560.0, 0.0, 0.0, 0.0)))
+    assert found.multiplicity.tolist() == [4, 4, 4, 4]
+    assert found.complete
+    assert any("4-fold" in note for note in found.notes)
+    assert np.abs(found.poses[0] - (0.0, 0.0, 560.0, 0.0, 0.0, 0.0)).max() < 1e-3
+    assert (found.condition > 1e6).all()
+
+
+def test_two_solutions_near_a_fold_are_both_there() -> None:
+    """Shortly before legs of a home posture reach a fold, it has its partner next to it."""
+    from kinematics.mechanism import mechanism
+
+    design, start = preset(), home(preset())
+    kind = mechanism("four_sps_spr")
+    goal = np.full(5, 600.0)
+    fold = kind.fold_ahead(design, start, goal)
+    assert fold is not None
+    now = np.array(start.joints)
+    before = now + (np.array(fold.joints) - now) * (1.0 - 1e-6)
+    beyond = now + (np.array(fold.joints) - now) * (1.0 + 1e-6)
+    (near,), (gone,) = forward(design, before), forward(design, beyond)
+    apart = pose_distances(design, np.array([fold.pose]), near.poses)[0]
+    assert np.sort(apart)[1] < 1.0
+    assert len(gone) == len(near) - 4  # the pair and its mirror image
+    assert near.complete
+    assert gone.complete
+
+
+def test_lengths_that_cannot_be_assembled_have_no_real_solution() -> None:
+    (found,) = forward(preset(), (100.0, 900.0, 100.0, 900.0, 100.0))
+    assert len(found) == 0
+    assert found.complete
+    assert any("cannot be assembled" in note for note in found.notes)
+
+
+@pytest.mark.parametrize("bad", [(1.0, 2.0, 3.0), (1.0, 2.0, 3.0, 4.0, -5.0), (0.0,) * 5])
+def test_broken_lengths_are_refused(bad) -> None:
+    with pytest.raises(InputError):
+        forward(preset(), bad)
+
+
+def test_absurdly_long_legs_are_never_called_complete() -> None:
+    design = preset()
+    (found,) = forward(design, np.full(5, 2e6))
+    assert not found.complete
+    assert any("digits are lost" in note for note in found.notes)
+
+
+# --- identities ----------------------------------------------------------------------------
+
+
+def test_solutions_keep_their_identity_while_legs_move() -> None:
+    design = preset()
+    (before,) = forward(design, home(design).joints)
+    joints = np.add(home(design).joints, (3.0, -2.0, 4.0, 1.0, -3.0))
+    after = refresh(design, before, joints)
+    assert not after.merged
+    assert not after.appeared
+    names = after.solutions.identities
+    assert sorted(names) == list(before.identities)
+    for n, name in enumerate(names):
+        was = before.poses[before.identities.index(name)]
+        moved = pose_distances(design, was[None], after.solutions.poses[n : n + 1])
+        assert moved[0, 0] < 60.0
+    back = refresh(design, after.solutions, home(design).joints)
+    for n, name in enumerate(back.solutions.identities):
+        same = before.poses[before.identities.index(name)]
+        assert pose_distances(design, same[None], back.solutions.poses[n : n + 1])[0, 0] < 1e-6
+
+
+def test_who_merges_is_named_and_who_appears_is_new() -> None:
+    design, start = preset(), home(preset())
+    (before,) = forward(design, start.joints)
+    joints = np.array(start.joints)
+    joints[0] -= 40.0
+    after = refresh(design, before, joints)
+    partners = {each.identity: each.partner for each in after.merged}
+    assert len(partners) == 4
+    assert all(partners[other] == name for name, other in partners.items())
+    assert len(after.appeared) == 4
+    assert set(after.appeared).isdisjoint(before.identities)
+    assert len(after.solutions) == len(before)
+    sides = dict(zip(before.identities, np.sign(before.determinant), strict=True))
+    assert all(sides[name] == -sides[other] for name, other in partners.items())
+
+
+# --- equations and start set ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize("design", [preset(), general()])
+def test_real_poses_satisfy_the_equations(design) -> None:
+    there = poses(design, 10, seed=3, tilt=3.0)
+    frame = Frame.of(design)
+    u = from_transforms(frame, inverse.rotation(there), there[:, :3])
+    settled, error = polish(parameters(design, inverse.leg_lengths(design, there)), u, rounds=1)
+    assert error.max() < 1e-11
+    r, p = to_transforms(frame, settled)
+    assert r == pytest.approx(inverse.rotation(there), abs=1e-10)
+    assert p == pytest.approx(there[:, :3], abs=1e-7)
+
+
+def test_the_start_set_is_all_of_a_machine_that_nothing_is_special_about() -> None:
+    stored = general_set()
+    settled, error = polish(stored.parameters, stored.roots)
+    assert stored.roots.shape == (8, GENERAL_COUNT)
+    assert error.max() < 1e-12
+    apart = distances(settled, settled) + np.eye(GENERAL_COUNT)
+    assert apart.min() > 1e-4
+    assert np.isfinite(marks(settled)).all()
+    assert own_start_set(pentagons()).roots.shape == (8, 32)
+
+
+@pytest.mark.parametrize("planar", [False, True])
+def test_a_set_made_from_one_solution_has_forty(planar: bool) -> None:
+    found = monodromy.completed_set(np.random.default_rng(11), planar=planar)
+    assert found.roots.shape[1] == GENERAL_COUNT

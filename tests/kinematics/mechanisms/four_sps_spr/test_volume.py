@@ -1,0 +1,99 @@
+"""The workspace with one angle giving way: its exact volume, and the solid."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from kinematics.errors import InputError
+from kinematics.mechanism import mechanism
+from kinematics.mechanisms.four_sps_spr import home, inverse, workspace
+from tests.kinematics.mechanisms.four_sps_spr.machines import general, preset
+
+KIND = mechanism("four_sps_spr")
+
+
+def sampled(design, request, count: int = 200_000):
+    """The volume and its standard error by points of a box, without any plane."""
+    low, high = (np.array(v) for v in home.reach(design))
+    points = np.random.default_rng(0).uniform(low, high, (count, 3))
+    margins = workspace._Branch(design, request).margins(points)
+    share = (margins >= 0.0).all(axis=1).mean()
+    box = float(np.prod(high - low))
+    return share * box, box * np.sqrt(share * (1.0 - share) / count)
+
+
+@pytest.mark.parametrize(
+    ("design", "index", "angles"),
+    [
+        (preset(), 5, (0.0, 0.0, 0.0)),
+        (preset(), 3, (0.0, 0.15, -0.1)),
+        (general(), 4, (0.2, 0.0, 0.1)),
+    ],
+)
+def test_the_exact_volume_is_that_of_random_points(design, index: int, angles) -> None:
+    request = workspace.request_at(design, (*KIND.home(design).pose[:3], *angles), index)
+    exact, error = workspace.exact_volume(design, request, 1e-3)
+    counted, doubt = sampled(design, request)
+    assert abs(exact - counted) < 4.0 * doubt + error
+    assert error < 2e-2 * exact
+
+
+def test_the_two_branches_are_told_apart_by_the_pose() -> None:
+    design = preset()
+    pose = KIND.home(design).pose
+    up = workspace.request_at(design, pose, 5)
+    over = workspace.request_at(design, (*pose[:5], np.pi), 5)
+    assert {up.side, over.side} == {-1, 1}
+    branch = workspace._Branch(design, up)
+    places = np.array([[0.0, 0.0, 560.0], [30.0, -20.0, 600.0]])
+    poses, slope = branch.poses(places)
+    assert np.abs(inverse.violation(design, poses)).max() < 1e-9
+    assert (np.sign(slope) == -up.side).all()
+    assert abs(poses[0, 5]) < 1e-12
+
+
+@pytest.mark.parametrize("which", range(11))
+def test_gradients_of_the_margins_are_finite_differences(which: int) -> None:
+    design = general()
+    request = workspace.request_at(design, KIND.home(design).pose, 5)
+    branch = workspace._Branch(design, request)
+    points = np.array(KIND.home(design).pose[:3]) + np.random.default_rng(1).normal(size=(5, 3)) * (
+        20.0,
+        20.0,
+        20.0,
+    )
+    values, gradient = branch.margin(which)(points)
+    assert values == pytest.approx(branch.margins(points)[:, which])
+    for k in range(3):
+        shift = np.eye(3)[k] * 1e-4
+        ahead, back = branch.margins(points + shift), branch.margins(points - shift)
+        slope = (ahead - back)[:, which] / 2e-4
+        assert gradient[:, k] == pytest.approx(slope, rel=1e-5, abs=1e-5)
+
+
+def test_the_solid_is_closed_and_states_an_error_that_holds() -> None:
+    design = preset()
+    pose = KIND.home(design).pose
+    exact, doubt = workspace.exact_volume(design, workspace.request_at(design, pose, 5), 1e-4)
+    for resolution, most in (("preview", 1.01e-2), ("normal", 2e-3)):
+        request = KIND.solid_request(design, "workspace/gamma", pose, None, resolution)
+        built = KIND.build_solid(request)
+        assert built.watertight
+        assert len(built.pieces) == 2  # above the base and below
+        assert abs(built.volume - exact) <= built.volume_error + doubt
+        assert built.volume_error < most * built.volume
+    assert KIND.solid_placement(design, "workspace/gamma", pose).tolist() == np.eye(4).tolist()
+
+
+def test_requests_depend_on_what_matters_only() -> None:
+    design = preset()
+    pose = np.array(KIND.home(design).pose)
+    one = KIND.solid_request(design, "workspace/gamma", pose, None, "normal")
+    pose[2] += 20.0
+    pose[5] = 0.3
+    assert KIND.solid_request(design, "workspace/gamma", pose, None, "normal") == one
+    pose[3] = 0.1
+    assert KIND.solid_request(design, "workspace/gamma", pose, None, "normal") != one
+    with pytest.raises(InputError, match="workspace/alpha"):
+        KIND.solid_request(design, "workspace", pose, None, "normal")

@@ -1,0 +1,44 @@
+"""Cases and machines that the tests of the 3-RPS and 3-SPR share.
+
+reference/rps_spr_forward.json, rps_spr_singularity.json and micr_table.json were computed apart
+from this code: all 16 solutions with 30 digits from the loop equations, determinants of the six
+wrenches built from the joints, and MICR by a scan of P with refinement.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from kinematics.mechanisms.tripods import TripodDesign
+from kinematics.mechanisms.tripods.design import KINDS, Kind
+from kinematics.screws.spatial import Array
+
+REFERENCE = Path(__file__).parents[3] / "reference"
+NAMES: dict[str, Kind] = {"RPS": "three_rps", "SPR": "three_spr"}
+
+
+def stored(name: str) -> dict[str, Any]:
+    """A file of reference cases."""
+    found: dict[str, Any] = json.loads((REFERENCE / name).read_text())
+    return found
+
+
+def machine(kind: Kind, h1: float = 100.0, h2: float = 160.0) -> TripodDesign:
+    return TripodDesign(kind, h1, h2, (20.0, 600.0))
+
+
+def some_machines(rng: np.random.Generator, count: int) -> list[TripodDesign]:
+    """Of both kinds in turn, with radii from 50 to 300 mm."""
+    radii = rng.uniform(50.0, 300.0, (count, 2)).tolist()
+    return [TripodDesign(KINDS[n % 2], a, b, (0.0, 999.0)) for n, (a, b) in enumerate(radii)]
+
+
+def some_poses(rng: np.random.Generator, count: int, *, farthest: float = 3.1) -> Array:
+    """Altitudes from 60 to 250 mm, any azimuth, and tilts that stay off 0 and 90°."""
+    tilt = rng.uniform(0.05, farthest, count)
+    tilt = np.where(np.abs(tilt - 0.5 * np.pi) < 0.05, 0.7, tilt)
+    return np.stack([rng.uniform(60.0, 250.0, count), tilt, rng.uniform(-3.1, 3.1, count)], axis=-1)

@@ -1,0 +1,126 @@
+"""Circles about any orientation, clearances and the ways out, against scans of all directions."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinematics.designs.files import load_design
+from kinematics.mechanism import mechanism
+from kinematics.mechanisms.tripods import circles, clearances, inverse, posing, wrenches
+from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind
+from tests.kinematics.mechanisms.tripods.machines import machine, some_machines
+
+
+def test_the_search_agrees_with_the_exact_micr(rng: np.random.Generator) -> None:
+    for design in some_machines(rng, 12):
+        for mode in MODES:
+            z = float(rng.uniform(30.0, 400.0))
+            exact = circles.circles(design, (z, 0.0, 0.0), mode)[0]
+            searched = circles.circles(design, (z, 1e-13, 0.0), mode)[0]
+            assert exact.radius == pytest.approx(searched.radius, abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("mode", MODES)
+def test_about_other_orientations(kind: Kind, mode: str, rng: np.random.Generator) -> None:
+    design = machine(kind)
+    for _ in range(6):
+        z, tilt, azimuth = rng.uniform(60, 200), rng.uniform(0.05, 0.6), rng.uniform(-3, 3)
+        parallel, constraint, _ = circles.circles(design, (z, tilt, azimuth), mode)
+        assert constraint.radius == pytest.approx(np.pi - tilt)
+        radius = parallel.radius
+        home = wrenches.wrench_system(design, (z, tilt, azimuth), mode).determinant
+        if radius < np.pi:
+            at = np.array([z, *parallel.contacts[0]])
+            assert wrenches.least(design, at, mode) < 1e-6
+        for part in np.linspace(0.02, 0.995, 40):
+            ring = circles.circle_points(tilt, azimuth, part * min(radius, np.pi - tilt), 181)
+            poses = np.concatenate([np.full((181, 1), z), ring], axis=-1)
+            there = wrenches.wrench_system(design, poses, mode).determinant
+            assert (np.sign(there) == np.sign(home)).all()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_circle_points_are_turned_by_the_radius(kind: Kind) -> None:
+    design, mode = machine(kind), "2"
+    here = posing.transform(design, (100.0, 0.4, 0.9), mode)[:3, :3]
+    ring = circles.circle_points(0.4, 0.9, 0.7, 37)
+    poses = np.concatenate([np.full((37, 1), 100.0), ring], axis=-1)
+    there = posing.transform(design, poses, mode)[:, :3, :3]
+    cosine = 0.5 * (np.einsum("ij,nij->n", here, there) - 1.0)
+    np.testing.assert_allclose(np.arccos(cosine), 0.7, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["rps-3", "spr-3"])
+def test_the_stroke_circle_stays_within_the_strokes(name: str) -> None:
+    design = load_design(name)
+    kind = mechanism(design.mechanism)
+    home = kind.home(design)
+    stroke = next(c for c in kind.circles(design, home.pose, home.mode) if c.limit == "stroke")
+    assert stroke.limb is not None
+    for tilt, azimuth in stroke.contacts:
+        there = kind.posture(design, (home.pose[0], tilt, azimuth), home.mode)
+        assert abs(there.nearest.amount) < 1e-6
+    for part, held in ((0.999, True), (1.001, False)):
+        ring = circles.circle_points(home.pose[1], home.pose[2], part * stroke.radius, 721)
+        poses = [(home.pose[0], *point) for point in ring]
+        assert all(kind.inside(design, pose, (home.mode,)) for pose in poses) is held
+
+
+def test_beyond_a_stroke_the_circle_is_a_point() -> None:
+    design = replace(machine("three_rps"), stroke=(20.0, 90.0))
+    stroke = circles.circles(design, (150.0, 0.1, 0.0), "2")[2]
+    assert stroke.radius == 0.0
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("mode", MODES)
+def test_clearances_are_where_they_say(kind: Kind, mode: str) -> None:
+    design = machine(kind)
+    here = inverse.posture(design, (180.0, 0.3, 0.5), mode)
+    found = clearances.clearances(design, here)
+    assert [c.distance for c in found] == sorted(c.distance for c in found)
+    origin = posing.transform(design, here.pose, mode)
+    for each in found:
+        if "along" not in each.text:
+            continue
+        way = np.array(each.point) - origin[:3, 3]
+        assert np.linalg.norm(way) == pytest.approx(abs(each.distance), abs=1e-6)
+        line = [0.0, 0.0, 1.0] if kind == "three_rps" else origin[:3, 2]
+        assert np.linalg.norm(np.cross(way, line)) < 1e-6 * (1.0 + abs(each.distance))
+        there = np.array([each.point[2], *here.pose[1:]])
+        if each.kind == "parallel":
+            assert wrenches.least(design, there, mode) < 1e-6
+        else:
+            length = posing.limb_lengths(design, there, mode)[each.limb - 1]
+            end = design.stroke[0 if each.bound == "rho_min" else 1]
+            assert length == pytest.approx(end, abs=1e-6)
+    quick = clearances.clearances(design, here, singular=False)
+    assert all("along" in each.text for each in quick)
+
+
+@pytest.mark.parametrize("name", ["rps-3", "spr-3"])
+def test_ways_out(name: str) -> None:
+    design = load_design(name)
+    kind = mechanism(design.mechanism)
+    z, *_ = kind.home(design).pose
+    high = kind.posture(design, (z + 300.0, 0.2, 0.4), "2")
+    remedy = kind.remedy(design, high)
+    assert remedy.nearest is not None
+    assert remedy.nearest.reachable
+    assert remedy.nearest.pose[1:] == high.pose[1:]
+    # Between there and the pose nothing can be held.
+    for part in np.linspace(0.001, 1.0, 50):
+        between = remedy.nearest.pose[0] + part * (high.pose[0] - remedy.nearest.pose[0])
+        assert not kind.posture(design, (between, 0.2, 0.4), "2").reachable
+    wider = design
+    for change in remedy.changes[0]:
+        wider = kind.with_field(wider, change.path, change.after)
+    assert kind.posture(wider, high.pose, "2").reachable
+    flat = kind.posture(design, (z, 1.45, 0.2), "2")
+    turned = kind.remedy(design, flat)
+    assert turned.nearest is not None
+    assert turned.nearest.reachable

@@ -1,0 +1,142 @@
+"""Moving by limb lengths and along poses: no branch is left, and no operation mode unnoticed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from kinematics.designs.files import load_design
+from kinematics.mechanism import mechanism
+from kinematics.mechanisms.tripods import (
+    TripodDesign,
+    following,
+    forward,
+    inverse,
+    paths,
+    posing,
+    refreshing,
+)
+from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind
+from tests.kinematics.mechanisms.tripods.machines import machine, some_machines, some_poses
+
+
+def test_a_followed_motion_ends_on_its_own_assembly_mode(rng: np.random.Generator) -> None:
+    targets = 0
+    for design in some_machines(rng, 30):
+        mode = MODES[int(rng.integers(2))]
+        here = inverse.posture(design, some_poses(rng, 1)[0], mode)
+        goal = np.abs(np.array(here.joints) + rng.uniform(-60.0, 60.0, 3)) + 1.0
+        found = following.follow(design, here, goal)
+        there = found.posture
+        assert there.mode == mode
+        size = 1.0 + max(there.joints)
+        lengths = posing.limb_lengths(design, np.array(there.pose), mode)
+        np.testing.assert_allclose(lengths, there.joints, atol=1e-8 * size)
+        if found.stop != "target":
+            continue
+        targets += 1
+        # The full sets, matched on their own way along the same line, say the same.
+        (before,) = forward.forward(design, here.joints)
+        after = refreshing.refresh(design, before, there.joints).solutions
+        start, end = (
+            forward.distances(design, np.array([p.pose]), (mode,), s.poses, s.modes).argmin()
+            for p, s in ((here, before), (there, after))
+        )
+        assert before.identities[int(start)] == after.identities[int(end)]
+    assert targets > 8
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_motion_stops_where_the_operation_modes_meet(kind: Kind) -> None:
+    """Through a tilt of 180°: it stops there exactly, and goes on in either mode."""
+    design = TripodDesign(kind, 100.0, 160.0, (1.0, 2000.0))
+    poses = [(150.0, tilt, 0.4) for tilt in (np.pi - 0.05, np.pi, np.pi - 0.05)]
+    here, meet, _ = (inverse.posture(design, pose, "2") for pose in poses)
+    beyond = 2.0 * np.array(meet.joints) - np.array(here.joints)
+    found = following.follow(design, here, beyond)
+    assert found.stop == "singularity"
+    assert "constraint singularity" in found.text
+    assert found.posture.pose[1] == np.pi
+    assert found.fraction == pytest.approx(0.5, abs=0.05)
+    change = mechanism(kind).mode_change(design, found.posture)
+    assert change is not None
+    assert change.here
+    for start in (change.at, change.other):
+        aside = inverse.posture(
+            design, (start.pose[0] + 3.0, np.pi - 0.02, start.pose[2]), start.mode
+        )
+        on = following.follow(design, start, aside.joints)
+        assert on.posture.mode == start.mode
+        assert on.stop == "target" or on.fraction > 0.0
+
+
+def test_a_motion_stops_at_a_fold_and_at_a_stroke() -> None:
+    design = load_design("spr-3")
+    home = mechanism("three_spr").home(design)
+    low, high = design.stroke
+    stroke = following.follow(design, home, [high + 50.0] * 3)
+    assert stroke.stop == "stroke"
+    assert stroke.posture.joints == pytest.approx((high,) * 3)
+    wide = TripodDesign("three_spr", 100.0, 200.0, (1.0, 900.0))
+    fold = following.follow(wide, home, [home.joints[0] + 700.0, *home.joints[1:]])
+    assert fold.stop == "singularity"
+    assert 0.0 < fold.fraction < 1.0
+    ahead = following.fold_ahead(wide, home, [home.joints[0] + 700.0, *home.joints[1:]])
+    assert ahead is not None
+    assert ahead.joints[0] == pytest.approx(fold.posture.joints[0], rel=1e-4)
+    assert low < ahead.joints[1]
+
+
+def test_what_a_move_of_the_pose_passes() -> None:
+    wide = TripodDesign("three_spr", 100.0, 200.0, (1.0, 900.0))
+    before = inverse.posture(wide, (100.0, 0.1, -np.pi / 6), "2")
+    after = inverse.posture(wide, (100.0, 0.8, -np.pi / 6), "2")
+    (event,) = paths.passed(wide, before, after)
+    assert event.kind == "parallel"
+    assert event.pose[1] == pytest.approx(np.pi / 6, abs=1e-9)
+    assert event.stops
+    reached = paths.path(wide, before, [after.pose])
+    assert reached.stop == "singularity"
+    assert reached.posture.pose[1] == pytest.approx(np.pi / 6, abs=1e-5)
+    design = load_design("spr-3")
+    home = mechanism("three_spr").home(design)
+    up = inverse.posture(design, (200.0, 0.0, 0.0), "2")
+    events = paths.passed(design, home, up)
+    assert {event.limb for event in events} == {1, 2, 3}
+    way = paths.path(design, home, [(120.0, 0.0, 0.0), up.pose])
+    assert way.stop == "stroke"
+    assert way.posture.joints == pytest.approx((design.stroke[1],) * 3, abs=1e-6)
+    other = inverse.posture(design, home.pose, "1")
+    assert "operation mode" in paths.passed(design, home, other)[0].text
+
+
+@pytest.mark.parametrize("name", ["rps-3", "spr-3"])
+def test_home_is_level_and_the_machine_is_drawn(name: str) -> None:
+    design = load_design(name)
+    kind = mechanism(design.mechanism)
+    home = kind.home(design)
+    assert home.reachable
+    assert home.pose[1] == 0.0
+    drawn = kind.drawing(design, home)
+    roles = {bar.role for bar in drawn.bars}
+    assert roles == {"base", "cylinder", "rod", "rail", "stop", "joint"}
+    for limb in (1, 2, 3):
+        rod = next(b for b in drawn.bars if b.name == f"limb{limb}/rod")
+        cylinder = next(b for b in drawn.bars if b.name == f"limb{limb}/cylinder")
+        a, b = posing.joint_points(design, np.array(home.pose), home.mode)
+        np.testing.assert_allclose(cylinder.start, a[limb - 1], atol=1e-12)
+        np.testing.assert_allclose(rod.end, b[limb - 1], atol=1e-12)
+    (other,) = kind.counterparts(design)
+    assert other.mechanism != design.mechanism
+    assert other.base_radius == design.base_radius
+    for axis, value in zip(kind.pose_coordinates(design), home.pose, strict=True):
+        assert axis.lower <= value <= axis.upper
+
+
+def test_a_design_out_of_reach_has_a_home_with_reasons() -> None:
+    design = machine("three_rps", 300.0, 100.0)
+    short = TripodDesign("three_rps", 300.0, 100.0, (10.0, 30.0))
+    kind = mechanism("three_rps")
+    assert kind.home(design).reachable
+    assert not kind.home(short).reachable
+    assert any(f.severity == "warning" for f in kind.findings(short))

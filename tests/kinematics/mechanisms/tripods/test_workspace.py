@@ -1,0 +1,88 @@
+"""The workspace over orientation and altitude, its aspects, and the locus as a surface."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from kinematics.designs.files import load_design
+from kinematics.errors import InputError
+from kinematics.mechanism import mechanism
+from kinematics.mechanisms.tripods import chart, inverse, polynomial, workspace
+from kinematics.mechanisms.tripods.design import mode_sign
+
+HOME = (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("name", ["rps-3", "spr-3"])
+def test_the_solid_is_what_the_strokes_allow(name: str, rng: np.random.Generator) -> None:
+    design = load_design(name)
+    kind = mechanism(design.mechanism)
+    built = kind.build_solid(kind.solid_request(design, "workspace", HOME, ("2",), "preview"))
+    assert built.watertight
+    low, high = built.mesh.vertices.min(axis=0) - 1.0, built.mesh.vertices.max(axis=0) + 1.0
+    points = rng.uniform(low, high, (200_000, 3))
+    poses = chart.from_chart(design, points)
+    inside = inverse.inside(design, poses, ("2",)) & (poses[:, 1] <= np.pi)
+    box = float(np.prod(high - low))
+    share = inside.mean()
+    spread = box * np.sqrt(share * (1.0 - share) / len(points))
+    assert abs(built.volume - box * share) < built.volume_error + 4.0 * spread
+    np.testing.assert_allclose(chart.to_chart(design, poses), points, atol=1e-9)
+    # Vertices lie on an end of a stroke, or on the rim.
+    lengths = inverse.inverse(design, chart.from_chart(design, built.mesh.vertices)).joints
+    off = np.abs(lengths[:, 1, :, None] - np.array(design.stroke)).min(axis=(1, 2))
+    rim = np.pi - chart.from_chart(design, built.mesh.vertices)[:, 1]
+    assert np.minimum(off, np.abs(rim) * design.platform_radius).max() < 1e-3
+
+
+@pytest.mark.parametrize("name", ["rps-3", "spr-3"])
+def test_aspects_are_the_workspace_in_pieces_of_one_sign(name: str) -> None:
+    design = load_design(name)
+    kind = mechanism(design.mechanism)
+    whole, parted = (
+        kind.build_solid(kind.solid_request(design, key, HOME, ("2",), "preview"))
+        for key in ("workspace", "aspects")
+    )
+    assert parted.watertight
+    assert parted.volume == pytest.approx(whole.volume, rel=1e-5)
+    assert {piece.sign for piece in parted.pieces} == {1, -1}
+    k = mode_sign("2") * design.platform_radius
+    for n, piece in enumerate(parted.pieces):
+        z, tilt, azimuth = chart.from_chart(design, np.array(piece.centroid))
+        if parted.piece_at(piece.centroid) != n:
+            continue  # its centroid is outside of it
+        value = polynomial.value(
+            design.mechanism, design.base_radius, k, z, tilt, np.sin(3.0 * azimuth)
+        )
+        assert np.sign(value) == piece.sign
+    home = chart.to_chart(design, np.array(kind.home(design).pose))
+    assert parted.piece_at(home) is not None
+
+
+def test_the_locus_over_the_altitude() -> None:
+    design = load_design("spr-3")
+    found = workspace.locus_surface(design, "2", 20.0, 300.0, "preview")
+    assert len(found.faces) > 1000
+    assert found.residual.max() < 1e-6
+    z, tilt, azimuth = chart.from_chart(design, found.vertices).T
+    assert z.min() >= 19.0
+    assert z.max() <= 301.0
+    k = mode_sign("2") * design.platform_radius
+    a = polynomial.in_w(design.mechanism, design.base_radius, k, z, tilt)
+    value = polynomial.value(
+        design.mechanism, design.base_radius, k, z, tilt, np.sin(3.0 * azimuth)
+    )
+    assert (np.abs(value) / np.abs(a).sum(axis=-1)).max() < 1e-6
+
+
+def test_an_empty_workspace_and_what_is_refused() -> None:
+    design = load_design("spr-3")
+    kind = mechanism("three_spr")
+    empty = kind.build_solid(kind.solid_request(design, "workspace", HOME, ("1",), "preview"))
+    assert empty.volume == 0.0
+    assert not empty.pieces
+    with pytest.raises(InputError, match="one operation mode"):
+        kind.solid_request(design, "workspace", HOME, None, "preview")
+    with pytest.raises(InputError, match="there is no solid"):
+        kind.solid_request(design, "limb1/whole", HOME, ("1",), "preview")
