@@ -13,17 +13,15 @@ from collections.abc import Sequence
 from difflib import get_close_matches
 from typing import Any, NoReturn
 
-from app.commands import (
-    controlling,
-    inscribing,
-    losing,
-    mapping,
-    measuring,
-    moving,
-    serving,
-    solids,
-    solving,
-)
+from app.features.map import command as mapping
+from app.features.move import command as controlling
+from app.features.review import command as serving
+from app.features.section import command as measuring
+from app.features.singularities import command as losing
+from app.features.singularities import micr_command
+from app.features.solutions import command as solving
+from app.features.trajectory import command as moving
+from app.features.workspace import command as solids
 from kinematics.designs.assets import asset_folder
 from kinematics.errors import BohemiaError, InputError
 
@@ -129,7 +127,7 @@ def _parser() -> tuple[argparse.ArgumentParser, tuple[str, ...]]:
         mapping,
         controlling,
         losing,
-        inscribing,
+        micr_command,
         moving,
     )
     for family in families:

@@ -22,9 +22,9 @@ import websockets.asyncio.server
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
-from app import session as sessions
-from app.page import Page
-from app.state import new_review
+from app.loop import Page
+from app.review import session as sessions
+from app.review.state import new_review
 from kinematics.mechanism import Design
 
 log = logging.getLogger(__name__)

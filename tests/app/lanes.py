@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from app.lane import Done, Lane
-from app.worker import Busy, LaneName
+from app.jobs.lane import Done, Lane
+from app.jobs.worker import Busy, LaneName
 
 PATIENCE = 60.0  # s; only a hang is caught by it
 

@@ -21,16 +21,16 @@ import numpy as np
 import pytest
 import viser
 
-from app.changes import Change
-from app.exporting import ExportedFile
-from app.lane import Done, Job, Lane, Lost
-from app.page import Page
-from app.panels.desk import safely
-from app.requests import Request
+from app.features.review.files import ExportedFile
+from app.features.section.part import Slicing
+from app.jobs.lane import Done, Job, Lane, Lost
+from app.jobs.worker import Worker
+from app.loop import Page
+from app.review.changes import Change
+from app.review.requests import Request
+from app.review.state import Review, new_review
 from app.server import make_server
-from app.slicing import Slicing
-from app.state import Review, new_review
-from app.worker import Worker
+from app.widgets.desk import safely
 from kinematics.designs.files import load_design
 from kinematics.errors import BohemiaError
 

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app import compute
-from app.atlas import HERE, Known, atlas, mixes, number, offers_mixed, pose_text
-from app.changes import Move, SetAtlas, Visit, change
-from app.state import SAME_MODE, Review, new_review
+from app.features.solutions.atlas import HERE, Known, atlas, mixes, number, offers_mixed, pose_text
+from app.review import view as compute
+from app.review.changes import Move, SetAtlas, Visit, change
+from app.review.state import SAME_MODE, Review, new_review
 from kinematics.answers.solutions import ForwardSolutions, Merged, Refreshed
 from kinematics.designs.files import load_design
 from kinematics.mechanism import mechanism

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.changes import (
+from app.review.changes import (
     ChooseModes,
     Drive,
     EditDesign,
@@ -27,8 +27,8 @@ from app.changes import (
     Visit,
     change,
 )
-from app.history import History
-from app.state import Atlas, Chart, Review, Span, new_review, point_in_section
+from app.review.history import History
+from app.review.state import Atlas, Chart, Review, Span, new_review, point_in_section
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 

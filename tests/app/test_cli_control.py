@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app import locus_files
+from app.features.singularities import files
 from kinematics.answers.singularities import LocusCurves, LocusSpec
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
@@ -372,12 +372,12 @@ def test_an_empty_chart() -> None:
     nothing = LocusCurves(
         np.empty((0, 2)), np.array([0]), (), np.empty(0, int), np.empty(0), np.ones((2, 2))
     )
-    assert locus_files.curves(nothing, TILTS) == []
-    assert locus_files.locus_csv(nothing, PLANE) == "curve,kind,limb,y_mm,z_mm,residual_mm\n"
+    assert files.curves(nothing, TILTS) == []
+    assert files.locus_csv(nothing, PLANE) == "curve,kind,limb,y_mm,z_mm,residual_mm\n"
     bounded = replace(nothing, bounds=np.array([[0.0, 1.0], [0.0, 1.0]]))
-    assert b"no singularity here" in locus_files.locus_bytes(bounded, TILTS, "svg")
+    assert b"no singularity here" in files.locus_bytes(bounded, TILTS, "svg")
     with pytest.raises(InputError, match="a chart is written as csv or svg"):
-        locus_files.locus_bytes(nothing, TILTS, "png")
+        files.locus_bytes(nothing, TILTS, "png")
 
 
 # --- modes and coordinates of other mechanisms ---------------------------------------------

@@ -18,7 +18,8 @@ import ezdxf
 import numpy as np
 import pytest
 
-from app import cli, executors
+from app import cli
+from app.jobs import executors
 from kinematics.designs.files import load_design
 from kinematics.facets import map_sweeps
 from kinematics.mechanism import mechanism

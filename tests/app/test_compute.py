@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from app import compute
-from app.changes import ChooseModes, Flip, Move, Show, change
-from app.state import Review, new_review
+from app.review import view as compute
+from app.review.changes import ChooseModes, Flip, Move, Show, change
+from app.review.state import Review, new_review
 from kinematics.designs.files import load_design, presets
 
 

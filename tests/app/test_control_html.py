@@ -12,13 +12,14 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from app import controller, painting, palette
-from app.changes import SetControl, change
-from app.controller import Here
-from app.controlling import counterpart, spot_of
-from app.panels import control_html as told
-from app.panels.desk import Controlled, Logged
-from app.state import new_review
+from app.features.singularities import compute
+from app.features.singularities import html as told
+from app.features.singularities.compute import Here
+from app.features.singularities.part import counterpart, spot_of
+from app.review.changes import SetControl, change
+from app.review.state import new_review
+from app.scene import painting, palette
+from app.widgets.desk import Controlled, Logged
 from kinematics.answers.motion import Statics
 from kinematics.answers.sections import Sphere
 from kinematics.answers.singularities import (
@@ -38,7 +39,7 @@ MACHINES = ("rpur-table1", "five-bar", "rps-3", "spr-3", "sps-spr")
 @cache
 def _here(name: str, load: tuple[float, ...] = (10.0, -20.0, -100.0, 0.0, 0.0, 50.0)) -> Here:
     review, _ = change(new_review(load_design(name)), SetControl("load", load))
-    return controller.look(spot_of(review))
+    return compute.look(spot_of(review))
 
 
 def _controlled(here: Here | None, **more: Any) -> Controlled:
@@ -183,7 +184,7 @@ def test_the_comparison_marks_the_better_machine(name: str) -> None:
     review, _ = change(new_review(load_design(name)), SetControl("compare", True))
     other = counterpart(review)
     assert other is not None
-    one, two = controller.look(spot_of(review)), controller.look(other)
+    one, two = compute.look(spot_of(review)), compute.look(other)
     html = told.comparison_html(one, two)
     rows = list(_parsed(html).iter("tr"))
     assert [h.text for h in rows[0]][1:] == (
@@ -264,7 +265,7 @@ def test_pieces_say_in_which_the_platform_is() -> None:
 
 def test_a_ball_is_a_sphere() -> None:
     place = _here("rpur-table1").place
-    ball = controller.ball(place, True)
+    ball = compute.ball(place, True)
     assert isinstance(ball, Sphere)
     at = place.kind.transform(place.design, place.pose, place.mode)[:3, 3]
     assert ball.center == pytest.approx(at)

@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app import executors
-from app.executors import dask_workers, local_workers
+from app.jobs import executors
+from app.jobs.executors import dask_workers, local_workers
 from kinematics.designs.files import load_design
 from kinematics.errors import ComputationError, InputError
 from kinematics.facets.map_sweeps import Map, MapRequest, map_request, sweep
@@ -97,7 +97,7 @@ def test_a_process_that_dies_ends_the_map_with_a_sentence(request_: MapRequest) 
 def test_processes_end_with_the_one_that_started_them() -> None:
     code = (
         "import os, time\n"
-        "from app.executors import local_workers\n"
+        "from app.jobs.executors import local_workers\n"
         "if __name__ == '__main__':\n"
         "    with local_workers(1) as workers:\n"
         "        print(workers.executor.submit(os.getpid).result(), flush=True)\n"

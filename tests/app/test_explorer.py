@@ -11,12 +11,12 @@ from typing import Any
 
 import pytest
 
-from app import compute
-from app.changes import Drive, EditDesign, Move, SetAtlas, UseDesign, change
-from app.explorer import Explorer
-from app.lane import Done, Lost
-from app.state import Review, new_review
-from app.worker import Busy
+from app.features.solutions.explorer import Explorer
+from app.jobs.lane import Done, Lost
+from app.jobs.worker import Busy
+from app.review import view as compute
+from app.review.changes import Drive, EditDesign, Move, SetAtlas, UseDesign, change
+from app.review.state import Review, new_review
 from kinematics.designs.files import load_design
 from kinematics.errors import BohemiaError
 

@@ -15,7 +15,7 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app import exporting
+from app.features.review import files
 from kinematics.designs.files import load_design, presets, read_design
 from kinematics.errors import ComputationError, InputError
 from kinematics.mechanism import mechanism
@@ -42,14 +42,14 @@ def read_back(data: bytes, kind: str) -> trimesh.Trimesh:
 
 
 def test_the_formats_are_those_that_can_be_encoded() -> None:
-    assert set(exporting.FORMATS) == set(csg.KINDS)
-    assert set(exporting.MEDIA_TYPES) >= set(exporting.FORMATS)
+    assert set(files.FORMATS) == set(csg.KINDS)
+    assert set(files.MEDIA_TYPES) >= set(files.FORMATS)
 
 
-@pytest.mark.parametrize("kind", exporting.FORMATS)
+@pytest.mark.parametrize("kind", files.FORMATS)
 def test_a_file_holds_the_solid_in_base_coordinates(kind: str) -> None:
     solid = built()
-    file = exporting.solid_file(solid, PLACEMENT, kind, name="a_b")
+    file = files.solid_file(solid, PLACEMENT, kind, name="a_b")
     assert file.name == ("a_b.3mf" if kind == "3mf" else f"a_b_mm.{kind}")
     mesh = read_back(file.data, kind)
     assert mesh.is_watertight
@@ -61,12 +61,12 @@ def test_a_file_holds_the_solid_in_base_coordinates(kind: str) -> None:
 
 def test_placing_moves_vertices_and_keeps_the_rest() -> None:
     mesh = built().mesh
-    moved = exporting.placed(mesh, PLACEMENT)
+    moved = files.placed(mesh, PLACEMENT)
     assert np.array_equal(moved.faces, mesh.faces)
     assert not moved.vertices.flags.writeable
-    back = exporting.placed(moved, np.linalg.inv(PLACEMENT))
+    back = files.placed(moved, np.linalg.inv(PLACEMENT))
     assert back.vertices == pytest.approx(mesh.vertices, abs=1e-9)
-    assert exporting.placed(mesh, np.eye(4)).vertices == pytest.approx(mesh.vertices, abs=0)
+    assert files.placed(mesh, np.eye(4)).vertices == pytest.approx(mesh.vertices, abs=0)
 
 
 def test_an_unsound_or_empty_solid_is_not_written() -> None:
@@ -75,7 +75,7 @@ def test_an_unsound_or_empty_solid_is_not_written() -> None:
     vertices[0] = np.nan
     bad = replace(solid, mesh=csg.SolidMesh(vertices, solid.mesh.faces))
     with pytest.raises(ComputationError):
-        exporting.solid_bytes(bad, np.eye(4), "stl")
+        files.solid_bytes(bad, np.eye(4), "stl")
 
     machine = mechanism("five_rpur")
     design: Any = load_design("rpur-table1")
@@ -83,25 +83,25 @@ def test_an_unsound_or_empty_solid_is_not_written() -> None:
     apart = replace(design, limbs=(far, *design.limbs[1:]))
     request = machine.solid_request(apart, "workspace", (0.0,) * 5, None, "preview")
     with pytest.raises(ComputationError, match="empty"):
-        exporting.solid_bytes(machine.build_solid(request), np.eye(4), "stl")
+        files.solid_bytes(machine.build_solid(request), np.eye(4), "stl")
 
 
 def test_an_unknown_format_is_named() -> None:
     with pytest.raises(InputError, match=r"'step'; .* stl, 3mf, ply, glb or obj"):
-        exporting.solid_bytes(built(), np.eye(4), "step")
+        files.solid_bytes(built(), np.eye(4), "step")
 
 
 @pytest.mark.parametrize(
     ("path", "kind"), [("a.stl", "stl"), ("b.c/d.3MF", "3mf"), ("x.tar.Glb", "glb")]
 )
 def test_the_ending_says_the_format(path: str, kind: str) -> None:
-    assert exporting.format_of(PurePath(path)) == kind
+    assert files.format_of(PurePath(path)) == kind
 
 
 @pytest.mark.parametrize("path", ["a", "a.", "stl", ".stl", "a.stlx", "dir.stl/a"])
 def test_other_endings_are_refused(path: str) -> None:
     with pytest.raises(InputError, match=r"one of \.stl, \.3mf, \.ply, \.glb, \.obj"):
-        exporting.format_of(PurePath(path))
+        files.format_of(PurePath(path))
 
 
 def test_names_say_what_the_solid_is() -> None:
@@ -110,7 +110,7 @@ def test_names_say_what_the_solid_is() -> None:
 
     def name(key: str, phi: float, theta: float, *modes: str) -> str:
         orientation = tuple(zip(axes, np.radians([phi, theta]).tolist(), strict=True))
-        return exporting.solid_name(design, key, orientation, modes or None)
+        return files.solid_name(design, key, orientation, modes or None)
 
     assert name("workspace", 0, -0.0) == "rpur-table1_workspace_phi0_theta0"
     assert name("limb3/H2", -17.2, 45) == "rpur-table1_limb3-H2_phi-17.2_theta45"
@@ -121,10 +121,10 @@ def test_names_say_what_the_solid_is() -> None:
 
 @given(st.text())
 def test_any_text_becomes_a_part_of_a_file_name(text: str) -> None:
-    part = exporting.sanitized(text)
+    part = files.sanitized(text)
     assert re.fullmatch(r"[A-Za-z0-9.+-]{1,80}", part)
     assert not part.startswith(".")
-    assert exporting.sanitized(part) == part
+    assert files.sanitized(part) == part
 
 
 @pytest.mark.parametrize(
@@ -140,12 +140,12 @@ def test_any_text_becomes_a_part_of_a_file_name(text: str) -> None:
     ],
 )
 def test_sanitized(text: str, part: str) -> None:
-    assert exporting.sanitized(text) == part
+    assert files.sanitized(text) == part
 
 
 @pytest.mark.parametrize("name", [preset.name for preset in presets()])
 def test_a_design_file_reads_back_equal(name: str) -> None:
     design = load_design(name)
-    file = exporting.design_file(design)
+    file = files.design_file(design)
     assert file.name == f"{name}.toml"
     assert read_design(file.data.decode(), origin="file", name=name) == design

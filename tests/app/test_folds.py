@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import pytest
 
-from app.atlas import Known
-from app.folds import Ahead, look_ahead, nearest_first, partner, title, words
-from app.state import Review, new_review
+from app.features.solutions.atlas import Known
+from app.features.solutions.folds import Ahead, look_ahead, nearest_first, partner, title, words
+from app.review.state import Review, new_review
 from kinematics.answers.solutions import Fold
 from kinematics.designs.files import load_design
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from app.ghosts import _faces, _sticks, outline, right_triangles
+from app.features.solutions.scene import _faces, _sticks, outline, right_triangles
 from kinematics.answers.drawings import Body
 
 SQUARE = ((0.0, 0.0, 0.0), (30.0, 0.0, 0.0), (30.0, 20.0, 0.0), (0.0, 20.0, 0.0))

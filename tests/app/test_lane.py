@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from app.lane import Done, Job, Lost
+from app.jobs.lane import Done, Job, Lost
 from tests.app import lanes
 from tests.app.lanes import Desk
 

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app import palette
-from app.panels import loci
+from app.features.singularities import plot
+from app.scene import palette
 from kinematics.answers.singularities import (
     LocusCurves,
     LocusSpec,
@@ -59,33 +59,33 @@ def _svg(content: str) -> ElementTree.Element:
     st.floats(-3.1415, 3.1415),
 )
 def test_the_pages_units_and_back(phi: float, y: float, tilt: float, azimuth: float) -> None:
-    x, up = loci.in_units(PLAIN, np.array([phi, y])).tolist()
+    x, up = plot.in_units(PLAIN, np.array([phi, y])).tolist()
     assert (x, up) == pytest.approx((math.degrees(phi), y))
-    assert loci.from_units(PLAIN, x, up) == pytest.approx((phi, y), abs=1e-12)
-    x, up = loci.in_units(POLAR, np.array([tilt, azimuth])).tolist()
+    assert plot.from_units(PLAIN, x, up) == pytest.approx((phi, y), abs=1e-12)
+    x, up = plot.in_units(POLAR, np.array([tilt, azimuth])).tolist()
     assert math.hypot(x, up) == pytest.approx(math.degrees(tilt))
-    assert loci.from_units(POLAR, x, up) == pytest.approx((tilt, azimuth), abs=1e-9)
+    assert plot.from_units(POLAR, x, up) == pytest.approx((tilt, azimuth), abs=1e-9)
 
 
 @given(st.floats(-180, 180), st.floats(-180, 180))
 def test_a_place_in_a_polar_plot_and_back(x: float, y: float) -> None:
-    again = loci.in_units(POLAR, np.array(loci.from_units(POLAR, x, y)))
+    again = plot.in_units(POLAR, np.array(plot.from_units(POLAR, x, y)))
     assert again == pytest.approx((x, y), abs=1e-9)
 
 
 def test_units_of_many_points_are_those_of_each() -> None:
     points = np.random.default_rng(1).uniform(0.1, 1.0, (3, 4, 2))
     for spec in (PLAIN, POLAR):
-        together = loci.in_units(spec, points)
+        together = plot.in_units(spec, points)
         assert together.shape == points.shape
         for n in np.ndindex(3, 4):
-            assert together[n] == pytest.approx(loci.in_units(spec, points[n]))
+            assert together[n] == pytest.approx(plot.in_units(spec, points[n]))
 
 
 def test_a_polar_chart_is_round_and_its_circles_are_to_scale() -> None:
     curves = _curves(CIRCLE_OF, bounds=TILTS)
     circle = OrientationCircle("parallel", 0.7, ((0.7, 0.0), (0.7, math.pi / 2)), "text")
-    drawn = loci.figure(POLAR, curves, circle)
+    drawn = plot.figure(POLAR, curves, circle)
     assert drawn.axes.x == drawn.axes.y
     assert drawn.axes.inner[0] == drawn.axes.inner[1]  # the same scale across and up
     root = _svg(drawn.content)
@@ -105,7 +105,7 @@ def test_a_polar_chart_is_round_and_its_circles_are_to_scale() -> None:
 
 
 def test_what_is_told_under_the_pointer_is_where_it_points() -> None:
-    drawn = loci.figure(PLAIN, _curves(bounds=np.array([[-1.0, 1.0], [100.0, 300.0]])))
+    drawn = plot.figure(PLAIN, _curves(bounds=np.array([[-1.0, 1.0], [100.0, 300.0]])))
     assert len(drawn.tips) == len(drawn.columns) * len(drawn.rows)
     first, last = drawn.columns[0], drawn.columns[-1]
     assert first.startswith("φ = −56.7°")
@@ -118,15 +118,15 @@ def test_what_is_told_under_the_pointer_is_where_it_points() -> None:
 
 def test_a_chart_that_leads_nowhere_does_not_invite() -> None:
     curves = _curves(bounds=np.array([[-1.0, 1.0], [100.0, 300.0]]))
-    assert "point to go there" in loci.figure(PLAIN, curves).idle
-    assert "point" not in loci.figure(PLAIN, curves, leads=False).idle
+    assert "point to go there" in plot.figure(PLAIN, curves).idle
+    assert "point" not in plot.figure(PLAIN, curves, leads=False).idle
 
 
 def test_serial_curves_are_dashed_in_their_limbs_colour() -> None:
     run = np.array([[0.0, 150.0], [0.5, 250.0]])
     bounds = np.array([[-1.0, 1.0], [100.0, 300.0]])
     root = _svg(
-        loci.figure(PLAIN, _curves(run, run, bounds=bounds, kinds=("parallel", "serial"))).content
+        plot.figure(PLAIN, _curves(run, run, bounds=bounds, kinds=("parallel", "serial"))).content
     )
     lost, serial = (p for p in root.iter("path") if "locus" in p.get("class", ""))
     assert (lost.get("stroke"), lost.get("stroke-dasharray")) == (palette.BEYOND, None)
@@ -137,22 +137,22 @@ def test_serial_curves_are_dashed_in_their_limbs_colour() -> None:
 def test_long_curves_are_thinned_but_keep_their_ends() -> None:
     run = np.stack([np.linspace(-1, 1, 50_000), np.linspace(100, 300, 50_000)], axis=1)
     curves = _curves(run, bounds=np.array([[-1.0, 1.0], [100.0, 300.0]]))
-    drawn = loci.figure(PLAIN, curves)
+    drawn = plot.figure(PLAIN, curves)
     (path,) = [p for p in _svg(drawn.content).iter("path") if "locus" in p.get("class", "")]
     places = np.array(re.findall(r"([\d.]+) ([\d.]+)", path.get("d", "")), dtype=float)
-    assert len(places) < 2 * loci.MOST
+    assert len(places) < 2 * plot.MOST
     for place, point in ((places[0], run[0]), (places[-1], run[-1])):
         assert place == pytest.approx(
-            drawn.axes.px(*loci.in_units(PLAIN, point).tolist()), abs=0.06
+            drawn.axes.px(*plot.in_units(PLAIN, point).tolist()), abs=0.06
         )
 
 
 def test_the_cross_is_where_the_machine_is_and_only_inside() -> None:
-    axes = loci.figure(POLAR, _curves(bounds=TILTS)).axes
-    cross = _svg(loci.mark(POLAR, axes, (0.3, 1.0)))
-    u, v = axes.px(*loci.in_units(POLAR, np.array([0.3, 1.0])).tolist())
+    axes = plot.figure(POLAR, _curves(bounds=TILTS)).axes
+    cross = _svg(plot.mark(POLAR, axes, (0.3, 1.0)))
+    u, v = axes.px(*plot.in_units(POLAR, np.array([0.3, 1.0])).tolist())
     assert cross[0].get("d") == f"M{u - 7:.1f} {v:.1f}h14M{u:.1f} {v - 7:.1f}v14"
-    assert loci.mark(POLAR, axes, (2.0, 0.0)) == ""
+    assert plot.mark(POLAR, axes, (2.0, 0.0)) == ""
 
 
 def _profile(name: str, x: np.ndarray, *radii: float) -> Profile:
@@ -166,17 +166,17 @@ def _profile(name: str, x: np.ndarray, *radii: float) -> Profile:
 def test_profiles_of_two_machines_are_told_apart_and_escaped() -> None:
     x = np.linspace(0.0, 3.0, 40)
     one, two = _profile("<one>", x, 0.3, 0.4, 0.5), _profile("two", x, 0.2, 0.1)
-    drawn = loci.profile_figure([("A&B", one), ("C", two)])
+    drawn = plot.profile_figure([("A&B", one), ("C", two)])
     paths = [p for p in _svg(drawn.content).iter("path") if p.get("fill") == "none"]
-    assert [p.get("stroke") for p in paths] == 3 * [loci.MACHINES[0]] + 2 * [loci.MACHINES[1]]
+    assert [p.get("stroke") for p in paths] == 3 * [plot.MACHINES[0]] + 2 * [plot.MACHINES[1]]
     titles = [t.text for t in _svg(drawn.content).iter("title")]
     assert titles[0] == "A&B, mode 1, <one>"
     assert len(drawn.columns) == len(drawn.tips)
     assert "A&B 17.2° (mode 1)" in drawn.columns[-1]
     assert drawn.axes.y[1] == pytest.approx(1.05 * math.degrees(0.5))
-    line = _svg(loci.profile_mark(drawn.axes, 1.5))[0].get("d", "")
+    line = _svg(plot.profile_mark(drawn.axes, 1.5))[0].get("d", "")
     assert line.startswith(f"M{drawn.axes.px(1.5, 0.0)[0]:.1f} ")
-    assert loci.profile_mark(drawn.axes, 3.5) == ""
+    assert plot.profile_mark(drawn.axes, 3.5) == ""
 
 
 @pytest.mark.parametrize("name", ["rpur-table1", "five-bar", "rps-3", "spr-3", "sps-spr"])
@@ -188,7 +188,7 @@ def test_the_curves_of_every_machine_make_a_sound_picture(name: str) -> None:
         at = 0.0 if spec.key == "section" else None
         curves = kind.locus(design, spec.key, home.pose, home.mode, at)
         circle = next(iter(kind.circles(design, home.pose, home.mode)), None)
-        drawn = loci.figure(spec, curves, circle)
+        drawn = plot.figure(spec, curves, circle)
         root = _svg(drawn.content)
         paths = [p for p in root.iter("path") if "locus" in p.get("class", "")]
         assert len(paths) == len(curves.kinds)

@@ -12,7 +12,7 @@ import imageio.v3 as imageio
 import numpy as np
 import pytest
 
-from app.map_files import FORMATS, map_bytes, map_figure
+from app.features.map.files import FORMATS, map_bytes, map_figure
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 from kinematics.facets.map_sweeps import Map, map_request

@@ -11,8 +11,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app import compute, regions, session, slicer
-from app.changes import (
+from app.features.section import compute as slicer
+from app.features.singularities.part import counterpart, spot_of
+from app.features.workspace import compute as regions
+from app.review import session
+from app.review import view as compute
+from app.review.changes import (
     Change,
     ChooseModes,
     Drive,
@@ -34,9 +38,8 @@ from app.changes import (
     Visit,
     change,
 )
-from app.controlling import counterpart, spot_of
-from app.history import History
-from app.state import Chart, Control, Flat, Review, Span, new_review
+from app.review.history import History
+from app.review.state import Chart, Control, Flat, Review, Span, new_review
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 from kinematics.mechanism import Design

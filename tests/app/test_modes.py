@@ -6,7 +6,7 @@ from itertools import product
 
 import pytest
 
-from app.modes import matching, page_mode
+from app.review.modes import matching, page_mode
 from kinematics.errors import InputError
 
 FIVE = tuple("".join(signs) for signs in product("+-", repeat=5))

@@ -7,23 +7,23 @@ import math
 import numpy as np
 import pytest
 
-from app import compute
-from app.changes import Place, Visit, change
-from app.morph import DURATION, Morph, between
-from app.state import Review, new_review
+from app.review import view
+from app.review.changes import Place, Visit, change
+from app.review.state import Review, new_review
+from app.scene.morph import DURATION, Morph, between
 from kinematics.designs.files import load_design
 
 
 @pytest.fixture(scope="module")
-def views() -> tuple[compute.View, compute.View]:
+def views() -> tuple[view.View, view.View]:
     review: Review = new_review(load_design("rpur-table1"))
     x, y, z, _, _ = review.pose
     other, _ = change(review, Place((x - 40.0, y + 15.0, z + 30.0, 1.1, -0.6)))
-    return compute.view(review), compute.view(change(other, Visit(other.pose, "-+-+-"))[0])
+    return view.view(review), view.view(change(other, Visit(other.pose, "-+-+-"))[0])
 
 
 @pytest.mark.parametrize("end", [0, 1])
-def test_the_ends_are_the_postures(views: tuple[compute.View, compute.View], end: int) -> None:
+def test_the_ends_are_the_postures(views: tuple[view.View, view.View], end: int) -> None:
     drawing, platform = between(*views, float(end))
     assert platform == pytest.approx(views[end].platform, abs=1e-12)
     expected = {bar.name: bar for bar in views[end].drawing.bars}
@@ -34,7 +34,7 @@ def test_the_ends_are_the_postures(views: tuple[compute.View, compute.View], end
 
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.9])
 def test_links_stay_on_the_platform_and_limbs_in_one_piece(
-    views: tuple[compute.View, compute.View], share: float
+    views: tuple[view.View, view.View], share: float
 ) -> None:
     drawing, platform = between(*views, share)
     assert platform[:3, :3] @ platform[:3, :3].T == pytest.approx(np.eye(3), abs=1e-12)
@@ -47,7 +47,7 @@ def test_links_stay_on_the_platform_and_limbs_in_one_piece(
         assert bars[f"limb{n}/rod"].end == pytest.approx(bars[f"limb{n}/link"].start, abs=1e-9)
 
 
-def test_it_takes_its_time_and_then_is_over(views: tuple[compute.View, compute.View]) -> None:
+def test_it_takes_its_time_and_then_is_over(views: tuple[view.View, view.View]) -> None:
     morph = Morph(*views, begun=10.0)
     assert not morph.over(10.0 + 0.9 * DURATION)
     assert morph.over(10.0 + DURATION)

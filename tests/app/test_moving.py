@@ -8,17 +8,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app import trajectory
-from app.changes import Change, Place, SetPlan, change
-from app.compute import View, view
-from app.lane import Done, Job, Lost
-from app.moving import Moving, rounded_up
-from app.panels.desk import Moved
-from app.player import Player
-from app.playing import _Rested
-from app.requests import Distances, LeaveWay, NextWarning, Play, Scrub, Shortest, StopHere
-from app.state import Review, new_review
-from app.trajectory import Asked, Computed
+from app.features.trajectory import compute
+from app.features.trajectory.compute import Asked, Computed
+from app.features.trajectory.part import Moving, rounded_up
+from app.features.trajectory.player import Player
+from app.features.trajectory.playing import _Rested
+from app.jobs.lane import Done, Job, Lost
+from app.review.changes import Change, Place, SetPlan, change
+from app.review.requests import Distances, LeaveWay, NextWarning, Play, Scrub, Shortest, StopHere
+from app.review.state import Review, new_review
+from app.review.view import View, view
+from app.widgets.desk import Moved
 from kinematics.designs.files import load_design
 
 
@@ -308,9 +308,9 @@ def test_answers_come_back_from_the_process_as_they_are() -> None:
     import pickle
 
     review = Desk().stage.review
-    of = trajectory.asked(review)
+    of = compute.asked(review)
     assert isinstance(of, Asked)
-    again = pickle.loads(pickle.dumps(trajectory.compute(of)))
+    again = pickle.loads(pickle.dumps(compute.compute(of)))
     assert isinstance(again, Computed)
     assert again.asked == of
     assert not again.found.joints.flags.writeable

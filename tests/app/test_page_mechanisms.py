@@ -12,12 +12,13 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from app import palette, session
-from app.changes import Flip, GoHome, Place, Restore, SetControl, SetFlat, UseDesign
-from app.compute import how_far
-from app.controller import Here
-from app.requests import SaveLoci, SaveRegions
-from app.state import Review, new_review
+from app.features.singularities.compute import Here
+from app.review import session
+from app.review.changes import Flip, GoHome, Place, Restore, SetControl, SetFlat, UseDesign
+from app.review.requests import SaveLoci, SaveRegions
+from app.review.state import Review, new_review
+from app.review.view import how_far
+from app.scene import palette
 from kinematics.designs.files import load_design
 from tests.app.seats import Seat, seat
 

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from app.changes import Place, Restore, SetControl, SetPlan
-from app.requests import LeaveWay, SaveTrajectory, Scrub, StopHere
-from app.state import new_review
+from app.review.changes import Place, Restore, SetControl, SetPlan
+from app.review.requests import LeaveWay, SaveTrajectory, Scrub, StopHere
+from app.review.state import new_review
 from kinematics.designs.files import load_design
 from tests.app import seats
 from tests.app.seats import Seat, seat

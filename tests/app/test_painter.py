@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app import controller, painting, palette
-from app.changes import Place, SetControl, Show, change
-from app.compute import SolidWish, wishes
-from app.controlling import spot_of
-from app.painter import Painter
-from app.state import Review, new_review
-from app.worker import Built
+from app.features.singularities import compute
+from app.features.singularities.painter import Painter
+from app.features.singularities.part import spot_of
+from app.jobs.worker import Built
+from app.review.changes import Place, SetControl, Show, change
+from app.review.state import Review, new_review
+from app.review.view import SolidWish, wishes
+from app.scene import painting, palette
 from kinematics.designs.files import load_design
 from kinematics.mechanism import mechanism
 
@@ -149,9 +150,9 @@ def test_a_field_is_the_measure_point_by_point(name: str) -> None:
         points = at + np.array([[0.0, 0.0, 0.0], [6.0, 4.0, 1.0]])
         poses = kind.solid_poses(design, spec.key, review.pose, review.mode, points)
         for measure in kind.measures(design):
-            values = controller.field(spot_of(review), measure.key, spec.key, points)
+            values = compute.field(spot_of(review), measure.key, spec.key, points)
             here, there = (
-                next(v for m, v in controller.look(place).measures if m.key == measure.key)
+                next(v for m, v in compute.look(place).measures if m.key == measure.key)
                 for place in (
                     spot_of(review),
                     replace(spot_of(review), pose=tuple(poses[1].tolist())),
@@ -162,7 +163,7 @@ def test_a_field_is_the_measure_point_by_point(name: str) -> None:
 
 def test_a_field_where_there_is_no_pose_is_nothing() -> None:
     review = new_review(load_design("sps-spr"))
-    values = controller.field(
+    values = compute.field(
         spot_of(review),
         "conditioning",
         "workspace/beta",
@@ -194,10 +195,10 @@ def test_what_the_way_passes_is_told() -> None:
     review = new_review(load_design("rpur-table1"))
     spot = spot_of(review)
     down = (*review.pose[:2], 120.0, *review.pose[3:])
-    found = controller.passed(spot, down)
+    found = compute.passed(spot, down)
     wanted = review.mechanism.passed(
         review.design, review.posture, replace(review, pose=down).posture
     )
     assert found == wanted
     assert found
-    assert controller.passed(spot, review.pose) == ()
+    assert compute.passed(spot, review.pose) == ()

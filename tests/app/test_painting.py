@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app import painting, palette
-from app.scene import cylinder
+from app.scene import painting, palette
+from app.scene.machine import cylinder
 
 
 def _solid(**more: Any) -> Any:

@@ -9,11 +9,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app import session
-from app.changes import SetPlan, UseDesign, change
-from app.history import History
-from app.plan import MOST_POINTS, Plan, fresh_plan, missing, path_of, plane_of, trimmed
-from app.state import Review, new_review
+from app.features.trajectory.state import (
+    MOST_POINTS,
+    Plan,
+    fresh_plan,
+    missing,
+    path_of,
+    plane_of,
+    trimmed,
+)
+from app.review import session
+from app.review.changes import SetPlan, UseDesign, change
+from app.review.history import History
+from app.review.state import Review, new_review
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 from kinematics.mechanism import mechanism

@@ -12,11 +12,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.mapping import chart_request, of
-from app.panels import map as maps
-from app.panels.plots import STEPS, TURN, Axes, Figure, _base, scales, ticks
-from app.panels.section import profile
-from app.state import Chart, Span, new_review
+from app.features.map import panel as maps
+from app.features.map.part import chart_request, of
+from app.features.section.panel import profile
+from app.review.state import Chart, Span, new_review
+from app.widgets.plots import STEPS, TURN, Axes, Figure, _base, scales, ticks
 from kinematics.answers.sections import Quantity, SectionSpec, Volume
 from kinematics.designs.files import load_design
 from kinematics.facets.map_sweeps import Map, map_request

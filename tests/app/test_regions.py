@@ -12,10 +12,11 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from app import palette, regions
-from app.changes import ChooseModes, EditDesign, Flip, Move, SetFlat, change
-from app.regioning import region_colors, regions_file
-from app.state import Review, new_review
+from app.features.workspace import compute
+from app.features.workspace.part import region_colors, regions_file
+from app.review.changes import ChooseModes, EditDesign, Flip, Move, SetFlat, change
+from app.review.state import Review, new_review
+from app.scene import palette
 from kinematics.designs.files import load_design
 from kinematics.mechanism import mechanism
 
@@ -28,14 +29,14 @@ def _review(name: str) -> Review:
 
 
 @cache
-def _laid(name: str, key: str, modes: tuple[str, ...] | None = None) -> regions.Laid:
+def _laid(name: str, key: str, modes: tuple[str, ...] | None = None) -> compute.Laid:
     review = _review(name)
     review, _ = change(review, SetFlat("key", key))
     if modes:
         review, _ = change(review, ChooseModes(modes))
-    wanted = regions.wish(review)
+    wanted = compute.wish(review)
     assert wanted is not None
-    return regions.lay(wanted)
+    return compute.lay(wanted)
 
 
 def _cases() -> list[tuple[str, str]]:
@@ -46,7 +47,7 @@ def _cases() -> list[tuple[str, str]]:
     return found
 
 
-def _area(fill: regions.Fill) -> float:
+def _area(fill: compute.Fill) -> float:
     a, b, c = (fill.vertices[fill.faces[:, n]].astype(float) for n in range(3))
     return float(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
 
@@ -64,7 +65,7 @@ def test_the_fills_are_as_large_as_the_librarys_regions(name: str, key: str) -> 
             assert len(fill.faces) == 0
             continue
         # Chords of STEP mm leave out or add a sliver beside the arcs.
-        slack = true.section.perimeter * regions.STEP**2 / 8 / 50
+        slack = true.section.perimeter * compute.STEP**2 / 8 / 50
         assert _area(fill) == pytest.approx(true.section.area, rel=2e-3, abs=slack)
     if (name, key) == ("five-bar", "workspace"):
         assert laid.regions[0].section.area == pytest.approx(PAPERS_AREA, rel=1e-9)
@@ -91,9 +92,9 @@ def test_everything_lies_in_the_plane_and_edges_are_as_long_as_the_outline(
 def test_where_the_present_mode_is_not_asked_for_the_first_one_is_drawn() -> None:
     review = replace(_review("five-bar"), modes=("-+", "--"))
     review = replace(review, flat=replace(review.flat, key="modes"))
-    wanted = regions.wish(review)
+    wanted = compute.wish(review)
     assert wanted is not None
-    laid = regions.lay(wanted)
+    laid = compute.lay(wanted)
     assert [r.mode for r in laid.regions] == ["-+", "--"]
     assert [len(fill.faces) > 0 for fill in laid.fills] == [True, False]
 
@@ -132,9 +133,9 @@ def test_modes_choose_the_five_bars_workspace() -> None:
 def test_what_does_not_matter_asks_for_nothing_new() -> None:
     bar, sps = _review("five-bar"), _review("sps-spr")
     there, _ = change(bar, Move(0, 100.0))
-    assert regions.wish(there) == regions.wish(bar)
+    assert compute.wish(there) == compute.wish(bar)
     there, _ = change(sps, Move(2, 600.0))
-    assert regions.wish(there) == regions.wish(sps)
+    assert compute.wish(there) == compute.wish(sps)
     for review, what in (
         (bar, SetFlat("key", "aspects")),
         (bar, ChooseModes("current")),
@@ -142,26 +143,26 @@ def test_what_does_not_matter_asks_for_nothing_new() -> None:
         (sps, Move(5, 0.1)),
         (bar, SetFlat("locus", False)),
     ):
-        assert regions.wish(change(review, what)[0]) != regions.wish(review)
-    assert regions.wish(change(bar, SetFlat("on", False))[0]) is None
-    assert regions.wish(_review("rps-3")) is None
+        assert compute.wish(change(review, what)[0]) != compute.wish(review)
+    assert compute.wish(change(bar, SetFlat("on", False))[0]) is None
+    assert compute.wish(_review("rps-3")) is None
     current, _ = change(bar, ChooseModes("current"))
     flipped = replace(current, mode="++")
-    assert regions.wish(flipped) != regions.wish(current)
+    assert compute.wish(flipped) != compute.wish(current)
     assert change(bar, Flip(bar.mode))[0] == bar
 
 
 def test_turned_the_region_lies_in_another_plane() -> None:
     turned, _ = change(_review("sps-spr"), Move(5, 0.4))
-    wanted = regions.wish(turned)
+    wanted = compute.wish(turned)
     assert wanted is not None
-    laid = regions.lay(wanted)
+    laid = compute.lay(wanted)
     before = _laid("sps-spr", "workspace")
     assert not np.allclose(laid.frame[:3, 2], before.frame[:3, 2])
     point = laid.fills[0].vertices.mean(axis=0)
     assert abs((point - laid.frame[:3, 3]) @ laid.frame[:3, 2]) < 1e-3
     off = replace(wanted, locus=False)
-    assert regions.lay(off).locus.shape == (0, 2, 3)
+    assert compute.lay(off).locus.shape == (0, 2, 3)
 
 
 def test_colours_tell_aspects_apart() -> None:
@@ -189,9 +190,9 @@ def test_files_hold_all_regions(name: str, key: str) -> None:
 def test_an_empty_workspace_is_laid_out_as_nothing() -> None:
     review = _review("five-bar")
     apart, _ = change(review, EditDesign(((("half_base",), 5000.0),)))
-    wanted = regions.wish(apart)
+    wanted = compute.wish(apart)
     assert wanted is not None
-    laid = regions.lay(wanted)
+    laid = compute.lay(wanted)
     assert sum(r.section.area for r in laid.regions) == 0.0
     assert len(laid.lines) == 0
     assert all(len(fill.faces) == 0 for fill in laid.fills)

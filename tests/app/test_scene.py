@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import viser.transforms as tf
 
-from app import palette
-from app.scene import _CYLINDER, body_mesh, turns_z_to
+from app.scene import palette
+from app.scene.machine import _CYLINDER, body_mesh, turns_z_to
 from kinematics.answers.drawings import Body
 
 

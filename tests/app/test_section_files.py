@@ -11,8 +11,8 @@ import ezdxf
 import numpy as np
 import pytest
 
-from app.palette import limb_color, rgb
-from app.section_files import section_bytes, section_loops
+from app.features.section.files import section_bytes, section_loops
+from app.scene.palette import limb_color, rgb
 from kinematics.answers.sections import Section
 from kinematics.errors import InputError
 from tests.app.made_sections import EMPTY, LENS, RING, SPEC, TWO, area_by_edge

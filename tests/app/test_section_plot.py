@@ -10,9 +10,9 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from app.painting import scale
-from app.palette import BEYOND, limb_color
-from app.section_plot import PAPER, Bounds, Shade, section_svg
+from app.features.section.plot import PAPER, Bounds, Shade, section_svg
+from app.scene.painting import scale
+from app.scene.palette import BEYOND, limb_color
 from kinematics.answers.sections import Section
 from tests.app.made_sections import (
     EMPTY,

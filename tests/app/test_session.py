@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app import session
-from app.state import Atlas, Chart, Cut, Options, Review, Shown, Span, new_review
+from app.review import session
+from app.review.state import Atlas, Chart, Cut, Options, Review, Shown, Span, new_review
 from kinematics.designs.files import load_design, presets
 from kinematics.errors import InputError
 

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app import slicer
-from app.changes import ChooseModes, Flip, Move, MoveCut, SetControl, Show, change
-from app.state import Review, new_review
+from app.features.section import compute
+from app.review.changes import ChooseModes, Flip, Move, MoveCut, SetControl, Show, change
+from app.review.state import Review, new_review
 from kinematics.answers.sections import Section
 from kinematics.designs.files import load_design
 from tests.app.made_sections import LENS, RING, TWO
@@ -23,24 +23,24 @@ def review() -> Review:
 
 @pytest.mark.parametrize("section", [RING, LENS, TWO])
 def test_edges_are_as_long_as_the_outline_and_each_is_of_its_limb(section: Section) -> None:
-    lines, limbs = slicer.edges(section)
+    lines, limbs = compute.edges(section)
     lengths = np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1)
     assert lengths.sum() == pytest.approx(section.perimeter, rel=3e-3)
-    assert lengths.max() <= max(slicer.STEP, 20.0 + 1e-9)  # but for straight edges
+    assert lengths.max() <= max(compute.STEP, 20.0 + 1e-9)  # but for straight edges
     assert set(limbs.tolist()) == set(section.limb.tolist())
 
 
 @pytest.mark.parametrize("section", [RING, LENS, TWO])
 def test_the_hatching_covers_the_region_and_nothing_else(section: Section) -> None:
-    lines, _ = slicer.edges(section)
+    lines, _ = compute.edges(section)
     low, high = lines.reshape(-1, 2).min(axis=0), lines.reshape(-1, 2).max(axis=0)
     extent = tuple(zip(low.tolist(), high.tolist(), strict=True))
-    hatch = slicer.hatched(lines, extent)  # type: ignore[arg-type]
+    hatch = compute.hatched(lines, extent)  # type: ignore[arg-type]
     along = hatch[:, 1] - hatch[:, 0]
     lengths = np.linalg.norm(along, axis=1)
     assert np.allclose(along[:, 0], along[:, 1])  # at 45 degrees
     # The lines, each standing for a strip as wide as their distance, make up the area.
-    step = float(np.sqrt((high - low).prod())) / slicer.HATCHES
+    step = float(np.sqrt((high - low).prod())) / compute.HATCHES
     assert (lengths * step).sum() == pytest.approx(section.area, rel=0.02)
     if section is RING:
         middles = hatch.mean(axis=1)
@@ -52,7 +52,7 @@ def test_hatching_stands_still_while_the_outline_changes() -> None:
 
     def offsets(corners: np.ndarray) -> set[float]:
         lines = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
-        hatch = slicer.hatched(lines, ((0.0, 60.0), (0.0, 60.0)))
+        hatch = compute.hatched(lines, ((0.0, 60.0), (0.0, 60.0)))
         return {round(float(p[0] - p[1]), 6) for p in hatch[:, 0]}
 
     small, large = offsets(square), offsets(2.5 * square)
@@ -60,14 +60,14 @@ def test_hatching_stands_still_while_the_outline_changes() -> None:
 
 
 def test_equal_workspaces_are_one_region(review: Review) -> None:
-    here = slicer.region(review)
+    here = compute.region(review)
     for what in (Move(0, 3.0), Move(2, 400.0), MoveCut(20.0), Flip("-----")):
-        assert slicer.region(change(review, what)[0]) == here
+        assert compute.region(change(review, what)[0]) == here
     for what in (Move(3, 0.1), Move(4, -0.2), ChooseModes("current")):
-        assert slicer.region(change(review, what)[0]) != here
+        assert compute.region(change(review, what)[0]) != here
     flipped = change(change(review, ChooseModes("current"))[0], Flip("-----"))[0]
-    assert slicer.region(flipped) != slicer.region(change(review, ChooseModes("current"))[0])
-    assert hash(slicer.region(change(review, Move(0, 3.0))[0])) == hash(here)
+    assert compute.region(flipped) != compute.region(change(review, ChooseModes("current"))[0])
+    assert hash(compute.region(change(review, Move(0, 3.0))[0])) == hash(here)
 
 
 def test_the_platform_is_marked_only_where_it_stands_in_the_plane(review: Review) -> None:
@@ -76,25 +76,25 @@ def test_the_platform_is_marked_only_where_it_stands_in_the_plane(review: Review
     cos, sin = math.cos(0.4), math.sin(0.4)
     at = cos * x - sin * z  # x′ of R_y(−θ) p
     through, _ = change(turned, MoveCut(at))
-    mark = slicer.wish(through).mark
+    mark = compute.wish(through).mark
     assert mark == pytest.approx((y, sin * x + cos * z))
-    assert slicer.wish(change(turned, MoveCut(at + 1.0))[0]).mark is None
+    assert compute.wish(change(turned, MoveCut(at + 1.0))[0]).mark is None
 
 
 def test_a_dark_page_asks_for_another_plot(review: Review) -> None:
     dark = replace(review, options=replace(review.options, dark=True))
-    assert slicer.wish(dark) != slicer.wish(review)
+    assert compute.wish(dark) != compute.wish(review)
 
 
 def test_lost_control_is_drawn_where_the_present_mode_comes(review: Review) -> None:
     review = change(review, Show("aspects", True))[0]
     review = change(review, SetControl("shade", "conditioning"))[0]
-    drawn = slicer.draw(slicer.wish(review))
+    drawn = compute.draw(compute.wish(review))
     kind, design = review.mechanism, review.design
     assert len(drawn.locus) > 20
     frame = kind.section_frame(design, review.pose)
     middles = drawn.locus.mean(axis=1) @ frame[:3, :3].T + frame[:3, 3]
-    poses = slicer.placed(kind, design, review.pose, middles)
+    poses = compute.placed(kind, design, review.pose, middles)
     held = [kind.posture(design, pose, review.mode).reachable for pose in poses]
     assert np.mean(held) > 0.95  # all but where the curve leaves
     assert 'class="lost"' in drawn.svg
@@ -102,6 +102,6 @@ def test_lost_control_is_drawn_where_the_present_mode_comes(review: Review) -> N
     assert 'class="shade"' in drawn.svg
     # Another mode than those that are cut has nothing to tell here.
     other = change(review, ChooseModes(("-----",)))[0]
-    drawn = slicer.draw(slicer.wish(other))
+    drawn = compute.draw(compute.wish(other))
     assert len(drawn.locus) == 0
     assert 'class="shade"' not in drawn.svg

@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from app.lane import Done, Lost
-from app.solver import Wish, job
-from app.state import new_review
+from app.features.solutions.compute import Wish, job
+from app.jobs.lane import Done, Lost
+from app.review.state import new_review
 from kinematics.answers.solutions import Posture
 from kinematics.designs.files import load_design
 from tests.app import lanes

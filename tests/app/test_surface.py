@@ -8,11 +8,11 @@ import json
 
 import pytest
 
-from app import compute, session
-from app.changes import ChooseSurface, UseDesign, change
-from app.history import History
-from app.state import new_review
-from app.tables import surface_text
+from app.review import session, view
+from app.review.changes import ChooseSurface, UseDesign, change
+from app.review.history import History
+from app.review.state import new_review
+from app.terminal.tables import surface_text
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 from kinematics.mechanism import RESOLUTIONS
@@ -45,7 +45,7 @@ def test_the_choice_is_saved_and_read_again(review):
 
 def test_another_surface_is_another_wish(review):
     chosen, _ = change(review, ChooseSurface("true"))
-    facets, true = compute.wishes(review)[0], compute.wishes(chosen)[0]
+    facets, true = view.wishes(review)[0], view.wishes(chosen)[0]
     assert facets.what != true.what
     solids = {r: chosen.mechanism.build_solid(true.requests[r]) for r in RESOLUTIONS if r != "fine"}
     assert solids["preview"].residual is None  # quick while the hand moves

@@ -12,18 +12,26 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app import trajectory
-from app.changes import SetPlan, change
-from app.panels.pose_boxes import shown_pose, typed_numbers, typed_pose, units
-from app.panels.sketch import read_stroke, sketch_axes, sketch_figure, sketch_mark
-from app.panels.trajectory_html import fits_html, summary_html
-from app.panels.trajectory_plot import ORDER, axes_for, figure, mark, plots_svg, strip_axes, strips
-from app.player import Player
-from app.playing import on_the_way
-from app.state import Review, new_review
-from app.trail import along, wrong
-from app.trajectory import Asked, Computed
-from app.trajectory_text import polynomial
+from app.features.trajectory import compute
+from app.features.trajectory.compute import Asked, Computed
+from app.features.trajectory.html import fits_html, summary_html
+from app.features.trajectory.player import Player
+from app.features.trajectory.playing import on_the_way
+from app.features.trajectory.plot import (
+    ORDER,
+    axes_for,
+    figure,
+    mark,
+    plots_svg,
+    strip_axes,
+    strips,
+)
+from app.features.trajectory.scene import along, wrong
+from app.features.trajectory.text import polynomial
+from app.review.changes import SetPlan, change
+from app.review.state import Review, new_review
+from app.widgets.pose_boxes import shown_pose, typed_numbers, typed_pose, units
+from app.widgets.sketch import read_stroke, sketch_axes, sketch_figure, sketch_mark
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 
@@ -43,26 +51,26 @@ def _review(name: str, **values: Any) -> Review:
 
 
 def _asked(review: Review) -> Asked:
-    found = trajectory.asked(review)
+    found = compute.asked(review)
     assert found is not None
     return found
 
 
 @pytest.fixture(scope="module")
 def bar() -> Computed:
-    return trajectory.compute(_asked(_review("five-bar", way="rest-to-rest", rates=(0.3, 0.4))))
+    return compute.compute(_asked(_review("five-bar", way="rest-to-rest", rates=(0.3, 0.4))))
 
 
 @pytest.mark.parametrize("name", MACHINES)
 def test_every_mechanism_runs_straight_from_home(name: str) -> None:
     review = _review(name)
-    computed = trajectory.compute(_asked(review))
+    computed = compute.compute(_asked(review))
     found = computed.found
     assert found.reachable.all()
     assert np.isfinite(found.joint_accelerations).all()
     assert np.isnan(found.distance).all()
     # Rates are those of the joints, also where a coordinate follows.
-    fine = trajectory.compute(_asked(_review(name, samples=801))).found
+    fine = compute.compute(_asked(_review(name, samples=801))).found
     slope = np.gradient(fine.joints, fine.times, axis=0, edge_order=2)
     size = np.abs(fine.joint_rates).max()
     np.testing.assert_allclose(slope, fine.joint_rates, atol=1e-3 * size)
@@ -71,7 +79,7 @@ def test_every_mechanism_runs_straight_from_home(name: str) -> None:
     np.testing.assert_allclose(computed.pose_at(at), found.poses[7], atol=1e-9)
     spot = review.mechanism.transform(review.design, found.poses[7], review.mode)[:3, 3]
     np.testing.assert_allclose(computed.spots[7], spot, atol=1e-9)
-    distance = trajectory.distances(computed.asked, found.poses[7:8])
+    distance = compute.distances(computed.asked, found.poses[7:8])
     posture = review.mechanism.posture(review.design, computed.pose_at(at), review.mode)
     known = review.mechanism.clearances(review.design, posture)
     kinds = ("parallel", "constraint")
@@ -88,7 +96,7 @@ def test_the_drawn_coordinates_are_kept_where_others_can_give_way() -> None:
     ring[:, 1] += 20.0 * np.sin(turn)
     stroke = tuple(map(tuple, ring.tolist()))
     review = _review("sps-spr", way="stroke", stroke=stroke, smooth=0.0)
-    found = trajectory.compute(_asked(review)).found
+    found = compute.compute(_asked(review)).found
     assert found.reachable.all()
     assert np.hypot(found.poses[:, 0] + 20.0, found.poses[:, 1]) == pytest.approx(20.0, abs=0.05)
 
@@ -103,15 +111,15 @@ def test_how_it_is_shown_makes_no_other_trajectory() -> None:
         "points": ((1.0, 2.0),),
     }
     other = _review("five-bar", **values)
-    assert trajectory.asked(one) == trajectory.asked(other)
-    assert trajectory.asked(_review("five-bar", duration=3.0)) != trajectory.asked(one)
-    assert trajectory.asked(_review("five-bar", on=False)) is None
-    assert trajectory.asked(_review("five-bar", end=())) is None
+    assert compute.asked(one) == compute.asked(other)
+    assert compute.asked(_review("five-bar", duration=3.0)) != compute.asked(one)
+    assert compute.asked(_review("five-bar", on=False)) is None
+    assert compute.asked(_review("five-bar", end=())) is None
 
 
 @pytest.mark.parametrize("samples", [2, 3, 17, 101, 2001])
 def test_distances_come_coarse_first_and_each_once(samples: int) -> None:
-    found = [n for part in trajectory.parts(samples) for n in part]
+    found = [n for part in compute.parts(samples) for n in part]
     assert sorted(found) == list(range(samples))
     if samples > 20:
         early = np.sort(found[: samples // 4])
@@ -120,9 +128,9 @@ def test_distances_come_coarse_first_and_each_once(samples: int) -> None:
 
 def test_near_singularities_are_told_once_distances_are_known(bar: Computed) -> None:
     review = _review("five-bar", end=(290.0, 280.0), start=(240.0, 450.0))
-    computed = trajectory.compute(_asked(review))
-    distance = trajectory.distances(computed.asked, computed.found.poses)
-    judged = trajectory.judged(replace(computed, found=replace(computed.found, distance=distance)))
+    computed = compute.compute(_asked(review))
+    distance = compute.distances(computed.asked, computed.found.poses)
+    judged = compute.judged(replace(computed, found=replace(computed.found, distance=distance)))
     assert [e.kind for e in judged.found.events] == ["near"]
     assert judged.marks.shape == (1, 3)
     assert not wrong(judged.found).any()
@@ -133,7 +141,7 @@ def test_near_singularities_are_told_once_distances_are_known(bar: Computed) -> 
 def test_the_reach_in_a_plane_is_where_the_machine_can_be() -> None:
     review = _review("rpur-table1")
     plane = (0, 2)
-    reach = trajectory.reach(review.design, review.pose, review.mode, plane, None)
+    reach = compute.reach(review.design, review.pose, review.mode, plane, None)
     n = len(reach.inside)
     (x0, x1), (z0, z1) = reach.bounds
     assert x1 - x0 == pytest.approx(z1 - z0)
@@ -180,7 +188,7 @@ def test_nothing_jumps_when_it_pauses_or_changes_its_pace(
 
 
 def test_the_view_on_the_way_leaves_the_review_where_it_is() -> None:
-    from app.compute import view
+    from app.review.view import view
 
     before = view(_review("five-bar"))
     after = on_the_way(before, MACHINES["five-bar"], 1.0, 2.0)
@@ -222,24 +230,24 @@ def test_the_saved_plot_is_a_picture_of_its_own(bar: Computed) -> None:
 
 def test_a_curve_has_a_gap_where_the_path_is_outside() -> None:
     review = _review("five-bar", way="straight", start=(0.0, 804.0), end=(1200.0, 804.0))
-    computed = trajectory.compute(_asked(review))
+    computed = compute.compute(_asked(review))
     assert [e.kind for e in computed.found.events][-1] == "outside"
     drawn = figure(computed, "joints")
     assert "nan" not in drawn.content
     assert "outside of the workspace" in drawn.columns[-1]
     with pytest.raises(InputError, match="leaves the workspace"):
-        trajectory.fitted(computed, 3)
+        compute.fitted(computed, 3)
 
 
 def test_what_is_told_in_words(bar: Computed) -> None:
-    from app.panels.desk import Moved
+    from app.widgets.desk import Moved
 
     moved = Moved(bar, False, "", 1.0, False, None, "", None, "")
     text = summary_html(moved)
     assert "375.4 mm in 2 s, quintic" in text
     assert "Rate of θ₂ reaches" in text
     assert "<b>" not in summary_html(replace(moved, missing="<b>"))
-    fits = trajectory.fitted(bar, 5)
+    fits = compute.fitted(bar, 5)
     joints = bar.asked.kind.joint_coordinates(bar.asked.design)
     axes = bar.asked.kind.pose_coordinates(bar.asked.design)
     told = fits_html(fits, "", axes, joints)
@@ -283,7 +291,7 @@ def test_a_stroke_is_read_and_everything_else_is_nothing() -> None:
 
 def test_the_plane_of_a_stroke_is_drawn_where_things_are() -> None:
     review = _review("five-bar")
-    reach = trajectory.reach(review.design, review.pose, review.mode, (0, 1), None)
+    reach = compute.reach(review.design, review.pose, review.mode, (0, 1), None)
     axes = review.mechanism.pose_coordinates(review.design)
     box = sketch_axes(axes, reach)
     assert sketch_figure(axes, reach).content.count('class="trace"') == 1
@@ -308,9 +316,9 @@ def test_arrows_point_along_the_way_and_way_points_are_marked() -> None:
     review = new_review(load_design("five-bar"))
     points = ((0.0, 804.0), (100.0, 700.0), (-50.0, 650.0))
     review = change(review, SetPlan((("on", True), ("way", "points"), ("points", points))))[0]
-    of = trajectory.asked(review)
+    of = compute.asked(review)
     assert of is not None
-    computed = trajectory.compute(of)
+    computed = compute.compute(of)
     np.testing.assert_allclose(computed.knots[:, :2], points, atol=1e-9)
     away = np.linalg.norm(computed.spots[:, None] - computed.knots, axis=2).min(axis=0)
     assert away.max() < 5.0  # between samples
@@ -323,7 +331,7 @@ def test_arrows_point_along_the_way_and_way_points_are_marked() -> None:
 def test_where_a_stroke_loses_control_is_shown(name: str, plane: tuple[int, int]) -> None:
     review = new_review(load_design(name))
     kind, design = review.mechanism, review.design
-    reach = trajectory.reach(design, review.pose, review.mode, plane, None)
+    reach = compute.reach(design, review.pose, review.mode, plane, None)
     points = np.concatenate([curve[1:-1] for curve in reach.lost])  # some end on A₁ and A₂
     points = points[np.isfinite(points).all(axis=1)][::7]
     assert len(points) > 10
@@ -341,15 +349,13 @@ def test_the_distance_to_a_singularity_is_nothing_where_one_is_crossed() -> None
     review = new_review(load_design("five-bar"))
     plan = (("on", True), ("way", "straight"), ("start", (0.0, 804.0)), ("end", (0.0, 300.0)))
     review = change(review, SetPlan((*plan, ("samples", 12))))[0]
-    of = trajectory.asked(review)
+    of = compute.asked(review)
     assert of is not None
-    computed = trajectory.compute(of)
-    distance = trajectory.distances(of, computed.found.poses)
-    computed = trajectory.judged(
-        replace(computed, found=replace(computed.found, distance=distance))
-    )
+    computed = compute.compute(of)
+    distance = compute.distances(of, computed.found.poses)
+    computed = compute.judged(replace(computed, found=replace(computed.found, distance=distance)))
     (met,) = (e.start for e in computed.found.events if e.kind == "singularity")
-    times, known = trajectory.known_distances(computed.found)
+    times, known = compute.known_distances(computed.found)
     assert np.interp(met, times, known) == 0.0
     assert (np.diff(times) >= 0.0).all()
     box = axes_for(strips(computed, "forces"), computed.found.duration)

@@ -11,10 +11,10 @@ from dataclasses import replace
 
 import pytest
 
-from app import compute
-from app.changes import Move, Show, change
-from app.state import Review, new_review
-from app.worker import Built, Busy, Event, Failed, Worker
+from app.jobs.worker import Built, Busy, Event, Failed, Worker
+from app.review import view
+from app.review.changes import Move, Show, change
+from app.review.state import Review, new_review
 from kinematics.designs.files import load_design
 from kinematics.errors import BohemiaError
 
@@ -53,7 +53,7 @@ def desk() -> Iterator[Desk]:
 
 
 def test_coarse_comes_first_and_finer_when_the_hand_rests(desk: Desk, review: Review) -> None:
-    wishes = compute.wishes(review)
+    wishes = view.wishes(review)
     desk.worker.want(wishes)
     order = []
     while len(order) < 3:
@@ -67,9 +67,9 @@ def test_coarse_comes_first_and_finer_when_the_hand_rests(desk: Desk, review: Re
 def test_what_was_wished_last_is_what_comes(desk: Desk, review: Review) -> None:
     for n in range(40):
         review, _ = change(review, Move(3, 0.01 * n))
-        desk.worker.want(compute.wishes(review))
+        desk.worker.want(view.wishes(review))
         time.sleep(0.005)
-    last = compute.wishes(review)[0].what
+    last = view.wishes(review)[0].what
     seen = []
     while True:
         built = desk.until(Built)
@@ -86,14 +86,14 @@ def test_what_was_wished_last_is_what_comes(desk: Desk, review: Review) -> None:
 
 
 def test_a_wish_seen_before_comes_from_the_cache_at_once(desk: Desk, review: Review) -> None:
-    desk.worker.want(compute.wishes(review))
+    desk.worker.want(view.wishes(review))
     desk.until(Built, resolution="fine")
     other, _ = change(review, Move(3, 0.3))
-    desk.worker.want(compute.wishes(other))
+    desk.worker.want(view.wishes(other))
     desk.until(Built, resolution="preview")
     while not desk.events.empty():
         desk.events.get()
-    desk.worker.want(compute.wishes(review))
+    desk.worker.want(view.wishes(review))
     first = desk.events.get_nowait()
     assert isinstance(first, Built)
     assert first.resolution == "fine"
@@ -103,7 +103,7 @@ def test_equal_limbs_are_built_once(desk: Desk, review: Review) -> None:
     for limb in range(1, 6):
         review, _ = change(review, Show(f"limb{limb}/whole", True))
     review, _ = change(review, Show("workspace", False))
-    wishes = compute.wishes(review)
+    wishes = view.wishes(review)
     assert len({wish.what for wish in wishes}) == 1
     desk.worker.want(wishes)
     keys = set()
@@ -116,20 +116,20 @@ def test_equal_limbs_are_built_once(desk: Desk, review: Review) -> None:
 
 
 def test_the_death_of_the_processes_is_survived(desk: Desk, review: Review) -> None:
-    desk.worker.want(compute.wishes(review))
+    desk.worker.want(view.wishes(review))
     desk.until(Built, resolution="preview")
     for pid in desk.worker.pids:
         os.kill(pid, signal.SIGKILL)
     moved, _ = change(review, Move(4, 0.2))
-    desk.worker.want(compute.wishes(moved))
+    desk.worker.want(view.wishes(moved))
     built = desk.until(Built, resolution="preview")
     assert isinstance(built, Built)
-    assert built.wish.what == compute.wishes(moved)[0].what
+    assert built.wish.what == view.wishes(moved)[0].what
     desk.until(Built, resolution="fine")
 
 
 def test_what_cannot_be_computed_is_told_and_the_next_works(desk: Desk, review: Review) -> None:
-    wish = compute.wishes(review)[0]
+    wish = view.wishes(review)[0]
     broken = {
         name: replace(request, arguments=("nonsense", name))
         for name, request in wish.requests.items()
@@ -145,15 +145,15 @@ def test_what_cannot_be_computed_is_told_and_the_next_works(desk: Desk, review: 
 def test_cancelling_keeps_the_coarse_solid_and_gives_up_the_fine(
     desk: Desk, review: Review
 ) -> None:
-    desk.worker.want(compute.wishes(review))
+    desk.worker.want(view.wishes(review))
     desk.until(Built, resolution="preview")
     desk.until(Busy, lane="fine")
     desk.worker.cancel()
     moved, _ = change(review, Move(3, 0.15))
-    desk.worker.want(compute.wishes(moved))
+    desk.worker.want(view.wishes(moved))
     built = desk.until(Built, resolution="normal")
     assert isinstance(built, Built)
-    assert built.wish.what == compute.wishes(moved)[0].what
+    assert built.wish.what == view.wishes(moved)[0].what
 
 
 def test_work_apart_reports_its_failure() -> None:

@@ -18,11 +18,11 @@ from pathlib import Path
 import viser
 from websockets.sync.client import connect
 
-from app.changes import Move
-from app.page import Page
+from app.jobs.worker import Built
+from app.loop import Page
+from app.review.changes import Move
+from app.review.state import new_review
 from app.server import make_server
-from app.state import new_review
-from app.worker import Built
 from kinematics.designs.files import load_design
 
 MOVES = 200

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from app import session
-from app.state import new_review
+from app.review import session
+from app.review.state import new_review
 from kinematics.designs.files import load_design
 from tests.conftest import command_environment
 

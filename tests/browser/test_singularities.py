@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from app import palette
+from app.scene import palette
 from tests.browser.conftest import Tab
 
 if TYPE_CHECKING:

@@ -1,0 +1,184 @@
+"""Files that leave Bohemia: pure functions from results to a file name and its bytes.
+
+Solids leave in base coordinates. Lengths are mm; only 3MF states a unit that every reader honours,
+so the names of the others end in ``_mm``.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from dataclasses import dataclass
+from math import degrees
+from pathlib import PurePath
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from app.terminal.tables import LOCUS
+from kinematics.errors import ComputationError, InputError
+from kinematics.mechanism import Coordinate, Design, SolidRequest, mechanism
+
+if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
+    from kinematics.solids.csg import BuiltSolid, SolidMesh
+
+FORMATS: tuple[str, ...] = ("stl", "3mf", "ply", "glb", "obj")
+WITH_UNIT = frozenset({"3mf"})
+MEDIA_TYPES = {
+    "stl": "model/stl",
+    "3mf": "model/3mf",
+    "ply": "application/octet-stream",
+    "glb": "model/gltf-binary",
+    "obj": "model/obj",
+    "toml": "application/toml",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class ExportedFile:
+    """A file to save or to download."""
+
+    name: str
+    data: bytes
+    media_type: str
+
+
+def format_of(path: PurePath) -> str:
+    """The format that a file's ending asks for.
+
+    Raises:
+        InputError: no ending or one that Bohemia does not write.
+    """
+    ending = path.suffix.removeprefix(".").lower()
+    if ending not in FORMATS:
+        known = ", ".join(f".{kind}" for kind in FORMATS)
+        got = f"has the ending .{ending}" if ending else "has no ending"
+        raise InputError(f"{str(path)!r} {got}; a solid is written as one of {known}")
+    return ending
+
+
+def placed(mesh: SolidMesh, placement: ArrayLike) -> SolidMesh:
+    """The mesh moved by a 4x4 rigid motion, from the frame it was built in to the base frame."""
+    from kinematics.solids.csg import SolidMesh
+
+    motion = np.asarray(placement, dtype=float)
+    vertices = mesh.vertices @ motion[:3, :3].T + motion[:3, 3]
+    vertices.setflags(write=False)
+    return SolidMesh(vertices, mesh.faces)
+
+
+def solid_bytes(built: BuiltSolid, placement: ArrayLike, kind: str) -> bytes:
+    """A solid in base coordinates (mm) as the content of a file.
+
+    Raises:
+        InputError: ``kind`` is not one of `FORMATS`.
+        ComputationError: the solid is empty, or its mesh is not sound.
+    """
+    from kinematics.solids.csg import encode
+
+    if kind not in FORMATS:
+        raise InputError(f"there is no format {kind!r}; a solid is written as {_list(FORMATS)}")
+    if built.triangles == 0:
+        raise ComputationError("the solid is empty, so there is nothing to write")
+    return encode(placed(built.mesh, placement), kind)
+
+
+def mesh_bytes(mesh: SolidMesh, placement: ArrayLike, kind: str, *, is_open: bool = False) -> bytes:
+    """A mesh in base coordinates (mm) as the content of a file.
+
+    Args:
+        mesh: a closed surface, or one with a rim if ``is_open``.
+        placement: 4x4 to the base frame.
+        kind: one of `FORMATS`, or "csv": the vertices.
+
+    Raises:
+        InputError: there is no such format, or the mesh is empty.
+        ComputationError: it is not sound.
+    """
+    from kinematics.solids.csg import encode
+
+    moved = placed(mesh, placement)
+    if kind == "csv":
+        rows = [",".join(f"{value:.9g}" for value in point) for point in moved.vertices.tolist()]
+        return "\n".join(["x_mm,y_mm,z_mm", *rows, ""]).encode()
+    return encode(moved, kind, is_open=is_open)
+
+
+def solid_file(built: BuiltSolid, placement: ArrayLike, kind: str, *, name: str) -> ExportedFile:
+    """A solid as a file to save; ``name`` comes from `solid_name`.
+
+    Raises:
+        InputError, ComputationError: as `solid_bytes`.
+    """
+    data = solid_bytes(built, placement, kind)
+    unit = "" if kind in WITH_UNIT else "_mm"
+    return ExportedFile(f"{name}{unit}.{kind}", data, MEDIA_TYPES[kind])
+
+
+def build_file(
+    request: SolidRequest, placement: ArrayLike, kind: str, name: str, part: str = ""
+) -> ExportedFile:
+    """Build a solid and make a file of it, in whatever process this is called.
+
+    Args:
+        part: "" for the whole; of a solid that was parted `LOCUS`, where it was, or the number of
+            a piece, from 1.
+
+    Raises:
+        InputError, ComputationError: as `solid_bytes`.
+    """
+    built = mechanism(request.mechanism).build_solid(request)
+    if not part:
+        return solid_file(built, placement, kind, name=name)
+    mesh = built.locus_mesh() if part == LOCUS else built.piece_mesh(int(part) - 1)
+    data = mesh_bytes(mesh, placement, kind, is_open=part == LOCUS)
+    unit = "" if kind in WITH_UNIT else "_mm"
+    named = part if part == LOCUS else f"piece{part}"
+    return ExportedFile(f"{name}_{named}{unit}.{kind}", data, MEDIA_TYPES[kind])
+
+
+def solid_name(
+    design: Design,
+    key: str,
+    orientation: tuple[tuple[Coordinate, float], ...],
+    modes: tuple[str, ...] | None = None,
+) -> str:
+    """A file's stem: the design, the solid, its orientation (values in rad) and working modes.
+
+    As "rpur-table1_workspace_phi0_theta-17.2" or "rpur-table1_limb1-H2_phi0_theta0".
+    """
+    angles = (f"{axis.key}{_number(degrees(value))}" for axis, value in orientation)
+    chosen = () if modes is None else (modes[0] if len(modes) == 1 else f"{len(modes)}modes",)
+    return "_".join([sanitized(part) for part in (design.name, key, *angles, *chosen)])
+
+
+def design_file(design: Design) -> ExportedFile:
+    """A design as a design file (TOML) that reads back equal."""
+    from kinematics.designs.files import write_design
+
+    text = write_design(design)
+    return ExportedFile(f"{sanitized(design.name)}.toml", text.encode(), MEDIA_TYPES["toml"])
+
+
+def sanitized(text: str) -> str:
+    """``text`` as a part of a file name on every system: letters, digits and ``. + -``."""
+    plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()[:80]
+    if not _signs(plain):
+        plain = re.sub(r"[^A-Za-z0-9.+-]+", "-", plain).strip("-.")
+    return plain or "unnamed"
+
+
+def _signs(text: str) -> bool:
+    """A working mode, whose leading and trailing minus signs carry meaning."""
+    return re.fullmatch(r"[+-]+", text) is not None
+
+
+def _number(value: float) -> str:
+    """Up to four decimals, no trailing zeros, never "-0"."""
+    text = f"{value:.4f}".rstrip("0").rstrip(".")
+    return "0" if text == "-0" else text
+
+
+def _list(words: tuple[str, ...]) -> str:
+    return f"{', '.join(words[:-1])} or {words[-1]}"

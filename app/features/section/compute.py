@@ -1,0 +1,311 @@
+"""What is computed of sections, in a process of its own: pure functions and plain results.
+
+A section takes some 50 µs once the compiled code is there, a volume some 10 ms; what is drawn of a
+section is made here too, so that the page's loop only passes it on.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from app.features.section.plot import Bounds, Shade, section_bounds, section_svg
+from app.features.singularities.compute import placed
+from app.review.state import Review, point_in_section
+from app.scene.painting import scale
+from kinematics.answers.sections import Box, Section, Sphere, Volume
+from kinematics.mechanism import Design, mechanism
+from kinematics.plane.regions import contains
+from kinematics.screws.spatial import Array
+
+LOOKS = 24  # sections from which the extent of a workspace in its planes is taken
+CHART = "section"  # of a mechanism's loci: the one in this plane
+CHORD = 1.0  # mm of a section's outline, to see what is within
+CELLS = 100  # of a measure's picture, along its longer side
+STEP = 6.0  # mm, the longest chord of an arc in the scene
+HATCHES = 40  # lines across a square as large as the extent
+ON_PLANE = 0.05  # mm; the platform is in a plane that it is not farther from
+PLOT = (320.0, 640.0)  # px
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """The workspace that is cut and measured. Regions are equal where the workspaces are.
+
+    ``what`` is everything that it depends on.
+    """
+
+    what: tuple[Any, ...]
+    design: Design = field(compare=False)
+    pose: tuple[float, ...] = field(compare=False)
+    modes: tuple[str, ...] | None = field(compare=False)
+
+
+def prepare(kind: str) -> None:
+    """Make ready what takes long the first time on a machine."""
+    mechanism(kind).prepare()
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """A section to draw: of what, where (mm), for a light or a dark page.
+
+    ``mark`` is where the platform stands in the plane, mm.
+    """
+
+    region: Region
+    at: float
+    mark: tuple[float, float] | None
+    dark: bool
+    lost: Lost | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Lost:
+    """What a section also shows: where control is lost in a mode, and a measure of it by colour.
+
+    ``shade`` is a measure's key, "" for none; ``load`` [F, T] counts for some measures only.
+    """
+
+    mode: str
+    locus: bool
+    shade: str
+    load: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Extent:
+    """Where a workspace is: along the normal of its sections, and in their planes; mm.
+
+    Both are None if it is empty.
+    """
+
+    along: tuple[float, float] | None
+    across: Bounds | None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Drawn:
+    """A section as the page shows it.
+
+    Attributes:
+        lines: (S, 2, 3) mm along the edges, in the frame of sections.
+        line_limb: (S,) from 1.
+        hatch: (H, 2, 3) mm, lines that fill the region.
+        locus: (L, 2, 3) mm along the curves where control is lost, likewise.
+        svg: the plot.
+    """
+
+    wish: Wish
+    section: Section
+    extent: Extent
+    lines: Array
+    line_limb: np.ndarray
+    hatch: Array
+    locus: Array
+    svg: str
+
+
+def region(review: Review) -> Region:
+    """What is cut in a review whose mechanism has sections."""
+    kind, design, modes = review.mechanism, review.design, review.solver_modes
+    request = kind.solid_request(design, "workspace", review.pose, modes, "fine")
+    what = (request.mechanism, *request.arguments)
+    return Region(what, design, review.pose, modes)
+
+
+def wish(review: Review) -> Wish:
+    """The section that a review shows."""
+    x, y, z = point_in_section(review)
+    mark = (y, z) if abs(x - review.cut.at) < ON_PLANE else None
+    return Wish(region(review), review.cut.at, mark, review.options.dark, _lost(review))
+
+
+def _lost(review: Review) -> Lost | None:
+    """What of control is shown in the section; nothing unless it is on display elsewhere too."""
+    control, kind, design = review.control, review.mechanism, review.design
+    traced = any(spec.key == CHART for spec in kind.locus_specs(design))
+    locus = traced and control.locus and review.shown("aspects") is not None
+    if not (locus or control.shade):
+        return None
+    needs = any(m.key == control.shade and m.needs_load for m in kind.measures(design))
+    return Lost(review.mode, locus, control.shade, control.load if needs else ())
+
+
+# --- called in the process ----------------------------------------------------------------
+
+
+def draw(wanted: Wish) -> Drawn:
+    """The section, its edges, the region hatched, its plot."""
+    of = wanted.region
+    kind = mechanism(of.design.mechanism)
+    section = kind.section(of.design, of.pose, of.modes, wanted.at)
+    spec = kind.section_spec(of.design)
+    assert spec is not None
+    reach = extent(of)
+    lines, limbs = edges(section)
+    hatch = hatched(lines, reach.across) if reach.across and len(lines) else lines[:0]
+    held = _held(wanted, section)
+    curves, beyond = _parted(_curves(wanted), held)
+    svg = section_svg(
+        section,
+        spec,
+        width=PLOT[0],
+        height=PLOT[1],
+        dark=wanted.dark,
+        standalone=False,
+        mark=wanted.mark,
+        bounds=reach.across,
+        curves=curves,
+        beyond=beyond,
+        shade=_shade(wanted, section, held),
+    )
+    at = section.at
+    return Drawn(
+        wanted,
+        section,
+        reach,
+        _raised(lines, at),
+        limbs,
+        _raised(hatch, at),
+        _raised(segments(curves), at),
+        svg,
+    )
+
+
+def segments(curves: Sequence[Array]) -> Array:
+    """Curves (K, 2) each as segments (S, 2, 2), all together."""
+    pairs = [np.stack([run[:-1], run[1:]], axis=1) for run in curves]
+    return np.concatenate([*pairs, np.empty((0, 2, 2))])
+
+
+def _curves(wanted: Wish) -> list[Array]:
+    """Where control is lost in the plane, each curve (N, 2) mm."""
+    of, lost = wanted.region, wanted.lost
+    if lost is None or not lost.locus:
+        return []
+    found = mechanism(of.design.mechanism).locus(of.design, CHART, of.pose, lost.mode, wanted.at)
+    return found.lost()
+
+
+def _held(wanted: Wish, section: Section) -> Section | None:
+    """The part of a section that the mode has of which control is shown; None where it has none."""
+    of, lost = wanted.region, wanted.lost
+    if lost is None or not (of.modes is None or lost.mode in of.modes):
+        return None
+    if of.modes == (lost.mode,):
+        return section
+    return mechanism(of.design.mechanism).section(of.design, of.pose, (lost.mode,), wanted.at)
+
+
+def _parted(curves: Sequence[Array], held: Section | None) -> tuple[list[Array], list[Array]]:
+    """The parts of curves within a section, and the others."""
+    within: list[Array] = []
+    beyond: list[Array] = []
+    for points in curves:
+        inside = np.zeros(len(points), dtype=bool)
+        if held is not None:
+            for loop in range(held.loops):
+                inside ^= contains(held.polyline(loop, CHORD), points)
+        edges = np.flatnonzero(np.diff(inside)) + 1
+        for first, behind in pairwise([0, *edges.tolist(), len(points)]):
+            # Up to the first point of the next part, so that no gap is left.
+            (within if inside[first] else beyond).append(points[first : behind + 1])
+    return within, beyond
+
+
+def _shade(wanted: Wish, section: Section, held: Section | None) -> Shade | None:
+    """The measure over the plane, as a picture; None where it is not asked for."""
+    of, lost = wanted.region, wanted.lost
+    if lost is None or not lost.shade or held is None or not held.loops:
+        return None
+    kind = mechanism(of.design.mechanism)
+    measure = next(m for m in kind.measures(of.design) if m.key == lost.shade)
+    across = (u0, u1), (v0, v1) = section_bounds(held)
+    wide = max(2, min(CELLS, round(CELLS * (u1 - u0) / max(u1 - u0, v1 - v0))))
+    high = max(2, min(CELLS, round(CELLS * (v1 - v0) / max(u1 - u0, v1 - v0))))
+    u = u0 + (np.arange(wide) + 0.5) / wide * (u1 - u0)
+    v = v0 + (np.arange(high) + 0.5) / high * (v1 - v0)
+    flat = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
+    frame = kind.section_frame(of.design, of.pose)
+    points = _raised(flat, wanted.at) @ frame[:3, :3].T + frame[:3, 3]
+    poses = placed(kind, of.design, of.pose, points)
+    load = lost.load if measure.needs_load else None
+    values = np.asarray(kind.measure(of.design, poses, lost.mode, measure.key, load))
+    steps = scale(values, high=measure.better == "high", limits=measure.limits)
+    if steps is None:
+        return None
+    return Shade(values.reshape(high, wide), across, steps, None if held is section else held)
+
+
+@lru_cache(maxsize=16)
+def extent(of: Region) -> Extent:
+    """Where the workspace is; from so many sections that a picture of it does not jump."""
+    kind = mechanism(of.design.mechanism)
+    along = kind.section_range(of.design, of.pose, of.modes)
+    if along is None:
+        return Extent(None, None)
+    places = np.linspace(*along, LOOKS + 2)[1:-1]
+    cuts = [kind.section(of.design, of.pose, of.modes, float(at)) for at in places]
+    found = np.array([section_bounds(cut) for cut in cuts if cut.loops]).reshape(-1, 2, 2)
+    if not len(found):
+        return Extent(along, None)
+    (u0, v0), (u1, v1) = found[:, :, 0].min(axis=0), found[:, :, 1].max(axis=0)
+    return Extent(along, ((float(u0), float(u1)), (float(v0), float(v1))))
+
+
+def measure(of: Region) -> Volume:
+    """The exact volume."""
+    return mechanism(of.design.mechanism).volume(of.design, of.pose, of.modes)
+
+
+def sphere(of: Region, center: Sequence[float] | None) -> Sphere | None:
+    """The largest ball inside."""
+    return mechanism(of.design.mechanism).sphere(of.design, of.pose, of.modes, center)
+
+
+def box(of: Region, center: Sequence[float] | None) -> Box | None:
+    """The largest box inside."""
+    return mechanism(of.design.mechanism).box(of.design, of.pose, of.modes, center)
+
+
+def edges(section: Section, step: float = STEP) -> tuple[Array, np.ndarray]:
+    """Line segments (S, 2, 2) along the edges, and whose each is, limbs from 1."""
+    runs = [section.edge_points(k, step) for k in range(len(section.limb))]
+    pairs = [np.stack([run[:-1], run[1:]], axis=1) for run in runs]
+    flat = np.concatenate(pairs) if pairs else np.empty((0, 2, 2))
+    limbs = np.repeat(section.limb, [len(pair) for pair in pairs])
+    return flat, limbs
+
+
+def hatched(lines: Array, extent: Bounds) -> Array:
+    """Parallel lines (H, 2, 2) at 45° that fill what closed outlines (S, 2, 2) bound.
+
+    They stand still while the outlines change, at a distance that the extent gives.
+    """
+    (u0, u1), (v0, v1) = extent
+    step = max(math.sqrt((u1 - u0) * (v1 - v0)), 1e-3) / HATCHES
+    turned = lines @ (np.array([[1.0, 1.0], [-1.0, 1.0]]) / np.sqrt(2.0))  # across, along
+    (a, start), (b, end) = turned[:, 0].T, turned[:, 1].T
+    first, last = np.floor(turned[..., 0].min() / step), np.floor(turned[..., 0].max() / step)
+    places = step * np.arange(first + 1, last + 1)[:, None]
+    crossed = (a <= places) != (b <= places)
+    share = (places - a) / np.where(crossed, b - a, 1.0)
+    along = np.sort(np.where(crossed, start + share * (end - start), np.inf), axis=1)
+    along = along[:, : 2 * (along.shape[1] // 2)].reshape(len(places), -1, 2)
+    rows, pairs = np.nonzero(np.isfinite(along).all(axis=2))
+    across = np.broadcast_to(places[rows], (len(rows), 2))
+    found = np.stack([across, along[rows, pairs]], axis=-1)
+    back: Array = found @ (np.array([[1.0, -1.0], [1.0, 1.0]]) / np.sqrt(2.0))
+    return back
+
+
+def _raised(flat: Array, at: float) -> Array:
+    """Points (..., 2) of a plane at ``at`` as points (..., 3)."""
+    return np.concatenate([np.full((*flat.shape[:-1], 1), at), flat], axis=-1)

@@ -1,0 +1,263 @@
+"""What the page says of control, as small pieces of HTML."""
+
+from __future__ import annotations
+
+import math
+import time
+
+import numpy as np
+
+from app.features.singularities.compute import Here
+from app.jobs.worker import Built
+from app.review.view import how_far, short_title
+from app.scene import painting, palette
+from app.widgets.desk import Controlled, Logged, Sheet, box, chip, esc, red, tone, volume_text
+from kinematics.answers.singularities import AT, Clearance, Measure, Remedy, Singularity
+
+ASPECTS = "aspects"
+"""The key of the solid that is parted by singular surfaces."""
+LISTED = 8  # pieces that the page lists
+TOLD = 9  # clearances
+LINES = 20  # of the log
+WAYS = 5
+"""in which the design may change."""
+ROUNDING = 1e-9  # of a measure in its unit: less is nothing
+
+
+def here_html(controlled: Controlled) -> str:
+    here = controlled.here
+    if controlled.trouble:
+        return red(controlled.trouble)
+    if here is None:
+        return box("Looking …")
+    parts = [_card(s) for s in here.singular]
+    if here.wrenches is None:
+        parts.append("The limbs do not close here, so nothing holds the platform.")
+    elif here.remedy is not None:
+        parts.append("This pose is out of reach; the ways out are below.")
+    elif not here.singular:
+        parts.append(
+            f'<div style="border-left:4px solid {tone("good")};padding-left:.6em">'
+            "<b>The platform is held</b>: the wrenches are independent here.</div>"
+        )
+    rows = "".join(_measure(m, v) for m, v in here.measures if math.isfinite(v))
+    if rows:
+        parts.append(
+            f'<table style="width:100%;border-spacing:0 2px;margin-top:.4em">{rows}</table>'
+        )
+    return box("".join(parts))
+
+
+def _card(singular: Singularity) -> str:
+    color = palette.BEYOND
+    near = "Near a " if singular.measure > AT else "In a "
+    return (
+        f'<div style="border-left:4px solid {color};padding-left:.6em;margin-bottom:.4em">'
+        f'<b style="color:{color}">{near}{esc(singular.kind)} singularity</b><br>'
+        f'{esc(singular.text)}<br><span style="opacity:.8">{esc(singular.cause)}</span></div>'
+    )
+
+
+def _measure(measure: Measure, value: float) -> str:
+    unit = f" {measure.unit}" if measure.unit else ""
+    value = value if abs(value) >= ROUNDING else 0.0
+    bar = ""
+    low, high = measure.limits
+    if low is not None and high is not None:
+        share = 100.0 * min(max((value - low) / (high - low), 0.0), 1.0)
+        bar = (
+            '<div style="height:.5em;border-radius:3px;background:rgba(128,138,150,.25)">'
+            f'<div style="height:100%;width:{share:.1f}%;border-radius:3px;'
+            f'background:{palette.WORKSPACE}"></div></div>'
+        )
+    return (
+        f"<tr><td>{esc(measure.title)}</td>"
+        f'<td style="text-align:right;padding:0 .6em;white-space:nowrap;'
+        f'font-variant-numeric:tabular-nums">{value:.3g}{esc(unit)}</td>'
+        f'<td style="width:36%">{bar}</td></tr>'
+    )
+
+
+_WHAT = {
+    "parallel": "parallel singularity",
+    "constraint": "constraint singularity",
+    "boundary": "end of the workspace",
+    "stroke": "end of a stroke",
+    "mode": "change of mode",
+}
+_ENDS = {"rho_min": " (ρ min)", "rho_max": " (ρ max)", "link": ""}
+
+
+def clearances_html(here: Here | None) -> str:
+    if here is None or not here.clearances:
+        return ""
+    rows = "".join(_clearance(c) for c in here.clearances[:TOLD])
+    return box(f'<table style="width:100%;border-spacing:0 1px">{rows}</table>')
+
+
+def _clearance(way: Clearance) -> str:
+    lost = way.kind in ("parallel", "constraint")
+    mark = chip(
+        palette.BEYOND if lost else palette.limb_color(way.limb) if way.limb else palette.WORKSPACE
+    )
+    whose = f"limb {way.limb}, " if way.limb else ""
+    way_there = " by turning" if way.angle is not None else f" {way.along}" if way.along else ""
+    what = f"{whose}{_WHAT[way.kind]}{_ENDS.get(way.bound, '')}{way_there}"
+    return (
+        f'<tr title="{esc(way.text)}"><td>{mark}{esc(what)}</td>'
+        f'<td style="text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums">'
+        f"{how_far(way, 2)}</td></tr>"
+    )
+
+
+def ways_html(remedy: Remedy) -> str:
+    if not remedy.changes:
+        return ""
+    rows = "".join(
+        f'<tr><td style="vertical-align:top;padding-right:.6em">{n + 1}</td>'
+        f"<td>{'<br>'.join(esc(change.text) for change in way)}</td></tr>"
+        for n, way in enumerate(remedy.changes[:WAYS])
+    )
+    return box(f"Or change the design, the pose as it is:<table>{rows}</table>")
+
+
+def forces_html(here: Here | None) -> str:
+    if here is None or here.statics is None:
+        return ""
+    statics, units = here.statics, here.force_units
+    values = np.asarray(statics.forces)
+    if not np.isfinite(values).all():
+        return red("No finite forces hold this load here.")
+    rows = []
+    for name, value, unit in zip(statics.names, values.tolist(), units, strict=True):
+        # Bars of forces and of moments beside them are not to one scale.
+        largest = max(abs(v) for v, u in zip(values.tolist(), units, strict=True) if u == unit)
+        color = palette.limb_color(name.limb) if name.limb else palette.STEEL
+        half = 50.0 * abs(value) / max(largest, 1e-12)
+        left = 50.0 if value >= 0 else 50.0 - half
+        shown = f"{value:.4g}".replace("-", "−")
+        rows.append(
+            f"<tr><td>{chip(color)}{esc(name.symbol)}</td>"
+            f'<td style="text-align:right;padding:0 .6em;white-space:nowrap;'
+            f'font-variant-numeric:tabular-nums">{shown} {unit}</td>'
+            f'<td style="width:45%"><div style="position:relative;height:.55em;'
+            'background:rgba(128,138,150,.18);border-radius:3px">'
+            f'<div style="position:absolute;left:{left:.1f}%;width:{half:.1f}%;top:0;bottom:0;'
+            f'background:{color}"></div><div style="position:absolute;left:50%;top:-2px;'
+            'bottom:-2px;width:1px;background:currentColor"></div></div></td></tr>'
+        )
+    return box(
+        f'<table style="width:100%;border-spacing:0 2px">{"".join(rows)}</table>'
+        f'<span style="opacity:.75">positive: {_POSITIVE[units[0]]}</span>'
+    )
+
+
+_POSITIVE = {"N": "the limb pushes the platform", "N·mm": "the actuator turns its joint forwards"}
+
+
+def pieces_html(sheet: Sheet) -> str:
+    built: Built | None = sheet.built.get(ASPECTS)
+    if sheet.view.review.shown(ASPECTS) is None or built is None:
+        return ""
+    solid = built.solid
+    if not solid.pieces:
+        return box("The workspace of this mode is empty at this orientation.")
+    review = sheet.view.review
+    at = review.mechanism.solid_point(review.design, ASPECTS, review.pose, review.mode)
+    point = np.linalg.inv(built.wish.placement) @ np.append(at, 1.0)
+    here = solid.piece_at(point[:3])
+    colors = painting.piece_colors([piece.sign for piece in solid.pieces])
+    rows = []
+    for n, (piece, color) in enumerate(zip(solid.pieces, colors, strict=True)):
+        if n >= LISTED and n != here:
+            continue
+        you = " <b>you are in this one</b>" if n == here else ""
+        sign = {1: "det &gt; 0", -1: "det &lt; 0", 0: ""}[piece.sign]
+        rows.append(
+            f"<tr><td>{chip(color)}{n + 1}</td><td>{volume_text(piece.volume)}</td>"
+            f'<td style="opacity:.75">{sign}</td><td>{you}</td></tr>'
+        )
+    more = len(solid.pieces) - len(rows)
+    tail = f"<br>and {more} smaller ones" if more > 0 else ""
+    exact = (
+        f"; singular surface exact to {solid.locus_residual:.0e} mm"
+        + (f" but for {solid.locus_unplaced} vertices at its rim" if solid.locus_unplaced else "")
+        if solid.locus_residual is not None
+        else ""
+    )
+    thin = f"At {built.resolution} resolution; pieces thinner than a cell may be missed. "
+    return box(
+        f'<table style="width:100%">{"".join(rows)}</table>{tail}'
+        f'<div style="opacity:.75">together {volume_text(solid.volume, solid.volume_error)}'
+        f"{exact}. {thin}Slices at this orientation: pieces may be joined through others.</div>"
+    )
+
+
+def circles_html(here: Here | None) -> str:
+    if here is None or not here.circles:
+        return ""
+    rows = "".join(
+        f'<div style="padding:.1em 0">{chip(_LIMIT[c.limit])}'
+        f"<b>{math.degrees(c.radius):.4f}°</b> {esc(c.text)}</div>"
+        for c in here.circles
+    )
+    return box(rows)
+
+
+_LIMIT = {
+    "parallel": palette.BEYOND,
+    "constraint": palette.BEYOND,
+    "stroke": palette.WORKSPACE,
+}
+
+
+def comparison_html(here: Here | None, beside: Here | None) -> str:
+    """Two machines in numbers; the better one of each in bold."""
+    if here is None or beside is None:
+        return ""
+    names = [short_title(h.place.kind) for h in (here, beside)]
+    rows = []
+    for (measure, one), (_, two) in zip(here.measures, beside.measures, strict=False):
+        better = one > two if measure.better == "high" else one < two
+        if abs(one - two) > 1e-9 * max(abs(one), abs(two), 1.0):  # else it tells nothing
+            rows.append(_pair(measure.title, f"{one:.4g}", f"{two:.4g}", better))
+    limits = {"Circle to a singularity": "parallel", "Circle within strokes": "stroke"}
+    for title, kind in limits.items():
+        found = [next((c for c in h.circles if c.limit == kind), None) for h in (here, beside)]
+        if found[0] is not None and found[1] is not None:
+            one, two = (math.degrees(c.radius) for c in found if c is not None)
+            rows.append(_pair(title, f"{one:.3f}°", f"{two:.3f}°", one > two))
+    head = "".join(f'<th style="text-align:right">{esc(name)}</th>' for name in names)
+    return box(f'<table style="width:100%"><tr><th></th>{head}</tr>{"".join(rows)}</table>')
+
+
+def _pair(title: str, one: str, two: str, better: bool) -> str:
+    bold = ("font-weight:600" if flag else "" for flag in (better, not better))
+    cells = "".join(
+        f'<td style="text-align:right;font-variant-numeric:tabular-nums;{style}">{esc(text)}</td>'
+        for style, text in zip(bold, (one, two), strict=True)
+    )
+    return f"<tr><td>{esc(title)}</td>{cells}</tr>"
+
+
+def legend_html(measure: Measure, steps: painting.Scale) -> str:
+    cells = "".join(
+        f'<td style="background:{steps.color(n)};height:.7em"></td>' for n in range(painting.STEPS)
+    )
+    low, high = float(steps.edges[0]), float(steps.edges[-1])
+    unit = f" {measure.unit}" if measure.unit else ""
+    return (
+        f'{esc(measure.title)}<table style="width:100%;border-spacing:0"><tr>{cells}</tr></table>'
+        f'<div style="display:flex;justify-content:space-between"><span>{low:.3g}{esc(unit)}</span>'
+        f"<span>{high:.3g}{esc(unit)}</span></div>"
+    )
+
+
+def log_html(lines: tuple[Logged, ...]) -> str:
+    if not lines:
+        return box('<span style="opacity:.75">Nothing yet.</span>')
+    rows = []
+    for line in lines[:LINES]:
+        at = time.strftime("%H:%M:%S", time.localtime(line.at))
+        rows.append(f'<div><span style="opacity:.6">{at}</span> {esc(line.text)}</div>')
+    return box("".join(rows))

@@ -1,0 +1,276 @@
+"""All assembly modes for the present actuators, as a page lists them. Plain values, no viser.
+
+`Known` is the set found last, `atlas` makes of it what is shown: rows filtered and sorted, the
+sentences above them, the platforms that stand in the scene as ghosts.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from app.review.modes import matching, page_mode
+from app.review.state import SAME_MODE, Review
+from app.review.view import View, in_page_units, page_unit
+from app.terminal import tables
+from kinematics.answers.solutions import ForwardSolutions, Merged, Refreshed
+from kinematics.mechanism import Coordinate, Design, Mechanism
+from kinematics.screws.spatial import Array
+
+SAME_JOINTS = 1e-6  # mm or rad: lengths that differ by less have the same solutions
+NAMED, TOLD = 8, 3  # of those that came, and of those that went, the page names this many
+HERE = 0.01  # mm: a solution whose platform is nearer than this is the present one
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Known:
+    """The solutions found last, for which design, and what happened to them on the way.
+
+    ``appeared`` and ``merged`` count from the last time that the actuators stood still.
+    """
+
+    design: Design
+    mixed: bool
+    solutions: ForwardSolutions
+    appeared: frozenset[int] = frozenset()
+    merged: tuple[Merged, ...] = ()
+
+    def is_of(self, review: Review) -> bool:
+        """Found for this design, and for the working modes that are asked for."""
+        return self.design == review.design and self.mixed == mixes(review)
+
+    def stands_at(self, joints: Sequence[float]) -> bool:
+        """Found for these actuators."""
+        return max(abs(a - b) for a, b in zip(self.solutions.joints, joints, strict=True)) <= (
+            SAME_JOINTS
+        )
+
+    def after(self, refreshed: Refreshed, *, rested: bool) -> Known:
+        """The same at other actuators; ``rested`` begins a new count of who came and went."""
+        appeared, merged = (frozenset(), ()) if rested else (self.appeared, self.merged)
+        gone = {m.identity for m in refreshed.merged}
+        # Who appeared on the way and merged again was never there.
+        passing = gone & appeared
+        return replace(
+            self,
+            solutions=refreshed.solutions,
+            appeared=(appeared - gone) | frozenset(refreshed.appeared),
+            merged=(*merged, *(m for m in refreshed.merged if m.identity not in passing)),
+        )
+
+    def index(self, identity: int) -> int | None:
+        """Where a solution stands in the set; None if it is not there any more."""
+        found = self.solutions.identities
+        return found.index(identity) if identity in found else None
+
+
+def offers_mixed(kind: Mechanism, design: Design) -> bool:
+    """Whether a design has solutions beyond its quick closed form."""
+    return kind.forward_is_quick(design) and not kind.forward_is_quick(design, mixed_modes=True)
+
+
+def mixes(review: Review) -> bool:
+    """Whether solutions beyond the closed form are asked for, and there are any."""
+    return review.atlas.mixed and offers_mixed(review.mechanism, review.design)
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One solution. ``distance`` is the way of the platform's farthest point from here, mm."""
+
+    identity: int
+    index: int
+    pose: tuple[float, ...]
+    mode: str
+    distance: float
+    height: float
+    condition: float
+    remark: str
+    within_stroke: bool
+    here: bool
+    new: bool
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Atlas:
+    """What a page shows of the solutions.
+
+    Attributes:
+        rows: those that pass the filter, sorted.
+        placements: (N, 4, 4) where the platform of each row stands.
+        count: "34 real of 1560 complex solutions".
+        how: how that is known, how they were found, how long it took.
+        complete: nothing is missing.
+        stale: they belong to other actuators than the present ones.
+        remarks: further sentences, each with whether it is about a singularity.
+        hidden: how many the filter leaves out.
+        offers_mixed: there are more in mixed working modes.
+    """
+
+    rows: tuple[Row, ...]
+    placements: Array
+    count: str
+    how: str
+    complete: bool
+    stale: bool
+    remarks: tuple[tuple[str, bool], ...]
+    hidden: int
+    offers_mixed: bool
+
+
+NONE_YET = Atlas((), np.empty((0, 4, 4)), "", "", False, True, (), 0, False)
+
+
+def atlas(view: View, known: Known | None) -> Atlas:
+    """What to show of the solutions in a view; `NONE_YET` while there are none."""
+    review, posture = view.review, view.posture
+    offered = offers_mixed(review.mechanism, review.design)
+    if not posture.closes:
+        why = (
+            "The limbs do not close at this pose, so there are no actuator lengths to solve for. "
+            "Bring the platform back within their reach."
+        )
+        return replace(NONE_YET, stale=False, remarks=((why, False),), offers_mixed=offered)
+    if known is None or not known.is_of(review):
+        return replace(NONE_YET, offers_mixed=offered)
+    found = known.solutions
+    stale = not known.stands_at(posture.joints)
+    placements = review.mechanism.transform(review.design, found.poses, found.modes)
+    rows = _rows(view, known, placements, stale=stale)
+    kept = _sorted(review, _filtered(review, rows))
+    singular = {motion.text for motion in found.self_motions}
+    remarks = [(note, note in singular) for note in found.notes]
+    remarks += _news(review, known)
+    if not stale and not any(row.here for row in rows):
+        remarks.append((_elsewhere(offered, known.mixed, posture.mode), False))
+    return Atlas(
+        rows=tuple(kept),
+        placements=placements[[row.index for row in kept]],
+        count=tables.real_of_complex(found),
+        how=f"{tables.known(found)} · {found.method} in {tables.seconds_text(found.seconds)}",
+        complete=found.complete,
+        stale=stale,
+        remarks=tuple(remarks),
+        hidden=len(rows) - len(kept),
+        offers_mixed=offered,
+    )
+
+
+def _rows(view: View, known: Known, placements: Array, *, stale: bool) -> list[Row]:
+    found = known.solutions
+    points = [p for b in view.drawing.bodies if b.frame == "platform" for p in b.points]
+    corners = np.column_stack([np.array(points).reshape(-1, 3), np.ones(len(points))])
+    moved = ((placements - view.platform) @ corners.T)[:, :3]
+    distance = np.linalg.norm(moved, axis=1).max(axis=1, initial=0.0)
+    same = np.array([mode == view.posture.mode for mode in found.modes], dtype=bool)
+    here = -1
+    if not stale and (same & (distance < HERE)).any():
+        here = int(np.where(same, distance, np.inf).argmin())
+    return [
+        Row(
+            identity=found.identities[n],
+            index=n,
+            pose=tuple(float(v) for v in found.poses[n]),
+            mode=found.modes[n],
+            distance=float(distance[n]),
+            height=float(placements[n, 2, 3]),
+            condition=float(found.condition[n]),
+            remark=tables.remark(int(found.multiplicity[n]), float(found.gap[n])),
+            within_stroke=bool(found.within_stroke[n]),
+            here=n == here,
+            new=found.identities[n] in known.appeared,
+        )
+        for n in range(len(found))
+    ]
+
+
+def _filtered(review: Review, rows: list[Row]) -> list[Row]:
+    wanted = review.atlas
+    modes: Sequence[str] = review.mechanism.modes
+    if wanted.modes == SAME_MODE:
+        modes = (review.mode,)
+    elif wanted.modes:
+        modes = matching(wanted.modes, review.mechanism.modes)
+    return [r for r in rows if r.mode in modes and (r.within_stroke or not wanted.within_stroke)]
+
+
+def _sorted(review: Review, rows: list[Row]) -> list[Row]:
+    match review.atlas.sort:
+        case "distance":
+            return sorted(rows, key=lambda r: r.distance)
+        case "condition":
+            return sorted(rows, key=lambda r: r.condition)
+        case "height":
+            return sorted(rows, key=lambda r: -r.height)
+        case "mode":
+            order = {mode: n for n, mode in enumerate(review.mechanism.modes)}
+            return sorted(rows, key=lambda r: (order[r.mode], r.distance))
+
+
+# --- sentences -----------------------------------------------------------------------------
+
+
+def _news(review: Review, known: Known) -> list[tuple[str, bool]]:
+    """Who appeared and who merged since the actuators last stood still."""
+    news = []
+    if known.appeared:
+        count = len(known.appeared)
+        names = ", ".join(f"#{identity}" for identity in sorted(known.appeared)[:NAMED])
+        more = f" and {count - NAMED} more" if count > NAMED else ""
+        news.append((f"{count} appeared on the way: {names}{more}", False))
+    if known.merged:
+        told: list[str] = []
+        partners: set[int] = set()
+        for gone in known.merged:
+            if gone.identity in partners:
+                continue
+            partners |= {gone.partner} if gone.partner is not None else set()
+            pair = f" with #{gone.partner}" if gone.partner is not None else ""
+            told.append(f"#{gone.identity}{pair} at {place_text(review, gone.pose)}")
+        shown = "; ".join(told[:TOLD]) + ("; …" if len(told) > TOLD else "")
+        news.append((f"{len(known.merged)} merged on the way: {shown}", True))
+    return news
+
+
+def _elsewhere(offered: bool, mixed: bool, mode: str) -> str:
+    if offered and not mixed:
+        return (
+            f"The present posture (mode {page_mode(mode)}) has the limbs of an arrangement in "
+            "different working modes, so it is not among the solutions in closed form. Switch on "
+            "Mixed modes to see it and its like."
+        )
+    return "The present posture is not among them: it stands in a singularity, or next to one."
+
+
+def pose_text(review: Review, pose: Sequence[float]) -> str:
+    """A pose in the page's units: "x 12.3, y 4.0, z 310.9 mm, φ 5.0°, θ −3.0°"."""
+    axes = review.mechanism.pose_coordinates(review.design)
+    angles = [f"{_value(c, v)}°" for c, v in zip(axes, pose, strict=True) if c.unit == "rad"]
+    return ", ".join(filter(None, (place_text(review, pose), *angles)))
+
+
+def place_text(review: Review, pose: Sequence[float]) -> str:
+    """Its lengths alone: "x 12.3, y 4.0, z 310.9 mm"; "" where a pose has none."""
+    axes = review.mechanism.pose_coordinates(review.design)
+    lengths = [_value(c, v) for c, v in zip(axes, pose, strict=True) if c.unit == "mm"]
+    return f"{', '.join(lengths)} mm" if lengths else ""
+
+
+def _value(axis: Coordinate, value: float) -> str:
+    return f"{axis.symbol} {number(in_page_units(axis, value))}"
+
+
+def number(value: float) -> str:
+    """One decimal and a minus sign as long as a plus; no "−0.0"."""
+    if not math.isfinite(value):
+        return "–"
+    return f"{round(value, 1) + 0.0:.1f}".replace("-", "−")
+
+
+def joint_text(axis: Coordinate, value: float) -> str:
+    """An actuated joint in the page's units: "312.4 mm"."""
+    unit = page_unit(axis)
+    return f"{number(in_page_units(axis, value))}{'' if unit == '°' else ' '}{unit}"

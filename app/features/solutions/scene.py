@@ -1,0 +1,232 @@
+"""The other assembly modes in the scene as ghosts of their platforms, and the fold ahead.
+
+All outlines are one batched mesh of thin sticks and all faces one of right triangles, so a frame is
+a few small arrays however many there are, and the meshes themselves never change: they were made
+before the solids, so that the browser draws the faces first and the solids do not hide them.
+Clicking a ghost asks for a visit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+from scipy.spatial.transform import Rotation
+
+from app.features.solutions.atlas import Atlas, joint_text
+from app.features.solutions.folds import Ahead
+from app.review.view import View
+from app.scene import palette
+from app.scene.machine import Scene, cylinder, turns_z_to
+from kinematics.answers.drawings import Body
+from kinematics.screws.spatial import Array
+
+THIN, THICK = 0.003, 0.006  # radius of a stick, of the machine's size: as a rule, and who is new
+CAPACITY = 512  # sticks and triangles that a mesh is made for; doubled where they do not suffice
+FAINT, FULL = 0.2, 0.4  # opacity of a face: as a rule, and at the fold
+
+# The right triangle between (0, 0), (1, 0) and (0, 1).
+_TRIANGLE = (
+    np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], dtype=np.float32),
+    np.array([[0, 1, 2]], dtype=np.uint32),
+)
+
+
+class Ghosts:
+    """Scene nodes of the solutions; made once, then only their arrays change."""
+
+    def __init__(self, scene: Scene, visit: Callable[[int], None]) -> None:
+        self._scene = scene
+        self._visit = visit
+        self._edges = _Batch(scene, "/ghosts/edges", cylinder(6), None)
+        self._faces = _Batch(scene, "/ghosts/faces", _TRIANGLE, FAINT)
+        self._fold_edges = _Batch(scene, "/fold/edges", cylinder(6), None)
+        self._fold_faces = _Batch(scene, "/fold/faces", _TRIANGLE, FULL)
+        self._label: Any = None
+
+    def prepare(self) -> None:
+        """Make the meshes, empty; call it before the solids' are made."""
+        for batch in (self._faces, self._edges):
+            batch.make(CAPACITY)
+        for batch in (self._fold_faces, self._fold_edges):
+            batch.make(16)
+        self._label = self._scene.server.scene.add_label(
+            "/labels/fold", "", anchor="bottom-center", visible=False
+        )
+        for batch in (self._faces, self._edges):
+            batch.on_click(self._visit)
+
+    def show(self, view: View, atlas: Atlas, fold: Ahead | None) -> None:
+        """Bring them to the solutions that pass the filter; all but the present one."""
+        wanted = view.review.atlas.ghosts
+        others = [n for n, row in enumerate(atlas.rows) if not row.here] if wanted else []
+        edges = outline([b for b in view.drawing.bodies if b.frame == "platform"])
+        owners = [atlas.rows[n].identity for n in others]
+        new = np.array([atlas.rows[n].new for n in others], dtype=bool)
+        shade = palette.ghost_color(stale=atlas.stale, dark=view.review.options.dark)
+        colors = np.where(
+            new[:, None], palette.linear(palette.PLATFORM), palette.linear(shade)
+        ).astype(np.uint8)
+        size = view.drawing.size
+        placements = atlas.placements[others]
+        sticks = _sticks(edges, placements, np.where(new, THICK, THIN) * size)
+        self._edges.show(*sticks, colors, owners)
+        self._faces.show(*_faces(edges, placements), colors, owners)
+
+        ahead = fold if wanted and fold is not None and fold.fold is not None else None
+        review = view.review
+        at = np.empty((0, 4, 4))
+        if ahead is not None and ahead.fold is not None:
+            there = ahead.fold
+            at = review.mechanism.transform(review.design, there.pose, there.mode)[None]
+            axis = review.mechanism.joint_coordinates(review.design)[ahead.index]
+            self._label.text = f"fold at {axis.symbol} = {joint_text(axis, ahead.goal)}"
+            self._label.position = tuple(float(v) for v in at[0, :3, 3])
+        self._label.visible = ahead is not None
+        red = np.tile(np.array(palette.linear(palette.BEYOND), np.uint8), (len(at), 1))
+        self._fold_edges.show(*_sticks(edges, at, np.full(len(at), THICK * size)), red, [0])
+        self._fold_faces.show(*_faces(edges, at), red, [0])
+
+
+class _Batch:
+    """Copies of one small shape as a batched mesh; slots that are not used have no size."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        name: str,
+        shape: tuple[np.ndarray, np.ndarray],
+        opacity: float | None,
+    ) -> None:
+        self._scene = scene
+        self._name = name
+        self._shape = shape
+        self._opacity = opacity
+        self._mesh: Any = None
+        self._act: Callable[[int], None] | None = None
+        self._owners: Sequence[int] = ()
+        self._each = 1
+
+    def make(self, capacity: int) -> None:
+        """Make the mesh for so many copies, with none to see."""
+        vertices, faces = self._shape
+        self._mesh = self._scene.server.scene.add_batched_meshes_simple(
+            self._name,
+            vertices,
+            faces,
+            np.tile(np.array([1, 0, 0, 0], np.float32), (capacity, 1)),
+            np.zeros((capacity, 3), np.float32),
+            batched_scales=np.zeros((capacity, 3), np.float32),
+            batched_colors=np.zeros((capacity, 3), np.uint8),
+            opacity=self._opacity,
+            side="double",
+            lod="off",
+            cast_shadow=False,
+            receive_shadow=False,
+            visible=False,
+        )
+        if self._act is not None:
+            self.on_click(self._act)
+
+    def on_click(self, act: Callable[[int], None]) -> None:
+        """Call ``act`` with the owner of the copy that a person clicks."""
+        self._act = act
+
+        async def clicked(event: Any) -> None:
+            owners, each = self._owners, self._each
+            if event.instance_index is not None and event.instance_index // each < len(owners):
+                act(owners[event.instance_index // each])
+
+        self._mesh.on_click(clicked)
+
+    def show(
+        self, turns: Array, places: Array, scales: Array, colors: np.ndarray, owners: Sequence[int]
+    ) -> None:
+        """Copies (N K, ·) of N owners, K for each; colours (N, 3) in linear light."""
+        count = len(places)
+        if self._mesh.visible != bool(count):
+            self._mesh.visible = bool(count)
+        if not count:
+            return
+        self._owners, self._each = owners, max(count // max(len(owners), 1), 1)
+        capacity = len(self._mesh.batched_positions)
+        if capacity < count:
+            while capacity < count:
+                capacity *= 2
+            self.make(capacity)
+            self._mesh.visible = True
+        arrays: dict[str, np.ndarray] = {
+            "batched_wxyzs": np.tile(np.array([1, 0, 0, 0], np.float32), (capacity, 1)),
+            "batched_positions": np.zeros((capacity, 3), np.float32),
+            "batched_scales": np.zeros((capacity, 3), np.float32),
+            "batched_colors": np.zeros((capacity, 3), np.uint8),
+        }
+        copies = np.repeat(colors, self._each, axis=0)
+        for (key, array), values in zip(
+            arrays.items(), (turns, places, scales, copies), strict=True
+        ):
+            array[:count] = values[:count]
+            if not np.array_equal(getattr(self._mesh, key), array):
+                setattr(self._mesh, key, array)
+
+
+def _sticks(edges: Array, placements: Array, radius: Array) -> tuple[Array, Array, Array]:
+    """Turns, places and scales of unit cylinders along edges (K, 2, 3) at N placements."""
+    moved = np.einsum("nij,kej->nkei", placements[:, :3, :3], edges)
+    ends = (moved + placements[:, None, None, :3, 3]).reshape(-1, 2, 3).astype(np.float32)
+    along = ends[:, 1] - ends[:, 0]
+    length = np.linalg.norm(along, axis=1)
+    thick = np.repeat(radius, len(edges))
+    return turns_z_to(along, length), ends[:, 0], np.stack([thick, thick, length], axis=1)
+
+
+def _faces(edges: Array, placements: Array) -> tuple[Array, Array, Array]:
+    """Turns, places and scales of right triangles that fill an outline at N placements."""
+    corners = right_triangles(edges[:, 0])
+    legs = corners[:, 1:] - corners[:, :1]
+    scale = np.linalg.norm(legs, axis=2)
+    x, y = np.moveaxis(legs / scale[:, :, None], 1, 0)
+    frames = np.stack([x, y, np.cross(x, y)], axis=2)
+    turned = np.einsum("nij,kjl->nkil", placements[:, :3, :3], frames).reshape(-1, 3, 3)
+    origin = np.einsum("nij,kj->nki", placements[:, :3, :3], corners[:, 0])
+    places = (origin + placements[:, None, :3, 3]).reshape(-1, 3)
+    sizes = np.tile(np.column_stack([scale, np.ones(len(scale))]), (len(placements), 1))
+    if not len(turned):
+        return np.empty((0, 4)), places, sizes
+    turns: Array = np.roll(Rotation.from_matrix(turned).as_quat(), 1, axis=1)
+    return turns, places, sizes
+
+
+def right_triangles(polygon: Array) -> Array:
+    """Right triangles (N, 3, 3), the right angle first, that fill a polygon (K, 3) as a fan."""
+    found = []
+    for n in range(1, len(polygon) - 1):
+        triangle = polygon[[0, n, n + 1]]
+        sides = np.roll(triangle, -1, axis=0) - triangle
+        longest = int(np.linalg.norm(sides, axis=1).argmax())
+        a, b, apex = np.roll(triangle, -longest, axis=0)
+        foot = a + (b - a) * ((apex - a) @ (b - a)) / ((b - a) @ (b - a))
+        found += [[foot, a, apex], [foot, b, apex]]
+    filled = np.array(found).reshape(-1, 3, 3)
+    legs = np.linalg.norm(filled[:, 1:] - filled[:, :1], axis=2)
+    kept: Array = filled[legs.min(axis=1, initial=np.inf) > 1e-6]
+    return kept
+
+
+def outline(bodies: list[Body]) -> Array:
+    """Closed outlines (N, 2, 3) of bodies in the plane in which each extends most, mm."""
+    lines = [_outline(np.array(body.points, dtype=float)) for body in bodies]
+    return np.concatenate(lines) if lines else np.empty((0, 2, 3))
+
+
+def _outline(points: Array) -> Array:
+    flat = points - points.mean(axis=0)
+    axes = np.linalg.svd(flat, full_matrices=False)[2]
+    try:
+        order = ConvexHull(flat @ axes[:2].T).vertices
+    except QhullError:  # all on one line
+        along = flat @ axes[0]
+        return points[[[int(along.argmin()), int(along.argmax())]]]
+    return np.stack([points[order], points[np.roll(order, -1)]], axis=1)

@@ -1,0 +1,300 @@
+"""What is computed of a trajectory in a process of its own: pure functions and plain results.
+
+The joints, their rates and forces take a moment, the distances to singularities much longer: they
+come in parts, coarse first, so that whatever is wanted next need not wait for them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from app.features.trajectory.state import (
+    FILE,
+    POINTS,
+    STROKE,
+    Plan,
+    axes_of,
+    missing,
+    path_of,
+    plane_of,
+)
+from app.review.state import Review
+from kinematics.errors import InputError
+from kinematics.mechanism import Design, Mechanism, mechanism
+from kinematics.screws.spatial import Array
+from kinematics.trajectories import (
+    Event,
+    Fits,
+    Law,
+    Path,
+    Trajectory,
+    constrained,
+    fit,
+    giving_way,
+    trajectory,
+)
+from kinematics.trajectories.along import Along
+from kinematics.trajectories.events import events_of
+from kinematics.trajectories.sampling import NEAR
+
+PART = 6  # distances that are found in one go
+MOST_KNOTS = 60  # way points that are marked
+CELLS, COARSE = 160, 64  # of the reach in the plane of a stroke, along each side
+ROOM = 0.05  # of the reach's size, left free around it
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """All that a trajectory depends on; ``follows`` is the coordinate that should give way."""
+
+    design: Design
+    mode: str
+    plan: Plan
+    load: tuple[float, ...]
+    follows: int | None
+
+    @property
+    def kind(self) -> Mechanism:
+        return mechanism(self.design.mechanism)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Computed:
+    """A trajectory as it was asked for.
+
+    Attributes:
+        path, law: what it runs on, to play it at any time.
+        found: its samples; of the distances those that are known, else NaN.
+        spots: (N, 3) mm, O′ at the samples, base frame.
+        marks: (E, 3) mm, O′ where each event of ``found`` begins.
+        knots: (K, 3) mm, O′ at both ends and at the way points.
+    """
+
+    asked: Asked
+    path: Path
+    law: Law
+    found: Trajectory
+    spots: Array
+    marks: Array
+    knots: Array
+
+    def pose_at(self, time: float) -> tuple[float, ...]:
+        """The pose at a time, s."""
+        share, _, _ = self.law.at([time])
+        return tuple(self.path.at(share)[0][0].tolist())
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Reach:
+    """Where the machine can be in a plane of two pose coordinates, all others held.
+
+    ``bounds`` are from and to of both, mm or rad; ``inside`` (N, N) by the first and the
+    second at the cells' middles; ``lost`` are curves (N, 2), mm and rad, where control is lost.
+    """
+
+    plane: tuple[int, int]
+    bounds: tuple[tuple[float, float], tuple[float, float]]
+    inside: np.ndarray
+    lost: tuple[Array, ...] = ()
+
+
+def asked(review: Review) -> Asked | None:
+    """What a review asks for; None where there is nothing to compute."""
+    plan = review.plan
+    if not plan.on or missing(plan):
+        return None
+    usual = Plan()
+    # How it is shown makes no other trajectory, nor do ways that are not taken.
+    shown = ("playback", "pace", "halt", "degree", "plot", "plane")
+    others = {
+        "straight": ("start", "end"),
+        "points": ("points",),
+        "file": ("file", "file_name", "times", "file_open"),
+        STROKE: ("stroke", "smooth"),
+    }
+    left = [name for way, names in others.items() if way != plan.way for name in names]
+    plan = replace(plan, **{name: getattr(usual, name) for name in (*shown, *left)})
+    follows = review.dependent
+    if plan.file_open:
+        follows = [c.key for c in axes_of(review)].index(plan.file_open)
+    return Asked(review.design, review.mode, plan, review.control.load, follows)
+
+
+# --- called in the process ----------------------------------------------------------------
+
+
+def compute(of: Asked) -> Computed:
+    """The trajectory without distances to singularities."""
+    kind, design, plan = of.kind, of.design, of.plan
+    path, law = path_of(plan, kind, design)
+    follows = giving_way(path, kind, design, of.mode, of.follows)
+    found = trajectory(
+        kind,
+        design,
+        path,
+        law,
+        of.mode,
+        samples=plan.samples,
+        load=of.load,
+        limits=plan.limits,
+        distances=False,
+        dependent=follows,
+    )
+    path = constrained(path, kind, design, of.mode, follows)
+    spots = kind.transform(design, found.poses, of.mode)[:, :3, 3]
+    knots = _knots(of, spots, follows)
+    return Computed(of, path, law, found, spots, _marks(of, found.events), knots)
+
+
+def _knots(of: Asked, spots: Array, follows: int | None) -> Array:
+    """The ends and, of not too many, the way points; these are not on a way that is constrained."""
+    points = {POINTS: of.plan.points, FILE: of.plan.file}.get(of.plan.way, ())
+    if follows is not None or not 2 < len(points) <= MOST_KNOTS:
+        return spots[[0, -1]]
+    poses = np.array(points)
+    places: Array = of.kind.transform(of.design, poses, of.mode)[:, :3, 3]
+    return places
+
+
+def distances(of: Asked, poses: Array) -> Array:
+    """mm (N,) to the nearest parallel or constraint singularity of poses (N, P); inf: none."""
+    path, law = path_of(of.plan, of.kind, of.design)
+    along = Along(of.kind, of.design, path, law, of.mode)
+    return np.array([along.distance(pose) for pose in poses.tolist()])
+
+
+def judged(computed: Computed) -> Computed:
+    """The same with the events that the distances show, too."""
+    of, found = computed.asked, computed.found
+    along = Along(of.kind, of.design, computed.path, computed.law, of.mode)
+    near = NEAR * of.kind.characteristic_length(of.design)
+    events = events_of(along, found, of.plan.limits, near)
+    return replace(computed, found=replace(found, events=events), marks=_marks(of, events))
+
+
+def known_distances(found: Trajectory) -> tuple[Array, Array]:
+    """Times (K,) and mm (K,) to singularities there: at samples, and where one is met or near."""
+    known = np.isfinite(found.distance)
+    met = [(t, 0.0) for e in found.events if e.kind == "singularity" for t in (e.start, e.end)]
+    met += [(e.at, e.value) for e in found.events if e.kind == "near"]
+    more = np.array(sorted(set(met))).reshape(-1, 2)
+    more = more[np.isfinite(more).all(axis=1)]
+    times = np.concatenate([found.times[known], more[:, 0]])
+    order = np.argsort(times, kind="stable")
+    return times[order], np.concatenate([found.distance[known], more[:, 1]])[order]
+
+
+def fitted(computed: Computed, degree: int) -> Fits:
+    """Polynomials for the joints, with their true error."""
+    of = computed.asked
+    return fit(of.kind, of.design, computed.found, degree)
+
+
+def reach(
+    design: Design, pose: tuple[float, ...], mode: str, plane: tuple[int, int], follows: int | None
+) -> Reach:
+    """Where the machine can be in a plane, drawn close around."""
+    kind = mechanism(design.mechanism)
+    axes = kind.pose_coordinates(design)
+    whole = tuple((axes[n].lower, axes[n].upper) for n in plane)
+    # Coordinates that follow are solved for one by one.
+    cells = COARSE if set(kind.dependent_coordinates(design)) - set(plane) else CELLS
+    seen = _inside(kind, design, pose, mode, plane, follows, whole, cells)
+    if not seen.any():
+        return Reach(plane, (whole[0], whole[1]), seen)
+    close = []
+    for n, (low, high) in enumerate(whole):
+        rows = np.flatnonzero(seen.any(axis=1 - n))
+        cell = (high - low) / cells
+        close.append((low + (rows[0] - 0.5) * cell, low + (rows[-1] + 1.5) * cell))
+    if axes[plane[0]].unit == axes[plane[1]].unit:  # the same scale both ways
+        half = 0.5 * max(high - low for low, high in close) * (1.0 + 2.0 * ROOM)
+        close = [(0.5 * (a + b) - half, 0.5 * (a + b) + half) for a, b in close]
+    bounds = (
+        (float(close[0][0]), float(close[0][1])),
+        (float(close[1][0]), float(close[1][1])),
+    )
+    inside = _inside(kind, design, pose, mode, plane, follows, bounds, cells)
+    return Reach(plane, bounds, inside, _lost(kind, design, pose, mode, plane))
+
+
+def _lost(
+    kind: Mechanism,
+    design: Design,
+    pose: Sequence[float],
+    mode: str,
+    plane: tuple[int, int],
+) -> tuple[Array, ...]:
+    """Curves in a plane where control is lost, if the mechanism has a chart of it."""
+    symbols = [kind.pose_coordinates(design)[n].symbol for n in plane]
+    for chart in kind.locus_specs(design):
+        if sorted(chart.axes) != sorted(symbols):
+            continue
+        found = kind.locus(design, chart.key, pose, mode)
+        turn = 1 if list(chart.axes) == symbols else -1
+        return tuple(curve[:, ::turn] for curve in found.lost())
+    return ()
+
+
+def _inside(
+    kind: Mechanism,
+    design: Design,
+    pose: Sequence[float],
+    mode: str,
+    plane: tuple[int, int],
+    follows: int | None,
+    bounds: Sequence[tuple[float, float]],
+    cells: int,
+) -> np.ndarray:
+    middles = (np.arange(cells) + 0.5) / cells
+    u, v = (low + middles * (high - low) for low, high in bounds)
+    poses = np.tile(np.asarray(pose, dtype=float), (cells * cells, 1))
+    poses[:, plane[0]], poses[:, plane[1]] = (a.ravel() for a in np.meshgrid(u, v, indexing="ij"))
+    free = [n for n in kind.dependent_coordinates(design) if n not in plane]
+    possible = np.ones(len(poses), dtype=bool)
+    if free:
+        gives_way = follows if follows in free else None
+        for n, each in enumerate(poses.tolist()):
+            for way in [gives_way] if gives_way is not None else free:
+                try:
+                    poses[n] = kind.complete_pose(design, tuple(each), mode, dependent=way)
+                    break
+                except InputError:
+                    continue
+            else:
+                possible[n] = False
+    answer = kind.inverse(design, poses)
+    inside: np.ndarray = answer.within_stroke[:, answer.modes.index(mode)] & possible
+    return inside.reshape(cells, cells)
+
+
+def _marks(of: Asked, events: Sequence[Event]) -> Array:
+    if not events:
+        return np.empty((0, 3))
+    poses = np.array([event.pose for event in events])
+    marks: Array = of.kind.transform(of.design, poses, of.mode)[:, :3, 3]
+    return marks
+
+
+# --- in which order distances are found ----------------------------------------------------
+
+
+def parts(samples: int) -> list[tuple[int, ...]]:
+    """The samples whose distances are found together, coarse first; every one is in one part."""
+    order: list[int] = []
+    step = 1 << max(0, (samples - 1).bit_length() - 4)
+    known: set[int] = set()
+    while step:
+        new = [n for n in range(0, samples, step) if n not in known]
+        order += new
+        known.update(new)
+        step //= 2
+    return [tuple(order[n : n + PART]) for n in range(0, samples, PART)]
+
+
+def drawn_axes(review: Review) -> tuple[int, int]:
+    """The two coordinates in whose plane a stroke is drawn."""
+    return plane_of(review.plan, axes_of(review))

@@ -1,0 +1,123 @@
+"""What the Trajectory tab tells in words and numbers. Only text that passed `esc` goes in."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import degrees, isfinite
+
+import numpy as np
+
+from app.features.trajectory.compute import Computed
+from app.features.trajectory.text import LOST, polynomial
+from app.scene import palette
+from app.widgets.desk import Moved, box, chip, esc, red, tone
+from kinematics.mechanism import Coordinate
+from kinematics.trajectories import Event, Fits
+
+MOST = 40  # warnings that are listed
+LAWS = {
+    "linear": "constant velocity",
+    "cubic": "cubic",
+    "quintic": "quintic",
+    "trapezoidal": "trapezoidal",
+}
+
+
+def summary_html(moved: Moved) -> str:
+    """How long the way is and takes, and what is wrong on it."""
+    if moved.missing:
+        return box(esc(moved.missing))
+    if moved.trouble:
+        return red(moved.trouble[:1].upper() + moved.trouble[1:])
+    computed = moved.computed
+    if computed is None:
+        return box("Computing …")
+    found = computed.found
+    head = (
+        f"{found.length:.1f} mm in {computed.law.duration:.4g} s, {LAWS[computed.law.kind]}, "
+        f"{len(found.times)} samples{_moving(found.moving_ends)}"
+    )
+    faint = ' style="opacity:.5"' if moved.stale else ""
+    return box(f"<div{faint}>{head}{_nearest(computed)}</div>{_events(moved, found.events)}")
+
+
+def _moving(ends: tuple[bool, bool]) -> str:
+    told = {(True, True): "starts and ends", (True, False): "starts", (False, True): "ends"}
+    return f", {told[ends]} at speed" if ends in told else ""
+
+
+def _nearest(computed: Computed) -> str:
+    distance = computed.found.distance
+    known = np.isfinite(distance)
+    if not known.any() or any(e.kind == "singularity" for e in computed.found.events):
+        return ""
+    n = int(np.argmin(np.where(known, distance, np.inf)))
+    at = computed.found.times[n]
+    return f"<br>nearest to a singularity: {distance[n]:.1f} mm, at t = {at:.3f} s"
+
+
+def _events(moved: Moved, events: Sequence[Event]) -> str:
+    if not events:
+        level = "good" if moved.share >= 1.0 else "quiet"
+        near = "" if moved.share >= 1.0 else " Distances to singularities are not all known."
+        return (
+            f'<div style="color:{tone(level)}">Nothing on the way: inside the workspace, no '  # type: ignore[arg-type]
+            f"singularity crossed, no limit exceeded.{near}</div>"
+        )
+    rows = []
+    for event in events[:MOST]:
+        color = palette.PLATFORM if event.kind == "near" else palette.BEYOND
+        text = event.text[:1].upper() + event.text[1:]
+        rows.append(f'<div style="margin-top:.3em">{chip(color)}{esc(text)}.</div>')
+    if len(events) > MOST:
+        rows.append(f"<div>… and {len(events) - MOST} more</div>")
+    return f'<div style="max-height:11em;overflow-y:auto">{"".join(rows)}</div>'
+
+
+def fits_html(
+    fits: Fits | None, trouble: str, axes: Sequence[Coordinate], joints: Sequence[Coordinate]
+) -> str:
+    """The polynomials with their coefficients, and the true error of the machine that follows."""
+    if trouble:
+        return red(trouble[:1].upper() + trouble[1:])
+    if fits is None:
+        return box("Computing …")
+    lines = []
+    for joint, row in zip(joints, fits.coefficients.tolist(), strict=True):
+        unit = "rad" if joint.unit == "rad" else "mm"
+        color = palette.limb_color(joint.limb) if joint.limb else palette.INK
+        lines.append(
+            f'<div style="margin-bottom:.4em;overflow-wrap:anywhere">'
+            f'<b style="color:{color}">{esc(joint.symbol)}(t)</b> = '
+            f"{_superscripts(polynomial(row, digits=fits.digits))} {unit}</div>"
+        )
+    heads = "".join(f"<th>{h}</th>" for h in ("", "σ", "largest", "σ /s", "σ /s²"))
+    deviation, largest = fits.deviation, fits.largest
+    rows = []
+    for n, axis in enumerate(axes):
+        scale = degrees(1.0) if axis.unit == "rad" else 1.0
+        unit = "°" if axis.unit == "rad" else "mm"
+        values = (deviation[0][n], largest[0][n], deviation[1][n], deviation[2][n])
+        cells = "".join(f"<td>{_size(float(v) * scale)}</td>" for v in values)
+        rows.append(f"<tr><td>{esc(axis.symbol)} ({unit})</td>{cells}</tr>")
+    note = esc(LOST) if not fits.carried else ""
+    if fits.trouble:
+        note = f"{esc(fits.trouble[:1].upper() + fits.trouble[1:])}."
+    if note:
+        note = f'<div style="margin-top:.3em">{note}</div>'
+    return box(
+        f"{''.join(lines)}True error of the machine that follows them, FK(fit) − path:"
+        f'<table style="width:100%;text-align:right"><tr>{heads}</tr>{"".join(rows)}</table>{note}'
+    )
+
+
+def _size(value: float) -> str:
+    return f"{value:.3g}".replace("-", "−") if isfinite(value) else "–"
+
+
+def _superscripts(text: str) -> str:
+    words = []
+    for word in esc(text).replace("-", "−").split(" "):
+        base, power, exponent = word.partition("^")
+        words.append(f"{base}<sup>{exponent}</sup>" if power else word)
+    return " ".join(words)

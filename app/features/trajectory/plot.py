@@ -1,0 +1,414 @@
+"""What a trajectory asks of the actuators against time: strips one above the other, one cursor."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import degrees, isfinite, nan
+
+import numpy as np
+
+from app.features.trajectory.compute import Computed, known_distances
+from app.scene import palette
+from app.widgets.desk import esc
+from app.widgets.plots import Axes, Figure, number, ticks
+from kinematics.mechanism import Coordinate
+from kinematics.screws.spatial import Array
+from kinematics.trajectories import Event, Trajectory
+
+WIDTH = 430.0
+LEFT, RIGHT, TOP, FOOT = 54.0, 18.0, 20.0, 36.0
+STRIP, ALONE, HEAD = 65.0, 300.0, 20.0  # px: heights of one of many, of an only one, above each
+COLUMNS = 366  # places along the time of which the pointer is told, one a pixel
+MOST = 700  # points of a curve that are drawn
+FAR = 3.0  # a limit beyond so many times what is reached is not drawn: curves would be flat
+NOTHING = 1e-6  # a quantity that is smaller, in its unit, is rounding
+QUIET = "#6B7683"
+ORDER = ("joints", "rates", "accelerations", "forces", "distance")
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Curve:
+    """One quantity of one joint, in the page's units; NaN where there is none.
+
+    ``times`` of its values, s.
+    """
+
+    symbol: str
+    color: str
+    times: Array
+    values: Array
+    limit: float | None = None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Strip:
+    """A plot of several curves of one unit; with ``both`` signs a limit is one of the size."""
+
+    title: str
+    curves: tuple[Curve, ...]
+    both: bool
+    note: str = ""
+
+
+def strips(computed: Computed, plot: str) -> tuple[Strip, ...]:
+    """What is plotted; ``plot`` is one of `ORDER`, or "all"."""
+    of, found = computed.asked, computed.found
+    joints = of.kind.joint_coordinates(of.design)
+    unit = "°" if joints[0].unit == "rad" else "mm"
+    plan = of.plan
+    torque = joints[0].unit == "rad"
+    actuators = [n for n, name in enumerate(found.names) if name.kind == "actuation"]
+    forces = _curves(
+        [found.names[n].symbol for n in actuators],
+        [found.names[n].limb or 0 for n in actuators],
+        found.times,
+        found.forces[:, actuators],
+        plan.forces,
+    )
+    near = _distance(found)
+    unknown = "" if np.isfinite(near.values).any() else "not known yet"
+
+    def curves(values: Array, limits: tuple[float, ...] = ()) -> tuple[Curve, ...]:
+        return _joint_curves(joints, found.times, values, limits)
+
+    accelerations = curves(found.joint_accelerations, plan.accelerations)
+    known = {
+        "joints": Strip(f"joints ({unit})", curves(found.joints), both=False),
+        "rates": Strip(f"rates ({unit}/s)", curves(found.joint_rates, plan.rates), both=True),
+        "accelerations": Strip(f"accelerations ({unit}/s²)", accelerations, both=True),
+        "forces": Strip("torques (N·mm)" if torque else "forces (N)", forces, both=True),
+        "distance": Strip(
+            "to a singularity (mm)",
+            (near,),
+            both=False,
+            note="none on the way" if np.isinf(found.distance).all() else unknown,
+        ),
+    }
+    return tuple(known[key] for key in (ORDER if plot == "all" else (plot,)))
+
+
+def _distance(found: Trajectory) -> Curve:
+    """To singularities; between known places a straight line until those are known, too."""
+    places, known = known_distances(found)
+    times, values = found.times, np.where(np.isfinite(found.distance), found.distance, np.nan)
+    if len(places):
+        open_ = np.isnan(found.distance) & found.reachable
+        values[open_] = np.interp(times[open_], places, known)
+        more = ~np.isin(places, times)
+        order = np.argsort(np.concatenate([times, places[more]]), kind="stable")
+        times = np.concatenate([times, places[more]])[order]
+        values = np.concatenate([values, known[more]])[order]
+    return Curve("", palette.WORKSPACE_DEEP, times, values)
+
+
+def _joint_curves(
+    joints: Sequence[Coordinate], times: Array, values: Array, limits: tuple[float, ...]
+) -> tuple[Curve, ...]:
+    scale = [degrees(1.0) if joint.unit == "rad" else 1.0 for joint in joints]
+    return _curves(
+        [joint.symbol for joint in joints],
+        [joint.limb or n + 1 for n, joint in enumerate(joints)],
+        times,
+        values * scale,
+        tuple(v * s for v, s in zip(limits, scale, strict=False)),
+    )
+
+
+def _curves(
+    symbols: Sequence[str],
+    limbs: Sequence[int],
+    times: Array,
+    values: Array,
+    limits: tuple[float, ...],
+) -> tuple[Curve, ...]:
+    return tuple(
+        Curve(
+            symbol,
+            palette.limb_color(limb) if limb else palette.PLATFORM,
+            times,
+            values[:, n],
+            limits[n] if n < len(limits) else None,
+        )
+        for n, (symbol, limb) in enumerate(zip(symbols, limbs, strict=True))
+    )
+
+
+# --- the drawing ---------------------------------------------------------------------------
+
+
+def axes_for(shown: Sequence[Strip], duration: float) -> Axes:
+    """The box that holds all strips: time to the right; upwards it means nothing."""
+    height = ALONE if len(shown) == 1 else STRIP
+    inner = len(shown) * (height + HEAD)
+    return Axes(WIDTH, TOP + inner + FOOT, LEFT, TOP, RIGHT, FOOT, (0.0, duration), (0.0, 1.0))
+
+
+def strip_axes(shown: Sequence[Strip], whole: Axes) -> list[Axes]:
+    """The box of each strip, with its own range."""
+    height = ALONE if len(shown) == 1 else STRIP
+    boxes = []
+    for n, strip in enumerate(shown):
+        top = whole.top + n * (height + HEAD) + HEAD
+        bottom = whole.height - top - height
+        y = _range(strip)
+        boxes.append(Axes(WIDTH, whole.height, LEFT, top, RIGHT, bottom, whole.x, y))
+    return boxes
+
+
+def _range(strip: Strip) -> tuple[float, float]:
+    values = [c.values[np.isfinite(c.values)] for c in strip.curves]
+    flat = np.concatenate([*values, np.empty(0)])
+    if not len(flat):
+        return 0.0, 1.0
+    if np.abs(flat).max() < NOTHING:
+        return -1.0, 1.0
+    # Near a singularity a quantity grows beyond all bounds: what is usual stays readable.
+    low, high = float(flat.min()), float(flat.max())
+    if len(flat) > 20:
+        q1, q3 = np.percentile(flat, [5, 95])
+        room = 4.0 * max(float(q3 - q1), 1e-12)
+        low, high = max(low, float(q1) - room), min(high, float(q3) + room)
+    if strip.both:
+        most = max(abs(low), abs(high))
+        for curve in strip.curves:
+            if curve.limit is not None and curve.limit <= FAR * most:
+                low = min(low, -curve.limit) if low < 0.0 else low
+                high = max(high, curve.limit)
+        low, high = min(low, 0.0), max(high, 0.0)
+    elif _of_distance(strip):
+        low = 0.0
+    room = 0.06 * max(high - low, 1e-6 * max(abs(low), abs(high)), 1e-9)
+    return low - (0.0 if low == 0.0 else room), high + room
+
+
+def figure(
+    computed: Computed, plot: str, *, legend: bool = False, measuring: bool = False
+) -> Figure:
+    """All strips as one drawing; with a legend for who has no cursor.
+
+    While distances come in, ``measuring``, they are left to `mark`: this drawing stays as it is,
+    also under a hand that drags on it.
+    """
+    found, shown = computed.found, strips(computed, plot)
+    whole = axes_for(shown, found.duration)
+    content = []
+    for strip, axes in zip(shown, strip_axes(shown, whole), strict=True):
+        content.append(_bands(found, axes))
+        if not (measuring and _of_distance(strip)):
+            content += _strip(strip, axes, last=strip is shown[-1])
+        if legend:
+            content.append(_symbols(strip, axes, None))
+    places = np.linspace(0.0, found.duration, COLUMNS)
+    return Figure(
+        whole,
+        "".join(content),
+        [f"t = {t:.3f} s{_told(found.events, t, places[1])}" for t in places.tolist()],
+        ("",),
+        [""] * COLUMNS,
+        "Point to put the machine there",
+        "The trajectory against time",
+    )
+
+
+def _strip(strip: Strip, axes: Axes, *, last: bool) -> list[str]:
+    return [*_curve_paths(strip, axes), _frame(strip, axes, last=last)]
+
+
+def _of_distance(strip: Strip) -> bool:
+    return not strip.curves[0].symbol
+
+
+def mark(computed: Computed, plot: str, axes: Axes, at: float, *, measuring: bool = False) -> str:
+    """The cursor where the machine is shown, and every quantity there."""
+    shown = strips(computed, plot)
+    boxes = strip_axes(shown, axes)
+    x, _ = axes.px(at, 0.0)
+    # Through the boxes only: between them stand the values.
+    line = "".join(f"M{x:.1f} {box.top:g}v{box.inner[1]:.1f}" for box in boxes)
+    parts = [f'<path class="cursor" d="{line}" stroke="currentColor" stroke-width="1.5"/>']
+    events = computed.found.events
+    lost = any(e.kind == "singularity" and e.start <= at <= e.end for e in events)
+    for strip, box in zip(shown, boxes, strict=True):
+        open_ = lost and "(N" in strip.title  # no force holds the load there
+        values = [nan] * len(strip.curves) if open_ else _at(strip, at)
+        parts.append(_symbols(strip, box, values))
+    if measuring:
+        for strip, box in zip(shown, boxes, strict=True):
+            if _of_distance(strip):
+                parts += _strip(strip, box, last=strip is shown[-1])
+    return "".join(parts)
+
+
+def plots_svg(computed: Computed, plot: str, title: str) -> str:
+    """The plots as a file of their own."""
+    drawn = figure(computed, plot, legend=True)
+    a = drawn.axes
+    head = 14.0
+    return (
+        '<?xml version="1.0" encoding="UTF-8"?>\n'
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{a.width:g}" height="{a.height + head:g}" '
+        f'viewBox="0 {-head:g} {a.width:g} {a.height + head:g}" color="{palette.INK}" '
+        'font-family="system-ui, Segoe UI, Helvetica, Arial, sans-serif" font-size="11">'
+        f'<rect y="{-head:g}" width="100%" height="100%" fill="#FFFFFF"/>'
+        f'<text x="{a.left:g}" y="4" font-weight="600" fill="currentColor">{esc(title)}</text>'
+        f"{drawn.content}</svg>\n"
+    )
+
+
+def _at(strip: Strip, at: float) -> list[float]:
+    return [float(np.interp(at, curve.times, curve.values)) for curve in strip.curves]
+
+
+def _symbols(strip: Strip, axes: Axes, values: Sequence[float] | None) -> str:
+    """The curves' names in their colours, right of the title, and with their values if given."""
+    texts = []
+    for n, curve in enumerate(strip.curves):
+        shown = "" if values is None else _value(values[n])
+        if text := " ".join(filter(None, (curve.symbol, shown))):
+            texts.append(f'<tspan fill="{curve.color}" dx="5">{esc(text)}</tspan>')
+    return (
+        f'<text class="values" x="{axes.width - axes.right:g}" y="{axes.top - 5:g}" '
+        f'text-anchor="end" font-size="9" font-weight="600">{"".join(texts)}</text>'
+    )
+
+
+def _value(value: float) -> str:
+    if not isfinite(value):
+        return "–"
+    size = abs(value)
+    text = f"{value:.0f}" if size >= 1000 else f"{value:.1f}" if size >= 10 else f"{value:.2f}"
+    return text.removeprefix("-" if not float(text) else "").replace("-", "−")
+
+
+def _curve_paths(strip: Strip, axes: Axes) -> list[str]:
+    paths = []
+    limits: dict[float, str] = {}
+    for curve in strip.curves:
+        count = len(curve.times)
+        kept = np.unique(np.append(np.arange(0, count, max(1, count // MOST)), count - 1))
+        runs = _runs(curve.times[kept], curve.values[kept], axes)
+        path = "".join(f"M{'L'.join(run)}" for run in runs)
+        paths.append(
+            f'<path class="curve" d="{path}" fill="none" stroke="{curve.color}" '
+            'stroke-width="1.7" stroke-linejoin="round"/>'
+        )
+        if curve.limit is not None:
+            limits.setdefault(round(curve.limit, 9), curve.color)
+    for limit, color in limits.items():
+        for value in (limit, -limit) if strip.both else (limit,):
+            if axes.y[0] <= value <= axes.y[1]:
+                _, y = axes.px(0.0, value)
+                paths.append(
+                    f'<path class="limit" d="M{axes.left:g} {y:.1f}h{axes.inner[0]:g}" '
+                    f'stroke="{color if len(limits) > 1 else palette.BEYOND}" '
+                    'stroke-width="1.2" stroke-dasharray="5 3"/>'
+                )
+    return [_clipped(axes, "".join(paths))]
+
+
+def _runs(times: Array, values: Array, axes: Axes) -> list[list[str]]:
+    """Places of a curve in px, in runs without gaps; far outside of the box they are cut."""
+    runs: list[list[str]] = [[]]
+    span = axes.y[1] - axes.y[0]
+    for t, value in zip(times.tolist(), values.tolist(), strict=True):
+        if not isfinite(value):
+            if runs[-1]:
+                runs.append([])
+            continue
+        near = min(max(value, axes.y[0] - span), axes.y[1] + span)
+        runs[-1].append("{:.1f} {:.1f}".format(*axes.px(t, near)))
+    return [run for run in runs if run]
+
+
+def _bands(found: Trajectory, axes: Axes) -> str:
+    """Where on the way something is wrong: red-orange, grey where it is only near."""
+    parts = []
+    for event in found.events:
+        color = QUIET if event.kind == "near" else palette.BEYOND
+        x0, _ = axes.px(event.start, 0.0)
+        x1, _ = axes.px(event.end, 0.0)
+        width = max(x1 - x0, 1.6)
+        opacity = ".85" if x1 - x0 < 1.6 else ".14"
+        parts.append(
+            f'<rect class="event" x="{x0:.1f}" y="{axes.top:g}" width="{width:.1f}" '
+            f'height="{axes.inner[1]:g}" fill="{color}" fill-opacity="{opacity}"/>'
+        )
+    return "".join(parts)
+
+
+def _frame(strip: Strip, axes: Axes, *, last: bool) -> str:
+    wide, high = axes.inner
+    low = axes.top + high
+    parts = [
+        f'<rect x="{axes.left:g}" y="{axes.top:g}" width="{wide:g}" height="{high:g}" fill="none" '
+        'stroke="currentColor" stroke-opacity=".45"/>'
+        f'<text x="{axes.left:g}" y="{axes.top - 5:g}" fill="currentColor" font-size="10">'
+        f"{esc(strip.title)}</text>"
+    ]
+    for value in _levels(axes.y, 3 if high < ALONE else 7):
+        _, y = axes.px(0.0, value)
+        parts.append(
+            f'<path d="M{axes.left:g} {y:.1f}h-4" stroke="currentColor" stroke-opacity=".6"/>'
+            f'<path d="M{axes.left:g} {y:.1f}h{wide:g}" stroke="currentColor" '
+            f'stroke-opacity=".08"/><text x="{axes.left - 6:g}" y="{y + 3.5:.1f}" '
+            f'text-anchor="end" fill="currentColor" font-size="10">{_tick(value)}</text>'
+        )
+    for value in ticks(*axes.x, 8):
+        x, _ = axes.px(value, 0.0)
+        anchor = "middle" if x < axes.left + wide - 14 else "end"
+        label = (
+            f'<text x="{x:.1f}" y="{low + 14:g}" text-anchor="{anchor}" fill="currentColor" '
+            f'font-size="10">{number(value)}</text>'
+        )
+        parts.append(
+            f'<path d="M{x:.1f} {low:g}v4" stroke="currentColor" stroke-opacity=".6"/>'
+            f"{label if last else ''}"
+        )
+    if last:
+        parts.append(
+            f'<text x="{axes.left + wide / 2:g}" y="{low + 28:g}" text-anchor="middle" '
+            'fill="currentColor" font-size="10">t (s)</text>'
+        )
+    if strip.note:
+        parts.append(
+            f'<text x="{axes.left + wide / 2:g}" y="{axes.top + high / 2 + 4:g}" '
+            f'text-anchor="middle" fill="currentColor" fill-opacity=".6">{esc(strip.note)}</text>'
+        )
+    return "".join(parts)
+
+
+def _levels(span: tuple[float, float], most: int) -> list[float]:
+    """Round numbers that are marked, two at least: one alone tells no scale."""
+    found = ticks(*span, most)
+    while len(found) < 2 and most < 10:
+        most += 1
+        found = ticks(*span, most)
+    return found
+
+
+def _tick(value: float) -> str:
+    if abs(value) >= 1e4:
+        return number(value / 1000.0) + "k"
+    return number(value)
+
+
+def _told(events: Sequence[Event], t: float, slack: float) -> str:
+    names = {
+        "outside": "outside of the workspace",
+        "singularity": "singular",
+        "near": "near a singularity",
+        "jump": "a joint leaps",
+        "corner": "a sharp corner",
+        "rate": "too fast",
+        "acceleration": "too much acceleration",
+        "force": "too much force",
+    }
+    kinds = {e.kind: None for e in events if e.start - slack <= t <= e.end + slack}
+    return "".join(f" · {names[kind]}" for kind in kinds)
+
+
+def _clipped(axes: Axes, content: str) -> str:
+    wide, high = axes.inner
+    place = f'x="{axes.left:g}" y="{axes.top:g}" width="{wide:g}" height="{high:g}"'
+    return f'<svg {place} viewBox="{axes.left:g} {axes.top:g} {wide:g} {high:g}">{content}</svg>'

@@ -1,0 +1,290 @@
+"""What a trajectory of a review is: plain values, what makes them sound, and the path they mean.
+
+Lengths in mm, angles in rad, times in s; nothing here knows viser.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
+
+from kinematics.errors import InputError
+from kinematics.mechanism import Coordinate, Mechanism
+from kinematics.trajectories import (
+    LAWS,
+    Law,
+    Limits,
+    Path,
+    drawn,
+    law,
+    line,
+    polyline,
+    spline,
+    trapezoidal,
+)
+from kinematics.trajectories.fits import HIGHEST
+from kinematics.trajectories.results import Playback
+
+if TYPE_CHECKING:
+    from app.review.state import Review
+
+Pose = tuple[float, ...]
+Through = Literal["spline", "lines"]
+
+PLAYBACKS: tuple[Playback, ...] = ("once", "loop", "swing")
+SPEEDS = (0.25, 0.5, 1.0, 2.0, 4.0)
+STRAIGHT, POINTS, FILE, STROKE = "straight", "points", "file", "stroke"
+OWN = (STRAIGHT, POINTS, FILE, STROKE)  # ways of one's own; all others are the mechanism's
+PLOTS = ("all", "joints", "rates", "accelerations", "forces", "distance")
+PACE = 100.0  # mm/s, where no duration is given
+MOST_POINTS = 2000  # that a session keeps of one path
+MOST_SAMPLES = 2001  # on the page; the command line takes more
+TRIMMED = 300  # points of a stroke that are kept
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """A trajectory: where it runs, when, what is asked of it and how it is shown.
+
+    Attributes:
+        on: it is computed and shown.
+        way: one of `OWN`, or the name of one of the mechanism's.
+        start, end: of the straight way; () until they are chosen.
+        points: way points.
+        file, file_name, times: the points of a file, what it was called, and when each of them is
+            to be passed, () where it does not say.
+        file_open: the coordinate that the file left open, by its key; "" for none.
+        through, blend: how points are joined, see `polyline`.
+        plane: the two pose coordinates of a stroke, by their keys; "" for the first two.
+        stroke: what was drawn by hand.
+        smooth: mm by which that may be smoothed.
+        law: one of `LAWS`; "" is the way's own, else quintic.
+        duration: s; 0 is the way's own, else at `PACE`.
+        speed, acceleration: what a trapezoidal law keeps to along the path, mm/s and mm/s².
+        samples: how many times are computed.
+        rates, accelerations, forces: limits of the actuators; () where there are none.
+        playback, pace: how it is played, and how fast.
+        halt: playing stops at singularities, as no machine is driven across one.
+        degree: of the polynomials that are fitted to the joints; 0 for none.
+        plot: what the plots show, one of `PLOTS`.
+    """
+
+    on: bool = False
+    way: str = STRAIGHT
+    start: Pose = ()
+    end: Pose = ()
+    points: tuple[Pose, ...] = ()
+    file: tuple[Pose, ...] = ()
+    file_name: str = ""
+    times: tuple[float, ...] = ()
+    file_open: str = ""
+    through: Through = "spline"
+    blend: float = 0.0
+    plane: tuple[str, str] = ("", "")
+    stroke: tuple[Pose, ...] = ()
+    smooth: float = 2.0
+    law: str = ""
+    duration: float = 0.0
+    speed: float = PACE
+    acceleration: float = 400.0
+    samples: int = 101
+    rates: tuple[float, ...] = ()
+    accelerations: tuple[float, ...] = ()
+    forces: tuple[float, ...] = ()
+    playback: Playback = "loop"
+    pace: float = 1.0
+    halt: bool = True
+    degree: int = 0
+    plot: str = "all"
+
+    @property
+    def limits(self) -> Limits:
+        """As the library takes them."""
+        return Limits(self.rates or None, self.accelerations or None, self.forces or None)
+
+
+NO_PLAN = Plan()
+
+
+def fresh_plan(review: Review) -> Plan:
+    """Of a machine that nobody gave one: its own first trajectory, else one from its home."""
+    named = review.mechanism.trajectories(review.design)
+    home = review.mechanism.home(review.design).pose
+    return Plan(way=named[0].name if named else STRAIGHT, start=home)
+
+
+def plan_for(review: Review, plan: Plan) -> Plan:
+    """What of a plan serves another design: all of it, if that has the same coordinates."""
+    kept = replace(
+        fresh_plan(review),
+        **{
+            name: getattr(plan, name)
+            for name in (
+                "on",
+                "law",
+                "playback",
+                "pace",
+                "halt",
+                "samples",
+                "degree",
+                "plot",
+                "through",
+            )
+        },
+    )
+    named = {each.name for each in review.mechanism.trajectories(review.design)}
+    if not set(plan.plane) <= {"", *(c.key for c in axes_of(review))}:
+        return kept
+    if plan.way not in (*OWN, *named):
+        plan = replace(plan, way=kept.way)
+    try:
+        return checked_plan(plan, review)
+    except InputError:
+        return kept
+
+
+def axes_of(review: Review) -> tuple[Coordinate, ...]:
+    """The pose coordinates of a review."""
+    return review.mechanism.pose_coordinates(review.design)
+
+
+def plane_of(plan: Plan, axes: Sequence[Coordinate]) -> tuple[int, int]:
+    """The two coordinates in whose plane a stroke is drawn."""
+    keys = [c.key for c in axes]
+    first, second = (keys.index(k) if k in keys else n for n, k in enumerate(plan.plane))
+    return first, second
+
+
+def checked_plan(plan: Plan, review: Review) -> Plan:
+    """The same, once it is known to be sound.
+
+    Raises:
+        InputError: a name that is none, points that are no poses, or numbers that cannot be.
+    """
+    named = [each.name for each in review.mechanism.trajectories(review.design)]
+    axes = axes_of(review)
+    joints = review.mechanism.joint_coordinates(review.design)
+    for name, known, what in (
+        (plan.way, (*OWN, *named), "a way"),
+        (plan.through, ("spline", "lines"), "how points are joined"),
+        (plan.law, ("", *LAWS), "a time law"),
+        (plan.playback, PLAYBACKS, "a playback"),
+        (plan.plot, PLOTS, "a plot"),
+    ):
+        if name not in known:
+            raise InputError(f"{what} is one of {', '.join(filter(None, known))}, not {name!r}")
+    _check_points(plan, len(axes))
+    if plan.file_open not in ("", *(c.key for c in axes)):
+        raise InputError(f"a file may leave a coordinate open, but {plan.file_open!r} is none")
+    if not set(plan.plane) <= {"", *(c.key for c in axes)}:
+        raise InputError(f"a stroke lies in two of {', '.join(c.key for c in axes)}")
+    if plan.plane != ("", "") and ("" in plan.plane or plan.plane[0] == plan.plane[1]):
+        raise InputError("a stroke is drawn in two different coordinates")
+    for value, low, high, what in (
+        (plan.blend, 0.0, 1e6, "a corner's blend (mm)"),
+        (plan.smooth, 0.0, 1e3, "smoothing (mm)"),
+        (plan.duration, 0.0, 1e6, "a duration (s)"),
+        (plan.speed, 1e-6, 1e9, "a speed (mm/s)"),
+        (plan.acceleration, 1e-6, 1e12, "an acceleration (mm/s²)"),
+        (plan.pace, SPEEDS[0], SPEEDS[-1], "the pace of a playback"),
+        (plan.samples, 2, MOST_SAMPLES, "how many samples there are"),
+        (plan.degree, 0, HIGHEST, "the degree of a polynomial"),
+    ):
+        if not (math.isfinite(value) and low <= value <= high):
+            raise InputError(f"{what} lies within {low:g} … {high:g}, got {value:g}")
+    if 0.0 < plan.duration < 1e-6:
+        raise InputError("a duration is at least 1e-6 s, or 0 for the way's own")
+    for what in ("rates", "accelerations", "forces"):
+        values: tuple[float, ...] = getattr(plan, what)
+        if values and not (
+            len(values) == len(joints) and all(math.isfinite(v) and v > 0.0 for v in values)
+        ):
+            raise InputError(f"the limits of {what} are {len(joints)} positive numbers, or none")
+    return plan
+
+
+def _check_points(plan: Plan, size: int) -> None:
+    groups = ([plan.start], [plan.end], plan.points, plan.file, plan.stroke)
+    ends = [tuple(p for p in group if p) for group in groups[:2]]
+    for points in (*ends, *groups[2:]):
+        if len(points) > MOST_POINTS:
+            raise InputError(
+                f"a path on the page has up to {MOST_POINTS} points, got {len(points)}; the "
+                "command line takes more"
+            )
+        if any(len(p) != size or not all(map(math.isfinite, p)) for p in points):
+            raise InputError(f"a point of a path is a pose of {size} finite numbers")
+    if plan.times and len(plan.times) != len(plan.file):
+        raise InputError("a file gives a time for each of its points, or for none")
+    if any(not math.isfinite(t) for t in plan.times):
+        raise InputError("the times of a file are finite numbers")
+    if any(b <= a for a, b in zip(plan.times, plan.times[1:], strict=False)):
+        raise InputError("the times of a file increase from point to point")
+
+
+# --- what a plan means ---------------------------------------------------------------------
+
+
+def missing(plan: Plan) -> str:
+    """What a person still has to do until there is a path; "" when nothing."""
+    match plan.way:
+        case "straight" if not plan.start or not plan.end:
+            ends = [n for n, p in (("from", plan.start), ("to", plan.end)) if not p]
+            return (
+                f"Put the machine where the way {'begins' if 'from' in ends else 'ends'} and press "
+                f"“{'From' if 'from' in ends else 'To'} here”, or type the pose."
+            )
+        case "points" if len(plan.points) < 2:
+            return "Add at least two way points: put the machine there and press “Add here”."
+        case "file" if not plan.file:
+            return "Open a CSV file whose first line names the pose coordinates."
+        case "stroke" if not plan.stroke:
+            return "Draw the path in the plane below with the mouse."
+    return ""
+
+
+def path_of(plan: Plan, kind: Mechanism, design: object) -> tuple[Path, Law]:
+    """The path of a plan, and its time law.
+
+    Raises:
+        InputError: something is missing, or the points make no path.
+    """
+    if missing(plan):
+        raise InputError(missing(plan))
+    length = kind.characteristic_length(design)
+    scale = [length if c.unit == "rad" else 1.0 for c in kind.pose_coordinates(design)]
+    named = next((t for t in kind.trajectories(design) if t.name == plan.way), None)
+    if named is not None:
+        return named.path, _law(plan, named.path, named.law)
+    if plan.way == STRAIGHT:
+        path: Path = line(plan.start, plan.end, scale)
+    elif plan.way == STROKE:
+        path = drawn(plan.stroke, scale, plan.smooth)
+    elif plan.way == FILE and plan.times:
+        path = spline(plan.file, scale, plan.times)
+        return path, _law(plan, path, law("linear", plan.times[-1] - plan.times[0]))
+    else:
+        points = plan.points if plan.way == POINTS else plan.file
+        if plan.through == "lines":
+            path = polyline(points, scale, plan.blend)
+        else:
+            path = spline(points, scale)
+    return path, _law(plan, path, law("quintic", max(1.0, path.length / PACE)))
+
+
+def _law(plan: Plan, path: Path, own: Law) -> Law:
+    kind = plan.law or own.kind
+    if plan.law == "trapezoidal":
+        return trapezoidal(path.length, plan.speed, plan.acceleration)
+    duration = plan.duration or own.duration
+    return law(kind, duration, ramp=own.ramp)
+
+
+def trimmed(points: Sequence[Pose]) -> tuple[Pose, ...]:
+    """A stroke with no more points than are kept, evenly left out."""
+    if len(points) <= TRIMMED:
+        return tuple(points)
+    step = (len(points) - 1) / (TRIMMED - 1)
+    return tuple(points[round(n * step)] for n in range(TRIMMED))

@@ -1,0 +1,127 @@
+"""What is computed of workspaces that lie in a plane, in a process of its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.features.section.compute import edges, segments
+from app.review.state import Review
+from kinematics.answers.sections import Region, RegionSpec, Section
+from kinematics.answers.singularities import LocusCurves
+from kinematics.mechanism import Design, mechanism
+from kinematics.screws.spatial import Array
+
+STEP = 4.0  # mm, the longest chord of an arc in the scene
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """Regions to show: of what, in which modes, and whether with the singular curves."""
+
+    design: Design
+    pose: tuple[float, ...]
+    modes: tuple[str, ...] | None
+    mode: str
+    key: str
+    locus: bool
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Fill:
+    """A region as triangles: ``vertices`` (V, 3) mm in the base frame, ``faces`` (F, 3)."""
+
+    vertices: NDArray[np.float32]
+    faces: NDArray[np.uint32]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Laid:
+    """Regions as the page shows them; lines (S, 2, 3) mm in the base frame.
+
+    Attributes:
+        fills, lines: of the regions of one mode, the present one if it has any; those of others
+            would lie over them. Of a region that is not drawn the fill is empty.
+        lines, line_limb: the edges, and whose each is, from 1.
+        locus: where control is lost.
+    """
+
+    wish: Wish
+    spec: RegionSpec
+    frame: Array
+    regions: tuple[Region, ...]
+    fills: tuple[Fill, ...]
+    lines: Array
+    line_limb: NDArray[np.int64]
+    locus: Array
+
+
+def wish(review: Review) -> Wish | None:
+    """The regions that a review shows; None where there are none to show.
+
+    The position does not count, as the regions are of all positions.
+    """
+    kind, design, flat = review.mechanism, review.design, review.flat
+    if not flat.on or not kind.region_specs(design):
+        return None
+    axes = kind.pose_coordinates(design)
+    pose = tuple(0.0 if c.unit == "mm" else v for c, v in zip(axes, review.pose, strict=True))
+    return Wish(design, pose, review.solver_modes, review.mode, flat.key, flat.locus)
+
+
+def lay(wanted: Wish) -> Laid:
+    """The regions, filled, with their edges and singular curves."""
+    from kinematics.solids.csg import flat_mesh
+
+    kind = mechanism(wanted.design.mechanism)
+    spec = next(s for s in kind.region_specs(wanted.design) if s.key == wanted.key)
+    modes = wanted.modes if spec.uses_modes else None
+    found = kind.regions(wanted.design, spec.key, wanted.pose, modes)
+    frame = kind.region_frame(wanted.design, wanted.pose)
+    fills, lines, limbs = [], [], []
+    drawn = _drawn([region.mode for region in found], wanted.mode)
+    for region in found:
+        if region.mode not in ("", drawn):
+            fills.append(Fill(np.empty((0, 3), np.float32), np.empty((0, 3), np.uint32)))
+            continue
+        points, faces = flat_mesh(_loops(region.section))
+        fills.append(Fill(_raised(points, frame).astype(np.float32), faces.astype(np.uint32)))
+        flat, limb = edges(region.section, STEP)
+        lines.append(_raised(flat, frame))
+        limbs.append(limb)
+    return Laid(
+        wanted,
+        spec,
+        frame,
+        found,
+        tuple(fills),
+        np.concatenate([*lines, np.empty((0, 2, 3))]),
+        np.concatenate([*limbs, np.empty(0)]).astype(np.int64),
+        _locus(wanted, spec, frame),
+    )
+
+
+def _drawn(modes: list[str], present: str) -> str:
+    """The mode whose regions are drawn: the present one, else the first."""
+    return present if present in modes or not modes else modes[0]
+
+
+def _locus(wanted: Wish, spec: RegionSpec, frame: Array) -> Array:
+    kind, design = mechanism(wanted.design.mechanism), wanted.design
+    chart = next((s for s in kind.locus_specs(design) if s.axes == spec.axes), None)
+    if not wanted.locus or chart is None:
+        return np.empty((0, 2, 3))
+    found: LocusCurves = kind.locus(design, chart.key, wanted.pose, wanted.mode)
+    return _raised(segments(found.lost()), frame)
+
+
+def _loops(section: Section) -> list[Array]:
+    return [section.polyline(n, STEP) for n in range(section.loops)]
+
+
+def _raised(flat: Array, frame: Array) -> Array:
+    """Points (..., 2) of the plane as points (..., 3) of the base frame."""
+    raised: Array = flat @ frame[:3, :2].T + frame[:3, 3]
+    return raised
