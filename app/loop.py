@@ -398,7 +398,7 @@ class Page:
 
     def _show_solids(self, view: compute.View) -> None:
         wished = {wish.spec.key: wish for wish in view.wishes}
-        for spec in view.review.mechanism.solids(view.review.design):
+        for spec in view.review.machine.solid_specs:
             wish, built = wished.get(spec.key), self._built.get(spec.key)
             if wish is None:
                 self.scene.hide_solid(spec.key)
@@ -430,15 +430,15 @@ class Page:
         for part in self._parts:
             part.prepare()
         self.scene.prepare(
-            review.mechanism.solids(review.design),
+            review.machine.solid_specs,
             sheet.view.drawing.size,
-            review.mechanism.pose_coordinates(review.design),
+            review.machine.coordinates,
         )
         self._header = Header(self, sheet)
         self.panels = [self._header]
         tabs = self.gui.add_tab_group()
         for title, panel in TABS:
-            if panel.serves(review.mechanism, review.design):
+            if panel.serves(review.machine):
                 with tabs.add_tab(title):
                     self.panels.append(panel(self, sheet))
         handle = self.scene.handle
@@ -464,7 +464,7 @@ class Page:
         if not np.isfinite(placed).all():
             return False
         review = self._history.present
-        pose = review.mechanism.pose_from_transform(review.design, placed, review.mode)
+        pose = review.machine.pose_from_transform(placed, review.mode)
         return self.apply(Place(pose, held=self._grips), None)
 
     def _theme(self, review: Review) -> None:
@@ -490,7 +490,7 @@ class Page:
 
     def _fit(self) -> None:
         review = self._history.present
-        drawing = review.mechanism.drawing(review.design, review.posture)
+        drawing = review.machine.drawing(review.posture)
         other = compute.beside(review)
         low, high = machine_bounds(drawing, *([] if other is None else [other.drawing]))
         for built in self._built.values():
@@ -525,9 +525,7 @@ class Page:
             return
         angles = tuple(
             (c, v)
-            for c, v in zip(
-                review.mechanism.pose_coordinates(review.design), review.pose, strict=True
-            )
+            for c, v in zip(review.machine.coordinates, review.pose, strict=True)
             if c.unit == "rad"
         )
         modes = compute.modes_of(review, wish.spec)

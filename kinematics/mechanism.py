@@ -1,67 +1,27 @@
-"""What every mechanism offers, and the registry of mechanisms.
+"""What a kind of parallel mechanism supplies, and how kinds are found.
 
-Whoever serves a user (pages, commands) sees mechanisms only through this protocol: adding one
-takes a folder, a line in `_MODULES` and its design files.
+A kind is a package of `kinematics.mechanisms` whose ``KINDS`` names its class; nothing else is to
+be edited for a new one. Its class, bound to one design, supplies the primitives below; the facets
+of `kinematics.facets` do the rest, and a kind names its own facet where it has something exact.
+People hold a `kinematics.machine.Machine`, which is a mechanism with its facets.
 """
 
 from __future__ import annotations
 
+import pkgutil
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Literal, Protocol
+from typing import Any, ClassVar, Generic, Literal, Protocol, TypeVar
 
 from numpy.typing import ArrayLike
 
 from kinematics.answers.drawings import Drawing
-from kinematics.answers.motion import Motion, Statics, WrenchSystem
-from kinematics.answers.sections import (
-    Box,
-    MapCells,
-    MapSpec,
-    Region,
-    RegionSpec,
-    Section,
-    SectionSpec,
-    Sphere,
-    Volume,
-)
-from kinematics.answers.singularities import (
-    AT,
-    Clearance,
-    Event,
-    LocusCurves,
-    LocusSpec,
-    Measure,
-    MicrTable,
-    ModeChange,
-    OrientationCircle,
-    Profile,
-    Remedy,
-    Singularity,
-)
-from kinematics.answers.solutions import (
-    Finding,
-    Fold,
-    Followed,
-    ForwardSolutions,
-    InverseSolutions,
-    Posture,
-    Refreshed,
-)
+from kinematics.answers.solutions import Finding, Posture
 from kinematics.errors import InputError
 from kinematics.screws.spatial import Array
-
-if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
-    from kinematics.solids.csg import BuiltSolid
-    from kinematics.trajectories import NamedTrajectory
-
-Resolution = Literal["preview", "normal", "fine"]
-RESOLUTIONS: tuple[Resolution, ...] = ("preview", "normal", "fine")
-SurfaceKind = Literal["facets", "true"]
-SURFACES: tuple[SurfaceKind, ...] = ("facets", "true")
-"""Of a solid's mesh: right on the average, or with every vertex on the exact surfaces."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,260 +61,164 @@ class DesignField:
     group: str
 
 
-@dataclass(frozen=True, slots=True)
-class SolidSpec:
-    """A solid that a mechanism can show: "workspace", "aspects", "limb1/whole", "limb1/H2", …
+D = TypeVar("D", bound=Design)
 
-    It may depend on the chosen set of modes (``uses_modes``), or on the present mode alone
-    (``of_present_mode``), which is then all that `solid_request` is handed. ``follows``: the pose
-    coordinate that is not held but follows from the others (`dependent_coordinates`).
+
+class Mechanism(ABC, Generic[D]):
+    """One kind of parallel mechanism, bound to one design: the primitives that it supplies.
+
+    Attributes:
+        kind: how design files name it, as "five_rpur".
+        title: how people name it.
+        modes: its modes, as "+-+++" (working modes) or "1" (operation modes).
+        mode_noun: "working mode" or "operation mode"; "" where there is one mode only.
+        facets: the kind's own facets by name (`kinematics.machine.Machine`); a facet that is not
+            named is the generic one, or None where there is no generic one.
     """
 
-    key: str
-    title: str
-    group: str
-    limb: int | None = None
-    figure: str = ""
-    uses_modes: bool = False
-    of_present_mode: bool = False
-    surfaces: tuple[SurfaceKind, ...] = ("facets",)
-    follows: int | None = None
+    kind: ClassVar[str]
+    title: ClassVar[str]
+    modes: ClassVar[tuple[str, ...]]
+    mode_noun: ClassVar[str] = "working mode"
+    facets: ClassVar[Mapping[str, type[Any]]]
 
+    def __init__(self, design: D) -> None:
+        self.design = design
 
-@dataclass(frozen=True, slots=True)
-class SolidRequest:
-    """Everything a solid depends on and nothing else, so equal requests are equal solids.
+    # --- designs
 
-    ``arguments`` is hashable, picklable and understood by the mechanism alone.
-    """
+    @classmethod
+    @abstractmethod
+    def read_design(cls, table: Mapping[str, Any], *, origin: str, name: str) -> D:
+        """The design that a parsed design file describes.
 
-    mechanism: str
-    arguments: tuple[Any, ...]
-    resolution: Resolution
+        Raises:
+            DesignError: naming the origin, the key and the remedy.
+        """
 
+    @abstractmethod
+    def design_table(self) -> dict[str, Any]:
+        """What the design's file says, as plain values; `read_design` reads it back equal."""
 
-class Mechanism(Protocol):
-    """One kind of parallel mechanism. Stateless; ``design`` is of the kind's own design class."""
+    @abstractmethod
+    def design_fields(self) -> tuple[DesignField, ...]:
+        """Every number of the design that may be edited; paths lead into `design_table`."""
 
-    @property
-    def kind(self) -> str: ...
-    @property
-    def title(self) -> str: ...
-    @property
-    def modes(self) -> tuple[str, ...]: ...
-    @property
-    def mode_noun(self) -> str: ...  # "working mode", "operation mode"; "" where there is one only
-    def about(self, topic: str) -> str: ...  # what a page says of the "move", "solutions", … of it
+    def findings(self) -> tuple[Finding, ...]:
+        """What is worth knowing about the design before it moves; warnings among them."""
+        return ()
 
-    # designs
-    def read_design(self, table: Mapping[str, Any], *, origin: str, name: str) -> Design: ...
-    def design_table(self, design: Any) -> dict[str, Any]: ...
-    def design_fields(self, design: Any) -> tuple[DesignField, ...]: ...
-    def with_field(self, design: Any, path: tuple[str | int, ...], value: float) -> Design: ...
-    def findings(self, design: Any) -> tuple[Finding, ...]: ...
+    def counterparts(self) -> tuple[Design, ...]:
+        """Other machines with the same numbers, which it is worth comparing with."""
+        return ()
 
-    # coordinates
-    def pose_coordinates(self, design: Any) -> tuple[Coordinate, ...]: ...
-    def joint_coordinates(self, design: Any) -> tuple[Coordinate, ...]: ...
-    def dependent_coordinates(self, design: Any) -> tuple[int, ...]: ...
+    # --- coordinates
+
+    @abstractmethod
+    def pose_coordinates(self) -> tuple[Coordinate, ...]:
+        """The P coordinates of a pose, mm and rad, with the ranges that can be reached."""
+
+    @abstractmethod
+    def joint_coordinates(self) -> tuple[Coordinate, ...]:
+        """The J actuated joints with their ranges, mm or rad."""
+
+    def dependent_coordinates(self) -> tuple[int, ...]:
+        """Those pose coordinates of which one, whichever is chosen, follows from the others."""
+        return ()
+
     def complete_pose(
         self,
-        design: Any,
         pose: Sequence[float],
         mode: str,
         moved: int | None = None,
         dependent: int | None = None,
-    ) -> tuple[float, ...]: ...
+    ) -> tuple[float, ...]:
+        """The pose with its dependent coordinate made true, where a mechanism has such.
 
-    # kinematics
-    def home(self, design: Any) -> Posture: ...
-    def posture(self, design: Any, pose: Sequence[float], mode: str) -> Posture: ...
-    def inverse(self, design: Any, poses: ArrayLike) -> InverseSolutions: ...
-    def follow(self, design: Any, posture: Posture, joints: Sequence[float]) -> Followed: ...
-    def fold_ahead(self, design: Any, posture: Posture, joints: Sequence[float]) -> Fold | None: ...
-    def forward(
-        self, design: Any, joints: ArrayLike, *, mixed_modes: bool = False
-    ) -> tuple[ForwardSolutions, ...]: ...
-    def refresh(
-        self, design: Any, before: ForwardSolutions, joints: Sequence[float]
-    ) -> Refreshed: ...
-    def forward_is_quick(self, design: Any, *, mixed_modes: bool = False) -> bool: ...
-    # where the platform stands may depend on the mode: one for all poses, or one for each
-    def transform(self, design: Any, poses: ArrayLike, mode: str | Sequence[str]) -> Array: ...
-    def pose_from_transform(
-        self, design: Any, transform: ArrayLike, mode: str
-    ) -> tuple[float, ...]: ...
-    def drawing(self, design: Any, posture: Posture) -> Drawing: ...
+        Args:
+            pose: (P,) mm and rad; one coordinate may be NaN: that one is solved for. Else
+                ``dependent`` gives way or, where that is the one that was ``moved`` by hand or
+                None, another one.
 
-    # motion and statics; one mode for all poses
-    def characteristic_length(self, design: Any) -> float: ...
-    def inverse_motion(
-        self,
-        design: Any,
-        poses: ArrayLike,
-        mode: str,
-        pose_rates: ArrayLike,
-        pose_accelerations: ArrayLike | None = None,
-    ) -> Motion: ...
-    def forward_motion(
-        self,
-        design: Any,
-        poses: ArrayLike,
-        mode: str,
-        joint_rates: ArrayLike,
-        joint_accelerations: ArrayLike | None = None,
-    ) -> Motion: ...
-    def wrench_system(self, design: Any, poses: ArrayLike, mode: str) -> WrenchSystem: ...
-    def statics(self, design: Any, poses: ArrayLike, mode: str, loads: ArrayLike) -> Statics: ...
+        Raises:
+            InputError: there is no such pose, or the mechanism has no dependent coordinate.
+        """
+        if any(value != value for value in pose):
+            raise InputError("every coordinate of the pose must be given")
+        return tuple(pose)
 
-    # how well a posture is held, and where it is not
-    def measures(self, design: Any) -> tuple[Measure, ...]: ...
-    def measure(
-        self,
-        design: Any,
-        poses: ArrayLike,
-        mode: str,
-        key: str,
-        load: Sequence[float] | None = None,
-    ) -> Array: ...
-    def singularities(
-        self, design: Any, posture: Posture, tolerance: float = AT
-    ) -> tuple[Singularity, ...]: ...
-    def clearances(
-        self, design: Any, posture: Posture, *, singular: bool = True
-    ) -> tuple[Clearance, ...]: ...  # not singular: without what takes longer to find
-    def remedy(self, design: Any, posture: Posture) -> Remedy: ...
-    def passed(self, design: Any, before: Posture, after: Posture) -> tuple[Event, ...]: ...
-    def path(
-        self, design: Any, posture: Posture, poses: ArrayLike
-    ) -> Followed: ...  # as driven, up to what would stop the machine
-    def mode_change(
-        self, design: Any, posture: Posture, wanted: str = ""
-    ) -> ModeChange | None: ...  # to where this mode begins, or any other
-    def locus_specs(self, design: Any) -> tuple[LocusSpec, ...]: ...
-    def locus(
-        self, design: Any, key: str, pose: Sequence[float], mode: str, at: float | None = None
-    ) -> LocusCurves: ...
+    @abstractmethod
+    def transform(self, poses: ArrayLike, mode: str | Sequence[str]) -> Array:
+        """(..., 4, 4) from platform to base coordinates, mm; ``mode``: one, or one each."""
 
-    # a workspace that lies in a plane: its regions; the frame is from (u, v, normal) to the base's
-    def region_specs(self, design: Any) -> tuple[RegionSpec, ...]: ...
-    def region_frame(self, design: Any, pose: Sequence[float]) -> Array: ...
-    def regions(
-        self, design: Any, key: str, pose: Sequence[float], modes: tuple[str, ...] | None
-    ) -> tuple[Region, ...]: ...
+    @abstractmethod
+    def pose_from_transform(self, transform: ArrayLike, mode: str) -> tuple[float, ...]:
+        """The pose whose platform is nearest to where ``transform`` (4, 4) puts it."""
 
-    # ways that a mechanism's paper or trade runs, by name
-    def trajectories(self, design: Any) -> tuple[NamedTrajectory, ...]: ...
-
-    # circles of orientations without a singularity, and machines to compare with
-    def circles(
-        self, design: Any, pose: Sequence[float], mode: str
-    ) -> tuple[OrientationCircle, ...]: ...
     @property
-    def has_profile(self) -> bool: ...
-    def profile(
-        self, design: Any, pose: Sequence[float], ratios: Sequence[float] = ()
-    ) -> Profile: ...
-    def profile_place(self, design: Any, pose: Sequence[float]) -> float: ...
-    def micr(self, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike) -> MicrTable: ...
-    def counterparts(self, design: Any) -> tuple[Design, ...]: ...
+    @abstractmethod
+    def length(self) -> float:
+        """mm that an angle of 1 rad counts for where both are compared."""
 
-    # solids
-    def solids(self, design: Any) -> tuple[SolidSpec, ...]: ...
-    def solid_request(
-        self,
-        design: Any,
-        key: str,
-        pose: Sequence[float],
-        modes: tuple[str, ...] | None,
-        resolution: Resolution,
-        surface: SurfaceKind = "facets",
-    ) -> SolidRequest: ...
-    def solid_placement(self, design: Any, key: str, pose: Sequence[float]) -> Array: ...
-    def build_solid(self, request: SolidRequest) -> BuiltSolid: ...
-    def solid_point(self, design: Any, key: str, pose: Sequence[float], mode: str) -> Array: ...
-    def solid_poses(
-        self, design: Any, key: str, pose: Sequence[float], mode: str, points: ArrayLike
-    ) -> Array: ...
-    def inside(self, design: Any, pose: Sequence[float], modes: tuple[str, ...] | None) -> bool: ...
+    # --- the machine as people see it
 
-    # what takes long the first time on a machine is made ready; for processes nobody waits for
-    def prepare(self) -> None: ...
+    @abstractmethod
+    def home(self) -> Posture:
+        """A posture in the middle of what the machine can do, away from singularities."""
 
-    # exact sections and volumes of the workspace at the pose's orientation; a mechanism that has
-    # none says so by a spec of None
-    def section_spec(self, design: Any) -> SectionSpec | None: ...
-    def section_frame(self, design: Any, pose: Sequence[float]) -> Array: ...
-    def section_range(
-        self, design: Any, pose: Sequence[float], modes: tuple[str, ...] | None
-    ) -> tuple[float, float] | None: ...
-    def section(
-        self, design: Any, pose: Sequence[float], modes: tuple[str, ...] | None, at: float
-    ) -> Section: ...
-    def volume(
-        self,
-        design: Any,
-        pose: Sequence[float],
-        modes: tuple[str, ...] | None,
-        *,
-        relative: float = 1e-6,
-    ) -> Volume: ...
-    def sphere(
-        self,
-        design: Any,
-        pose: Sequence[float],
-        modes: tuple[str, ...] | None,
-        center: Sequence[float] | None = None,
-    ) -> Sphere | None: ...
-    def box(
-        self,
-        design: Any,
-        pose: Sequence[float],
-        modes: tuple[str, ...] | None,
-        center: Sequence[float] | None = None,
-    ) -> Box | None: ...
-    def singularity_free_ball(
-        self, design: Any, pose: Sequence[float], mode: str, center: Sequence[float] | None = None
-    ) -> Sphere | None: ...
-    def map_spec(self, design: Any) -> MapSpec | None: ...
-    def map_cells(
-        self,
-        design: Any,
-        poses: ArrayLike,
-        modes: tuple[str, ...] | None,
-        quantities: Sequence[str],
-        *,
-        relative: float = 1e-4,
-    ) -> MapCells: ...
+    @abstractmethod
+    def drawing(self, posture: Posture) -> Drawing:
+        """Its bars, bodies and marks at a posture, mm, base frame."""
+
+    @classmethod
+    def text(cls, topic: str) -> str:
+        """Markdown about a topic of this mechanism: what it is, its paper's figures and equations.
+
+        Topics: "move", "mode" (one phrase: what + says of a limb), "solutions", "workspace",
+        "section", "singularities", "map", "trajectory", "design". "" where nothing is to be said.
+        """
+        return ""
+
+    # --- for processes
+
+    @classmethod
+    def prepare(cls) -> None:
+        """Make ready what takes long the first time on a machine."""
+        return
 
 
-# Where each kind's mechanism stands; one package may offer several.
-_MODULES = {
-    "five_rpur": ("kinematics.mechanisms.five_rpur", "MECHANISM"),
-    "five_bar": ("kinematics.mechanisms.five_bar", "MECHANISM"),
-    "four_sps_spr": ("kinematics.mechanisms.four_sps_spr", "MECHANISM"),
-    "three_rps": ("kinematics.mechanisms.tripods", "THREE_RPS"),
-    "three_spr": ("kinematics.mechanisms.tripods", "THREE_SPR"),
-}
+# --- discovery -----------------------------------------------------------------------------
+
+
+@cache
+def _places() -> dict[str, tuple[str, str]]:
+    """Module and class of every kind; only the packages' own `__init__` are loaded for it."""
+    import kinematics.mechanisms as rooms
+
+    found: dict[str, tuple[str, str]] = {}
+    for room in pkgutil.iter_modules(rooms.__path__, f"{rooms.__name__}."):
+        for kind, name in import_module(room.name).KINDS.items():
+            found[kind] = (f"{room.name}.mechanism", name)
+    return found
 
 
 def mechanism_kinds() -> tuple[str, ...]:
     """The kinds of mechanism that a design file may name."""
-    return tuple(_MODULES)
+    return tuple(_places())
 
 
 @cache
-def mechanism(kind: str) -> Mechanism:
-    """The mechanism of a kind.
+def mechanism_class(kind: str) -> type[Mechanism[Any]]:
+    """The class of a kind.
 
     Raises:
         InputError: there is no such kind.
     """
-    place = _MODULES.get(kind)
+    place = _places().get(kind)
     if place is None:
         raise InputError(
             f"there is no mechanism {kind!r}; known are {', '.join(mechanism_kinds())}"
         )
     module, name = place
-    found: Mechanism = getattr(import_module(module), name)
+    found: type[Mechanism[Any]] = getattr(import_module(module), name)
     return found

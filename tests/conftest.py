@@ -41,9 +41,9 @@ def pytest_sessionstart(session: pytest.Session) -> None:
 
 
 PREPARE = """
-from kinematics.mechanism import mechanism, mechanism_kinds
+from kinematics.mechanism import mechanism_class, mechanism_kinds
 for kind in mechanism_kinds():
-    mechanism(kind).prepare()
+    mechanism_class(kind).prepare()
 """
 
 

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Literal, TypeVar
 
 from app.review.view import SolidWish
 from kinematics.errors import BohemiaError
-from kinematics.mechanism import Resolution, SolidRequest, mechanism
+from kinematics.facets.solids import Resolution, SolidRequest
 
 if TYPE_CHECKING:
     from multiprocessing.context import SpawnProcess
@@ -318,7 +318,9 @@ class Process:
 
 def build(request: SolidRequest) -> BuiltSolid:
     """Build a solid, in whatever process this is called."""
-    return mechanism(request.mechanism).build_solid(request)
+    from kinematics.facets.solids import build_solid
+
+    return build_solid(request)
 
 
 def give_way(steps: int) -> None:

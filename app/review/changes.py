@@ -29,7 +29,9 @@ from app.review.state import (
     within_reach,
 )
 from kinematics.errors import InputError
-from kinematics.mechanism import Coordinate, Design, Mechanism, SurfaceKind
+from kinematics.facets.solids import SurfaceKind
+from kinematics.machine import Machine
+from kinematics.mechanism import Coordinate, Design
 
 # --- ``gesture`` joins the steps of one drag for undo
 
@@ -275,12 +277,12 @@ def change(review: Review, what: Change) -> tuple[Review, str]:
     """
     match what:
         case Move(index, value):
-            coordinate = _nth(review.mechanism.pose_coordinates(review.design), index)
+            coordinate = _nth(review.machine.coordinates, index)
             value, note = within(coordinate, value)
             pose = (*review.pose[:index], value, *review.pose[index + 1 :])
             return replace(review, pose=_completed(review, pose, index)), note
         case Place(pose):
-            coordinates = review.mechanism.pose_coordinates(review.design)
+            coordinates = review.machine.coordinates
             if len(pose) != len(coordinates):
                 raise InputError(f"a pose of this mechanism has {len(coordinates)} numbers")
             taken = [within(c, v) for c, v in zip(coordinates, pose, strict=True)]
@@ -293,12 +295,12 @@ def change(review: Review, what: Change) -> tuple[Review, str]:
             return _flip(review, mode), ""
         case Visit(pose, mode):
             # Not kept within the sliders' range: a solution next to it would be none.
-            known = mode in review.mechanism.modes and len(pose) == len(review.pose)
+            known = mode in review.machine.modes and len(pose) == len(review.pose)
             if not known or not all(map(math.isfinite, pose)):
                 raise InputError("that is not a solution of this mechanism")
             return replace(review, pose=tuple(pose), mode=mode), ""
         case GoHome():
-            home = review.mechanism.home(review.design)
+            home = review.machine.home
             return replace(review, pose=home.pose, mode=home.mode), ""
         case UseDesign(design):
             return _use_design(review, design), ""
@@ -312,8 +314,8 @@ def change(review: Review, what: Change) -> tuple[Review, str]:
             solids = tuple(Shown(s.key, opacity) if s.key in keys else s for s in review.solids)
             return replace(review, solids=solids), ""
         case ChooseModes(modes):
-            if isinstance(modes, tuple) and not set(modes) <= set(review.mechanism.modes):
-                raise InputError(f"these are no {review.mechanism.mode_noun}s of this mechanism")
+            if isinstance(modes, tuple) and not set(modes) <= set(review.machine.modes):
+                raise InputError(f"these are no {review.machine.mode_noun}s of this mechanism")
             return replace(review, modes=modes), ""
         case ChooseSurface(surface):
             return replace(review, surface=surface), ""
@@ -321,7 +323,7 @@ def change(review: Review, what: Change) -> tuple[Review, str]:
             return replace(review, options=replace(review.options, **{name: on})), ""
         case SetAtlas(name, value):
             wanted = replace(review.atlas, **{name: value})  # type: ignore[arg-type]
-            return replace(review, atlas=checked(wanted, review.mechanism)), ""
+            return replace(review, atlas=checked(wanted, review.machine)), ""
         case ShowCut(on):
             return replace(review, cut=replace(review.cut, on=on)), ""
         case MoveCut(at):
@@ -354,16 +356,16 @@ def _nth(coordinates: tuple[Coordinate, ...], index: int) -> Coordinate:
 def _completed(
     review: Review, pose: tuple[float, ...], moved: int | None = None
 ) -> tuple[float, ...]:
-    kind, design = review.mechanism, review.design
-    return kind.complete_pose(design, pose, review.mode, moved, review.dependent)
+    machine = review.machine
+    return machine.complete_pose(pose, review.mode, moved, review.dependent)
 
 
 def _flip(review: Review, mode: str) -> Review:
     """In another mode: at once where limbs can be put over, else where the modes meet."""
-    kind = review.mechanism
-    if mode not in kind.modes:
-        raise InputError(f"there is no {kind.mode_noun} {mode!r}")
-    way = kind.mode_change(review.design, review.posture, mode)
+    machine = review.machine
+    if mode not in machine.modes:
+        raise InputError(f"there is no {machine.mode_noun} {mode!r}")
+    way = machine.singularities.mode_change(review.posture, mode)
     if way is None or mode == review.mode:
         return replace(review, mode=mode)
     if not way.here:
@@ -372,7 +374,7 @@ def _flip(review: Review, mode: str) -> Review:
 
 
 def _drive(review: Review, index: int, value: float) -> tuple[Review, str]:
-    coordinate = _nth(review.mechanism.joint_coordinates(review.design), index)
+    coordinate = _nth(review.machine.joints, index)
     value, note = within(coordinate, value)
     posture = review.posture
     if not posture.closes:
@@ -384,16 +386,16 @@ def _drive(review: Review, index: int, value: float) -> tuple[Review, str]:
         )
     joints = list(posture.joints)
     joints[index] = value
-    followed = review.mechanism.follow(review.design, posture, joints)
+    followed = review.machine.following.follow(posture, joints)
     reached = replace(review, pose=followed.posture.pose, mode=followed.posture.mode)
     return reached, followed.text or followed.warning or note
 
 
 def _use_design(review: Review, design: Design) -> Review:
     fresh = new_review(design)
-    known = {spec.key for spec in fresh.mechanism.solids(design)}
+    known = {spec.key for spec in fresh.machine.solid_specs}
     modes = review.modes
-    if isinstance(modes, tuple) and not set(modes) <= set(fresh.mechanism.modes):
+    if isinstance(modes, tuple) and not set(modes) <= set(fresh.machine.modes):
         modes = "all"
     return replace(
         fresh,
@@ -403,7 +405,7 @@ def _use_design(review: Review, design: Design) -> Review:
         if design.mechanism == review.design.mechanism
         else fresh.solids,
         options=review.options,
-        atlas=_atlas_for(fresh.mechanism, review.atlas),
+        atlas=_atlas_for(fresh.machine, review.atlas),
         cut=replace(fresh.cut, on=review.cut.on),
         chart=_chart_for(fresh, review.chart),
         surface=review.surface,
@@ -414,9 +416,9 @@ def _use_design(review: Review, design: Design) -> Review:
     )
 
 
-def _atlas_for(kind: Mechanism, atlas: Atlas) -> Atlas:
+def _atlas_for(machine: Machine[Any], atlas: Atlas) -> Atlas:
     try:
-        return checked(atlas, kind)
+        return checked(atlas, machine)
     except InputError:  # a filter in another mechanism's working modes
         return replace(atlas, modes="")
 
@@ -458,12 +460,12 @@ def _way_for(review: Review, key: str) -> str:
 def _edit(
     review: Review, edits: tuple[tuple[tuple[str | int, ...], float], ...]
 ) -> tuple[Review, str]:
-    design = review.design
+    machine = review.machine
     for path, value in edits:
-        design = review.mechanism.with_field(design, path, value)
-    coordinates = review.mechanism.pose_coordinates(design)
+        machine = machine.edited(path, value)
+    coordinates = review.machine.coordinates
     pose = tuple(within(c, v)[0] for c, v in zip(coordinates, review.pose, strict=True))
-    edited = replace(review, design=design, pose=pose)
+    edited = replace(review, design=machine.design, pose=pose)
     try:
         return replace(edited, pose=_completed(edited, pose)), ""
     except InputError:  # what the new numbers ask of the pose nothing can give; that is told there
@@ -474,7 +476,7 @@ _OPACITY = {"workspace": 0.35, "aspects": 0.5}  # a limb's parts are fainter
 
 
 def _show(review: Review, key: str, on: bool) -> Review:
-    specs = {spec.key: n for n, spec in enumerate(review.mechanism.solids(review.design))}
+    specs = {spec.key: n for n, spec in enumerate(review.machine.solid_specs)}
     if key not in specs:
         raise InputError(f"there is no solid {key!r}")
     kept = [s for s in review.solids if s.key != key]

@@ -30,7 +30,8 @@ from app.review.state import (
 )
 from kinematics.designs.files import read_design, write_design
 from kinematics.errors import InputError
-from kinematics.mechanism import SURFACES, Coordinate, SurfaceKind
+from kinematics.facets.solids import SURFACES, SurfaceKind
+from kinematics.mechanism import Coordinate
 
 VERSION = 1
 MAX_BYTES = 1 << 20
@@ -38,7 +39,7 @@ MAX_BYTES = 1 << 20
 
 def to_text(review: Review) -> str:
     """The review as JSON; angles in degrees, the design as it would stand in its own file."""
-    coordinates = review.mechanism.pose_coordinates(review.design)
+    coordinates = review.machine.coordinates
     pose = {_key(c): _outward(c, v) for c, v in zip(coordinates, review.pose, strict=True)}
     content = {
         "bohemia_session": VERSION,
@@ -88,19 +89,19 @@ def from_text(text: str, *, origin: str) -> Review:
         design_text, origin=f"{origin}, design", name=_typed(content, "design_name", str, origin)
     )
     review = new_review(design)
-    kind = review.mechanism
+    machine = review.machine
     pose = _pose(_typed(content, "pose", dict, origin), review, origin)
     mode = _typed(content, "working_mode", str, origin)
     modes = content.get("workspace_modes", "all")
     if isinstance(modes, list):
         modes = tuple(modes)
     chosen = modes if isinstance(modes, tuple) else ()
-    if mode not in kind.modes or any(m not in kind.modes for m in chosen):
-        noun = kind.mode_noun or "working mode"
-        raise InputError(f"{origin}: a {noun} is one of {', '.join(map(repr, kind.modes))}")
+    if mode not in machine.modes or any(m not in machine.modes for m in chosen):
+        noun = machine.mode_noun or "working mode"
+        raise InputError(f"{origin}: a {noun} is one of {', '.join(map(repr, machine.modes))}")
     if not isinstance(modes, tuple) and modes not in ("all", "current"):
         raise InputError(f"{origin}: workspace_modes is 'all', 'current' or a list of modes")
-    known = {spec.key for spec in kind.solids(design)}
+    known = {spec.key for spec in machine.solid_specs}
     solids = tuple(
         Shown(str(key), min(max(_number(value, f"solids: {key}", origin), 0.0), 1.0))
         for key, value in _typed(content, "solids", dict, origin).items()
@@ -158,7 +159,7 @@ def save(review: Review, path: Path) -> None:
 
 def _pose(given: dict[str, Any], review: Review, origin: str) -> tuple[float, ...]:
     values = []
-    for c in review.mechanism.pose_coordinates(review.design):
+    for c in review.machine.coordinates:
         key = _key(c)
         if key not in given:
             raise InputError(f"{origin}: pose has no {key}")
@@ -177,7 +178,7 @@ def _atlas(content: dict[str, Any], review: Review, origin: str) -> Atlas:
         if not isinstance(values[f.name], type(f.default)):
             raise InputError(f"{origin}: solutions: {f.name} is not of the right kind")
     try:
-        return checked(Atlas(**values), review.mechanism)
+        return checked(Atlas(**values), review.machine)
     except InputError as error:
         raise InputError(f"{origin}: solutions: {error}") from None
 
@@ -268,8 +269,8 @@ def _chart(content: dict[str, Any], review: Review, origin: str) -> Chart:
 
 
 def _map_axes(review: Review) -> tuple[Coordinate, ...]:
-    spec = review.mechanism.map_spec(review.design)
-    coordinates = review.mechanism.pose_coordinates(review.design)
+    spec = review.machine.map_spec
+    coordinates = review.machine.coordinates
     return () if spec is None else tuple(coordinates[n] for n in spec.axes)
 
 

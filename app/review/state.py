@@ -7,13 +7,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 from app.features.trajectory.state import NO_PLAN, Plan, fresh_plan
 from app.review.modes import matching
 from kinematics.answers.solutions import Posture
 from kinematics.errors import InputError
-from kinematics.mechanism import Coordinate, Design, Mechanism, SurfaceKind, mechanism
+from kinematics.facets.solids import SurfaceKind
+from kinematics.machine import Machine, machine_of
+from kinematics.mechanism import Coordinate, Design
 
 ModeChoice = Literal["all", "current"]
 Sort = Literal["distance", "condition", "height", "mode"]
@@ -155,18 +157,18 @@ class Review:
     plan: Plan = NO_PLAN
 
     @property
-    def mechanism(self) -> Mechanism:
-        return mechanism(self.design.mechanism)
+    def machine(self) -> Machine[Any]:
+        return machine_of(self.design)
 
     @property
     def dependent(self) -> int | None:
         """The pose coordinate that gives way; None where that is left to the mechanism."""
-        axes = self.mechanism.pose_coordinates(self.design)
+        axes = self.machine.coordinates
         return next((n for n, c in enumerate(axes) if c.key == self.gives_way), None)
 
     @property
     def posture(self) -> Posture:
-        return self.mechanism.posture(self.design, self.pose, self.mode)
+        return self.machine.inverse.posture(self.pose, self.mode)
 
     @property
     def solver_modes(self) -> tuple[str, ...] | None:
@@ -181,10 +183,10 @@ class Review:
 
 def new_review(design: Design) -> Review:
     """A review of ``design`` at its home posture."""
-    home = mechanism(design.mechanism).home(design)
+    home = machine_of(design).home
     review = Review(design, home.pose, home.mode)
     # A solid in another space than the machine's is shown when it is asked for.
-    known = {spec.key for spec in review.mechanism.solids(design) if not spec.of_present_mode}
+    known = {spec.key for spec in review.machine.solid_specs if not spec.of_present_mode}
     return replace(
         review,
         solids=tuple(s for s in review.solids if s.key in known),
@@ -196,7 +198,7 @@ def new_review(design: Design) -> Review:
 
 def is_planar(review: Review) -> bool:
     """Whether the platform moves in a plane, x and y."""
-    axes = review.mechanism.pose_coordinates(review.design)
+    axes = review.machine.coordinates
     return all(axis.key in ("x", "y") for axis in axes)
 
 
@@ -210,11 +212,11 @@ def point_in_section(review: Review) -> tuple[float, float, float]:
 
     Zeros for a mechanism that has no sections.
     """
-    kind, design = review.mechanism, review.design
-    if kind.section_spec(design) is None:
+    machine = review.machine
+    if machine.sections is None:
         return 0.0, 0.0, 0.0
-    frame = kind.section_frame(design, review.pose)
-    position = kind.transform(design, review.pose, review.mode)[:3, 3]
+    frame = machine.sections.frame(review.pose)
+    position = machine.transform(review.pose, review.mode)[:3, 3]
     x, y, z = frame[:3, :3].T @ (position - frame[:3, 3])
     return float(x), float(y), float(z)
 
@@ -225,13 +227,9 @@ def within_reach(review: Review, at: float) -> tuple[float, str]:
     Raises:
         InputError: it is no finite number.
     """
-    spec = review.mechanism.section_spec(review.design)
+    spec = review.machine.section_spec
     name = "the section" if spec is None else spec.normal
-    sides = [
-        max(abs(c.lower), abs(c.upper))
-        for c in review.mechanism.pose_coordinates(review.design)
-        if c.unit == "mm"
-    ]
+    sides = [max(abs(c.lower), abs(c.upper)) for c in review.machine.coordinates if c.unit == "mm"]
     far = max(FAR, float(math.ceil(math.hypot(*sides))))
     return within(Coordinate("at", name, "mm", -far, far), at)
 
@@ -242,13 +240,13 @@ def checked_chart(chart: Chart, review: Review) -> Chart:
     Raises:
         InputError: the mechanism has no such map, or a span is none.
     """
-    spec = review.mechanism.map_spec(review.design)
+    spec = review.machine.map_spec
     if spec is None:
         raise InputError("this mechanism has no map")
     known = [quantity.key for quantity in spec.quantities]
     if chart.quantity not in known:
         raise InputError(f"a map shows {', '.join(known)}, not {chart.quantity!r}")
-    coordinates = review.mechanism.pose_coordinates(review.design)
+    coordinates = review.machine.coordinates
     for index, span in zip(spec.axes, (chart.first, chart.second), strict=True):
         symbol = coordinates[index].symbol
         if not (math.isfinite(span.low) and math.isfinite(span.high)):
@@ -270,18 +268,18 @@ def checked_control(control: Control, review: Review) -> Control:
         InputError: the mechanism has no such measure or chart, or the load is not six finite
             numbers.
     """
-    kind, design = review.mechanism, review.design
-    measures = [measure.key for measure in kind.measures(design)]
+    machine = review.machine
+    measures = [measure.key for measure in machine.measures.specs]
     if control.shade and control.shade not in measures:
         raise InputError(f"colour shows {', '.join(measures)}, not {control.shade!r}")
-    charts = [spec.key for spec in kind.locus_specs(design)]
+    charts = [spec.key for spec in machine.singularities.loci]
     if control.chart and control.chart not in charts:
         raise InputError(f"a chart of loci is one of {', '.join(charts)}, not {control.chart!r}")
     if any(not (math.isfinite(r) and 0.0 < r <= MAX_RATIO) for r in control.ratios):
         raise InputError(f"a ratio is a positive number up to {MAX_RATIO:g}")
     if len(control.ratios) > MAX_RATIOS:
         raise InputError(f"at most {MAX_RATIOS} ratios can be compared")
-    axes = kind.pose_coordinates(design)
+    axes = machine.coordinates
     for name, values in (("rates", control.rates), ("accelerations", control.accelerations)):
         if values and (len(values) != len(axes) or not all(abs(v) <= LARGEST for v in values)):
             symbols = ", ".join(c.symbol for c in axes)
@@ -299,8 +297,8 @@ def checked_way(key: str, review: Review) -> str:
     Raises:
         InputError: it is none.
     """
-    axes = review.mechanism.pose_coordinates(review.design)
-    known = [axes[n].key for n in review.mechanism.dependent_coordinates(review.design)]
+    axes = review.machine.coordinates
+    known = [axes[n].key for n in review.machine.dependent]
     if key and key not in known:
         raise InputError(f"what gives way is one of {', '.join(known)}, not {key!r}")
     return key
@@ -312,13 +310,13 @@ def checked_flat(flat: Flat, review: Review) -> Flat:
     Raises:
         InputError: the mechanism has no such regions.
     """
-    known = [spec.key for spec in review.mechanism.region_specs(review.design)]
+    known = [spec.key for spec in review.machine.region_specs]
     if known and flat.key not in known:
         raise InputError(f"regions are {', '.join(known)}, not {flat.key!r}")
     return flat
 
 
-def checked(atlas: Atlas, kind: Mechanism) -> Atlas:
+def checked(atlas: Atlas, machine: Machine[Any]) -> Atlas:
     """The same, once it is known to be sound.
 
     Raises:
@@ -327,7 +325,7 @@ def checked(atlas: Atlas, kind: Mechanism) -> Atlas:
     if atlas.sort not in SORTS:
         raise InputError(f"solutions are sorted by {', '.join(SORTS)}, not by {atlas.sort!r}")
     if atlas.modes not in ("", SAME_MODE):
-        matching(atlas.modes, kind.modes)
+        matching(atlas.modes, machine.modes)
     return atlas
 
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -15,16 +15,9 @@ from app.review.state import Review
 from kinematics.answers.drawings import Body, Drawing
 from kinematics.answers.singularities import Clearance, ModeChange
 from kinematics.answers.solutions import Finding, Margin, Posture
-from kinematics.mechanism import (
-    RESOLUTIONS,
-    Coordinate,
-    Design,
-    Mechanism,
-    Resolution,
-    SolidRequest,
-    SolidSpec,
-    mechanism,
-)
+from kinematics.facets.solids import RESOLUTIONS, Resolution, SolidRequest, SolidSpec
+from kinematics.machine import Machine, machine_of
+from kinematics.mechanism import Coordinate, Design
 from kinematics.screws.spatial import Array
 
 OTHER = 5 * 4  # limbs of a counterpart are counted from here; its colours are the same again
@@ -106,20 +99,20 @@ class View:
 
 def view(review: Review) -> View:
     """The view of a review; a few milliseconds, no solids."""
-    kind, design = review.mechanism, review.design
+    machine, design = review.machine, review.design
     posture = review.posture
-    rows = joint_rows(kind, design, posture)
+    rows = joint_rows(machine, posture)
     return View(
         review=review,
         posture=posture,
-        drawing=kind.drawing(design, posture),
-        platform=kind.transform(design, review.pose, review.mode),
+        drawing=machine.drawing(posture),
+        platform=machine.transform(review.pose, review.mode),
         status=status(review, posture),
         joints=rows,
         wishes=wishes(review),
-        inside=kind.inside(design, review.pose, review.solver_modes),
+        inside=machine.inverse.inside(review.pose, review.solver_modes),
         findings=findings(design),
-        mode_change=kind.mode_change(design, posture),
+        mode_change=machine.singularities.mode_change(posture),
         beside=beside(review),
     )
 
@@ -128,13 +121,13 @@ def beside(review: Review) -> Beside | None:
     """The counterpart, where it is to be compared with."""
     if not review.control.compare:
         return None
-    design = next(iter(review.mechanism.counterparts(review.design)), None)
+    design = next(iter(review.machine.counterparts), None)
     if design is None:
         return None
-    kind = mechanism(design.mechanism)
-    posture = kind.posture(design, review.pose, review.mode)
-    drawing = kind.drawing(design, posture)
-    platform = kind.transform(design, posture.pose, posture.mode)
+    machine = machine_of(design)
+    posture = machine.inverse.posture(review.pose, review.mode)
+    drawing = machine.drawing(posture)
+    platform = machine.transform(posture.pose, posture.mode)
     offset = np.array([APART * drawing.size, 0.0, 0.0])
 
     def moved(point: tuple[float, ...]) -> tuple[float, float, float]:
@@ -159,7 +152,7 @@ def beside(review: Review) -> Beside | None:
         )
         for bar in drawing.bars
     )
-    rows = joint_rows(kind, design, posture)
+    rows = joint_rows(machine, posture)
     return Beside(
         design,
         posture,
@@ -192,12 +185,10 @@ def page_unit(coordinate: Coordinate) -> str:
     return "mm" if coordinate.unit == "mm" else "°"
 
 
-def joint_rows(kind: Mechanism, design: Design, posture: Posture) -> tuple[JointRow, ...]:
+def joint_rows(machine: Machine[Any], posture: Posture) -> tuple[JointRow, ...]:
     """The actuated joints with what is worth saying about each."""
     rows = []
-    for n, (c, value) in enumerate(
-        zip(kind.joint_coordinates(design), posture.joints, strict=True)
-    ):
+    for n, (c, value) in enumerate(zip(machine.joints, posture.joints, strict=True)):
         limb = c.limb or n + 1
         reason = next((r for r in posture.reasons if r.limb == limb), None)
         margin = min((value - c.lower, c.upper - value)) if math.isfinite(value) else -math.inf
@@ -240,22 +231,22 @@ def _bound(margin: Margin) -> str:
     return f"limb {margin.limb}, {_BOUNDS.get(margin.bound, margin.bound)}"
 
 
-def short_title(kind: Mechanism) -> str:
+def short_title(machine: Machine[Any]) -> str:
     """ "3-RPS" of "3-RPS (one translation, two rotations)"."""
-    return kind.title.partition(" (")[0]
+    return machine.title.partition(" (")[0]
 
 
-def mode_text(kind: Mechanism, mode: str) -> str:
+def mode_text(machine: Machine[Any], mode: str) -> str:
     """ "mode ++−+−", "operation mode 1"; "" for a mechanism that has but one."""
-    if not kind.mode_noun:
+    if not machine.mode_noun:
         return ""
-    noun = "mode" if kind.mode_noun == "working mode" else kind.mode_noun
+    noun = "mode" if machine.mode_noun == "working mode" else machine.mode_noun
     return f"{noun} {page_mode(mode)}"
 
 
 def status(review: Review, posture: Posture) -> Status:
     """Reachable or not, in which mode, how far from the nearest limit; and the way out."""
-    mode = mode_text(review.mechanism, posture.mode)
+    mode = mode_text(review.machine, posture.mode)
     if posture.reachable:
         nearest = posture.nearest
         limit = (
@@ -264,7 +255,7 @@ def status(review: Review, posture: Posture) -> Status:
             else f"{amount_text(nearest.amount, nearest.unit)} left of travel ({_bound(nearest)})"
         )
         strokes = [m.amount for m in posture.margins if m.bound != "link"]
-        span = min(c.upper - c.lower for c in review.mechanism.joint_coordinates(review.design))
+        span = min(c.upper - c.lower for c in review.machine.joints)
         near = bool(strokes) and min(strokes) < NEAR * span
         return Status("near" if near else "good", _joined("Reachable", mode, limit))
     worst = max(posture.reasons, key=lambda r: r.amount)
@@ -281,7 +272,7 @@ def _joined(*parts: str) -> str:
 
 def reaching_mode(review: Review, pose: Sequence[float]) -> str | None:
     """The working mode that reaches a pose with the fewest limbs flipped; None if none does."""
-    answer = review.mechanism.inverse(review.design, pose)
+    answer = review.machine.inverse(pose)
     able = [m for m, ok in zip(answer.modes, answer.within_stroke, strict=True) if ok]
     return min(
         able,
@@ -291,27 +282,30 @@ def reaching_mode(review: Review, pose: Sequence[float]) -> str | None:
 
 
 def _other_mode(review: Review, posture: Posture) -> str:
-    noun = review.mechanism.mode_noun
+    noun = review.machine.mode_noun
     nearest = reaching_mode(review, posture.pose)
     if nearest is None:
         return f"No {noun} reaches this pose." if noun else ""
-    return f"Within reach in {mode_text(review.mechanism, nearest)}."
+    return f"Within reach in {mode_text(review.machine, nearest)}."
 
 
 def wishes(review: Review) -> tuple[SolidWish, ...]:
     """The solids on display with what each depends on."""
-    kind, design = review.mechanism, review.design
-    specs = {spec.key: spec for spec in kind.solids(design)}
+    machine = review.machine
+    if machine.solids is None:
+        return ()
+    solids = machine.solids
+    specs = {spec.key: spec for spec in solids.specs}
     return tuple(
         SolidWish(
             specs[s.key],
             {
-                r: kind.solid_request(
-                    design, s.key, review.pose, modes_of(review, specs[s.key]), r, review.surface
+                r: solids.request(
+                    s.key, review.pose, modes_of(review, specs[s.key]), r, review.surface
                 )
                 for r in RESOLUTIONS
             },
-            kind.solid_placement(design, s.key, review.pose),
+            solids.placement(s.key, review.pose),
             s.opacity,
         )
         for s in review.solids
@@ -328,4 +322,4 @@ def modes_of(review: Review, spec: SolidSpec) -> tuple[str, ...] | None:
 @lru_cache(maxsize=32)
 def findings(design: Design) -> tuple[Finding, ...]:
     """What is worth knowing about a design, kept while it is on the page."""
-    return mechanism(design.mechanism).findings(design)
+    return machine_of(design).findings

@@ -19,7 +19,9 @@ from app.scene import painting, palette
 from app.scene.creases import crease_lines
 from app.scene.painting import Coat
 from kinematics.answers.drawings import Bar, Body, Drawing, Mark
-from kinematics.mechanism import Coordinate, SolidSpec, mechanism
+from kinematics.facets.solids import SolidSpec
+from kinematics.machine import machine_of
+from kinematics.mechanism import Coordinate
 from kinematics.screws.spatial import Array
 
 if TYPE_CHECKING:
@@ -216,10 +218,10 @@ class Scene:
     def _name_machines(self, view: View) -> None:
         """Which machine is which, while there are two."""
         other, size = view.beside, view.drawing.size
-        kinds = [short_title(view.review.mechanism)] if other else []
+        kinds = [short_title(view.review.machine)] if other else []
         places = [np.zeros(3)]
         if other is not None:
-            kinds.append(short_title(mechanism(other.design.mechanism)))
+            kinds.append(short_title(machine_of(other.design)))
             places.append(other.offset)
         for n in range(2):
             seen = n < len(kinds)

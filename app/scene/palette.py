@@ -7,7 +7,7 @@ and for beyond a limit, nothing else; the workspace a quiet blue-grey.
 from __future__ import annotations
 
 from kinematics.answers.drawings import Bar
-from kinematics.mechanism import SolidSpec
+from kinematics.facets.solids import SolidSpec
 
 Rgb = tuple[int, int, int]
 

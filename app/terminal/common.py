@@ -21,7 +21,8 @@ from app.terminal import tables
 from kinematics.errors import InputError
 
 if TYPE_CHECKING:
-    from kinematics.mechanism import Coordinate, Design, Mechanism
+    from kinematics.machine import Machine
+    from kinematics.mechanism import Coordinate, Design
 
 # Beyond this a typed number is a slip, and squares of it no longer hold a mm.
 LARGEST = 1e9
@@ -91,30 +92,30 @@ class Orientation(NamedTuple):
         return {tables.key(axis): finite(value) for axis, value in self.angles}
 
 
-def orientation(arguments: argparse.Namespace, design: Design, mechanism: Mechanism) -> Orientation:
+def orientation(arguments: argparse.Namespace, machine: Machine[Any]) -> Orientation:
     """The orientation asked for.
 
     Raises:
         InputError: an angle that the mechanism does not have, or too many left open.
     """
-    axes = mechanism.pose_coordinates(design)
+    axes = machine.coordinates
     own = {axis.key for axis in axes if axis.unit == "rad"}
     for name in ANGLES:
         if getattr(arguments, name) is not None and name not in own:
             has = ", ".join(f"--{axis.key}" for axis in axes if axis.key in own) or "none"
-            raise InputError(f"--{name}: a {mechanism.title} has no such angle; it has {has}")
+            raise InputError(f"--{name}: a {machine.title} has no such angle; it has {has}")
     typed = [getattr(arguments, axis.key, None) if axis.key in own else None for axis in axes]
     given = [0.0 if value is None else float(value) for value in typed]
     angles = [(axis, v) for axis, v in zip(axes, given, strict=True) if axis.key in own]
     found = Orientation([radians(value) for value in given], angles)
     free = [n for n, value in enumerate(found.pose) if isnan(value)]
-    allowed = mechanism.dependent_coordinates(design)
+    allowed = machine.dependent
     if len(free) > 1 or any(n not in allowed for n in free):
         name = axes[free[-1]].key
         why = (
             "only one angle may be -"
             if len(free) > 1
-            else f"no angle of a {mechanism.title} follows from the others"
+            else f"no angle of a {machine.title} follows from the others"
         )
         raise InputError(f"--{name}: {why}")
     return found
@@ -216,14 +217,14 @@ def add_mode(parser: argparse.ArgumentParser, otherwise: str) -> None:
     )
 
 
-def chosen_mode(text: str | None, design: Design, mechanism: Mechanism) -> str:
+def chosen_mode(text: str | None, machine: Machine[Any]) -> str:
     """The one mode asked for; the home posture's if none was."""
     if text is None:
-        return mechanism.home(design).mode
-    if not mechanism.mode_noun:
-        raise InputError(f"--mode: a {mechanism.title} has only one mode; leave --mode out")
+        return machine.home.mode
+    if not machine.mode_noun:
+        raise InputError(f"--mode: a {machine.title} has only one mode; leave --mode out")
     try:
-        chosen = matching(text, mechanism.modes, mechanism.mode_noun)
+        chosen = matching(text, machine.modes, machine.mode_noun)
     except InputError as error:
         raise InputError(f"--mode: {error}") from None
     if len(chosen) > 1:
@@ -231,15 +232,15 @@ def chosen_mode(text: str | None, design: Design, mechanism: Mechanism) -> str:
     return chosen[0]
 
 
-def mode_entry(mechanism: Mechanism, mode: str) -> dict[str, str]:
+def mode_entry(machine: Machine[Any], mode: str) -> dict[str, str]:
     """The mode under the mechanism's own key; nothing where there is only one."""
-    noun = mechanism.mode_noun
+    noun = machine.mode_noun
     return {noun.replace(" ", "_"): mode} if noun else {}
 
 
-def mode_text(mechanism: Mechanism, mode: str) -> str:
+def mode_text(machine: Machine[Any], mode: str) -> str:
     """ ", working mode +-+++", to be put behind a pose; "" where there is only one."""
-    return f", {mechanism.mode_noun} {mode}" if mechanism.mode_noun else ""
+    return f", {machine.mode_noun} {mode}" if machine.mode_noun else ""
 
 
 def chosen_modes(text: str, known: tuple[str, ...]) -> tuple[str, ...] | None:
@@ -256,17 +257,16 @@ def chosen_modes(text: str, known: tuple[str, ...]) -> tuple[str, ...] | None:
 # --- in and out ----------------------------------------------------------------------------
 
 
-def load(name: str) -> tuple[Design, Mechanism]:
+def load(name: str) -> Machine[Any]:
     from kinematics.designs.files import load_design
-    from kinematics.mechanism import mechanism
+    from kinematics.machine import machine_of
 
-    design = load_design(name)
-    return design, mechanism(design.mechanism)
+    return machine_of(load_design(name))
 
 
-def warn(design: Design, mechanism: Mechanism) -> None:
+def warn(machine: Machine[Any]) -> None:
     """Say on stderr what is wrong with a design that is valid all the same."""
-    for finding in mechanism.findings(design):
+    for finding in machine.findings:
         if finding.severity == "warning":
             print(f"bohemia: warning: {finding.title}: {finding.text}", file=sys.stderr)
 

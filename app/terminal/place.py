@@ -11,15 +11,15 @@ from app.terminal import common, tables
 
 if TYPE_CHECKING:
     from kinematics.answers.solutions import Posture
-    from kinematics.mechanism import Coordinate, Design, Mechanism
+    from kinematics.machine import Machine
+    from kinematics.mechanism import Coordinate
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
     """``pose`` in mm and rad, ``shown`` as typed and completed, mm and degrees."""
 
-    design: Design
-    mechanism: Mechanism
+    machine: Machine[Any]
     axes: tuple[Coordinate, ...]
     joints: tuple[Coordinate, ...]
     pose: tuple[float, ...]
@@ -28,29 +28,31 @@ class Place:
 
     @staticmethod
     def of(arguments: argparse.Namespace) -> Place:
-        design, mechanism = common.load(arguments.design)
-        axes = mechanism.pose_coordinates(design)
+        machine = common.load(arguments.design)
+        axes = machine.coordinates
         shown = common.open_numbers("--pose", arguments.pose, axes)
-        mode = common.chosen_mode(arguments.mode, design, mechanism)
+        mode = common.chosen_mode(arguments.mode, machine)
         pose = tuple(tables.inner(value, axis) for value, axis in zip(shown, axes, strict=True))
         if any(isnan(value) for value in pose):
-            pose = mechanism.complete_pose(design, pose, mode)
+            pose = machine.complete_pose(pose, mode)
             shown = tables.outer(pose, axes)
-        joints = mechanism.joint_coordinates(design)
-        return Place(design, mechanism, axes, joints, pose, shown, mode)
+        joints = machine.joints
+        return Place(machine, axes, joints, pose, shown, mode)
 
     def posture(self) -> Posture:
-        return self.mechanism.posture(self.design, self.pose, self.mode)
+        return self.machine.inverse.posture(self.pose, self.mode)
 
     def head(self) -> None:
         where = tables.with_units(self.shown, self.axes)
-        common.print_head(self.design, f"Pose {where}{common.mode_text(self.mechanism, self.mode)}")
+        common.print_head(
+            self.machine.design, f"Pose {where}{common.mode_text(self.machine, self.mode)}"
+        )
 
     def entries(self) -> dict[str, Any]:
         keys = map(tables.key, self.axes)
         return {
-            "design": self.design.name,
-            "mechanism": self.design.mechanism,
+            "design": self.machine.design.name,
+            "mechanism": self.machine.design.mechanism,
             "pose": dict(zip(keys, self.shown, strict=True)),
-            **common.mode_entry(self.mechanism, self.mode),
+            **common.mode_entry(self.machine, self.mode),
         }

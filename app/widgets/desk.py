@@ -29,7 +29,8 @@ from kinematics.answers.sections import Box, Sphere, Volume
 from kinematics.answers.singularities import LocusCurves, Profile
 from kinematics.errors import BohemiaError
 from kinematics.facets.map_sweeps import Map
-from kinematics.mechanism import Design, Mechanism
+from kinematics.machine import Machine
+from kinematics.mechanism import Design
 from kinematics.trajectories import Fits
 
 log = logging.getLogger(__name__)
@@ -267,7 +268,7 @@ class Panel:
         raise NotImplementedError
 
     @staticmethod
-    def serves(kind: Mechanism, design: Design) -> bool:
+    def serves(machine: Machine[Any]) -> bool:
         """Whether a mechanism has any use for this tab; others do not show it."""
         return True
 

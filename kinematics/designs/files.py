@@ -20,7 +20,7 @@ from typing import Any, NoReturn, cast
 
 from kinematics.designs.assets import asset_folder
 from kinematics.errors import DesignError, InputError
-from kinematics.mechanism import Design, DesignField, mechanism, mechanism_kinds
+from kinematics.mechanism import Design, DesignField, mechanism_class, mechanism_kinds
 
 KeyPath = tuple[str | int, ...]
 
@@ -101,7 +101,7 @@ def read_design(text: str, *, origin: str, name: str = "") -> Design:
 
 def write_design(design: Design) -> str:
     """The design as TOML text, which reads back equal (the name stands outside: the file's)."""
-    table = mechanism(design.mechanism).design_table(design)
+    table = mechanism_class(design.mechanism)(design).design_table()
     plain = [(k, v) for k, v in table.items() if not _is_table_array(v)]
     blocks = ["\n".join(f"{_key(k)} = {_value(v)}" for k, v in plain)]
     for key, value in table.items():
@@ -117,25 +117,6 @@ def presets() -> tuple[PresetInfo, ...]:
     """The designs that come with Bohemia, by name."""
     found = ((name, _preset(name)) for name in _preset_paths())
     return tuple(PresetInfo(n, d.mechanism, d.title, d.source) for n, d in found)
-
-
-def design_fields(design: Design) -> tuple[DesignField, ...]:
-    """The numbers of a design that a person may edit."""
-    return mechanism(design.mechanism).design_fields(design)
-
-
-def with_field(design: Design, path: Sequence[str | int], value: float) -> Design:
-    """The design with one number changed and everything checked again.
-
-    ``path`` is a `DesignField.path`, as ``("limb", 2, "base", 0)``.
-
-    Raises:
-        InputError: the design has no such number.
-        DesignError: the design would not be valid with it.
-    """
-    kind = mechanism(design.mechanism)
-    table = change_table(kind.design_table(design), kind.design_fields(design), path, value)
-    return kind.read_design(table, origin="", name=design.name)
 
 
 # --- checks for a mechanism's own part of the table ----------------------------------------
@@ -254,7 +235,8 @@ def _from_table(table: Mapping[str, Any], *, origin: str, name: str) -> Design:
         near = difflib.get_close_matches(str(kind), kinds, n=1, cutoff=0.6)
         remedy = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(kinds)}"
         _fail(origin, ("mechanism",), f"there is no mechanism {_shown(kind)}; {remedy}")
-    return mechanism(kind).read_design(table, origin=origin, name=name)
+    design: Design = mechanism_class(kind).read_design(table, origin=origin, name=name)
+    return design
 
 
 def _read_file(path: Path) -> Design:

@@ -25,7 +25,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from kinematics.answers.sections import Ints, MapCells, Quantity
 from kinematics.errors import BohemiaError, ComputationError, InputError
-from kinematics.mechanism import Coordinate, Design, mechanism
+from kinematics.machine import machine_of, required
+from kinematics.mechanism import Coordinate, Design
 from kinematics.screws.spatial import Array, finite
 
 CHUNK = 8
@@ -72,7 +73,7 @@ class MapRequest:
     @property
     def coordinates(self) -> tuple[Coordinate, Coordinate]:
         """The coordinates that the map runs over."""
-        known = mechanism(self.design.mechanism).pose_coordinates(self.design)
+        known = machine_of(self.design).coordinates
         return known[self.axes[0]], known[self.axes[1]]
 
     def poses(self, indices: Ints) -> Array:
@@ -132,11 +133,11 @@ def map_request(
     Raises:
         InputError: the mechanism has no maps, or one of these is not what it must be.
     """
-    kind = mechanism(design.mechanism)
-    spec = kind.map_spec(design)
+    kind = machine_of(design)
+    spec = kind.map_spec
     if spec is None:
         raise InputError(f"a {kind.title} has no maps")
-    coordinates = kind.pose_coordinates(design)
+    coordinates = kind.coordinates
     values = [
         finite(given, name=f"the values of {coordinates[axis].symbol}")
         for given, axis in zip((first, second), spec.axes, strict=True)
@@ -199,8 +200,8 @@ def compute_cells(
     relative: float,
 ) -> MapCells:
     """One task: the quantities at some points of a map, in whatever process this is called."""
-    return mechanism(design.mechanism).map_cells(
-        design, poses, modes, quantities, relative=relative
+    return required(machine_of(design).maps, "map").cells(
+        poses, modes, quantities, relative=relative
     )
 
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf, nan
+from typing import Any
 
 import numpy as np
 
 from kinematics.answers.solutions import Posture
 from kinematics.errors import InputError
-from kinematics.mechanism import Design, Mechanism
+from kinematics.machine import Machine
 from kinematics.screws.spatial import Array
 from kinematics.trajectories.laws import Law
 from kinematics.trajectories.paths import Path
@@ -20,8 +21,7 @@ from kinematics.trajectories.paths import Path
 class Along:
     """A machine on its path: what it is at any time."""
 
-    mechanism: Mechanism
-    design: Design
+    machine: Machine[Any]
     path: Path
     law: Law
     mode: str
@@ -33,7 +33,7 @@ class Along:
 
     def posture(self, time: float) -> Posture:
         """At a time, s."""
-        return self.mechanism.posture(self.design, self.pose(time), self.mode)
+        return self.machine.inverse.posture(self.pose(time), self.mode)
 
     def room(self, time: float) -> float:
         """How far from its nearest limit, relative to a characteristic length or rad; negative
@@ -47,8 +47,8 @@ class Along:
 
     def room_of(self, pose: Sequence[float]) -> float:
         """The same of a pose."""
-        posture = self.mechanism.posture(self.design, pose, self.mode)
-        length = self.mechanism.characteristic_length(self.design)
+        posture = self.machine.inverse.posture(pose, self.mode)
+        length = self.machine.length
         least = min(
             (m.amount / (length if m.unit == "mm" else 1.0) for m in posture.margins), default=inf
         )
@@ -56,27 +56,27 @@ class Along:
 
     def determinant(self, time: float) -> float:
         """Of the wrenches, at a time, s."""
-        system = self.mechanism.wrench_system(self.design, [self.pose(time)], self.mode)
+        system = self.machine.statics.wrenches([self.pose(time)], self.mode)
         return float(system.determinant[0])
 
     def distance(self, pose: Sequence[float]) -> float:
         """mm to the nearest parallel or constraint singularity; inf: none; NaN: not known."""
-        posture = self.mechanism.posture(self.design, tuple(map(float, pose)), self.mode)
+        posture = self.machine.inverse.posture(tuple(map(float, pose)), self.mode)
         if not posture.reachable:
             return nan
-        found = self.mechanism.clearances(self.design, posture)
+        found = self.machine.clearances.of(posture)
         return min((c.distance for c in found if c.kind in ("parallel", "constraint")), default=inf)
 
     def joints(self, times: Array) -> tuple[Array, np.ndarray]:
         """Joints (N, J), angles without leaps of a turn, and which poses can be held, at times."""
         _, poses, _, _ = moved(self.path, self.law, times)
-        return joints_along(self.mechanism, self.design, poses, self.mode)
+        return joints_along(self.machine, poses, self.mode)
 
     def asked(self, times: Array, load: Sequence[float] | None) -> tuple[Array, Array, Array]:
         """Rates and accelerations of the joints (N, J), and the forces (N, R) that hold a load, at
         times (N,); NaN where the path or the machine has none.
         """
-        joints = len(self.mechanism.joint_coordinates(self.design))
+        joints = len(self.machine.joints)
         try:
             _, poses, rates, accelerations = moved(self.path, self.law, times)
         except InputError:  # somewhere a dependent coordinate has no value
@@ -91,15 +91,15 @@ class Along:
             parts = (self.asked(times[:half], load), self.asked(times[half:], load))
             a, b, c = (np.concatenate(pair) for pair in zip(*parts, strict=True))
             return a, b, c
-        found = self.mechanism.inverse_motion(self.design, poses, self.mode, rates, accelerations)
+        found = self.machine.motion.inverse(poses, self.mode, rates, accelerations)
         forces = np.zeros((len(times), 0))
         if load is not None:
-            forces = self.mechanism.statics(self.design, poses, self.mode, np.array(load)).forces
+            forces = self.machine.statics.forces(poses, self.mode, np.array(load)).forces
         return found.joint_rates, found.joint_accelerations, forces
 
     def _wrenches(self) -> int:
-        home = self.mechanism.home(self.design)
-        return len(self.mechanism.wrench_system(self.design, [home.pose], home.mode).names)
+        home = self.machine.home
+        return len(self.machine.statics.wrenches([home.pose], home.mode).names)
 
 
 def moved(path: Path, law: Law, times: Array) -> tuple[Array, Array, Array, Array]:
@@ -111,15 +111,13 @@ def moved(path: Path, law: Law, times: Array) -> tuple[Array, Array, Array, Arra
     return s, points, rates, accelerations
 
 
-def joints_along(
-    mechanism: Mechanism, design: Design, poses: Array, mode: str
-) -> tuple[Array, np.ndarray]:
+def joints_along(machine: Machine[Any], poses: Array, mode: str) -> tuple[Array, np.ndarray]:
     """Joints (N, J) in one mode, angles without leaps of a turn, and which poses can be held."""
-    answer = mechanism.inverse(design, poses)
+    answer = machine.inverse(poses)
     n = answer.modes.index(mode)
     joints = np.array(answer.joints[:, n])
     reachable = np.array(answer.within_stroke[:, n])
-    for k, coordinate in enumerate(mechanism.joint_coordinates(design)):
+    for k, coordinate in enumerate(machine.joints):
         if coordinate.unit == "rad":
             ok = np.isfinite(joints[:, k])
             joints[ok, k] = np.unwrap(joints[ok, k])

@@ -282,8 +282,8 @@ def _summits(
 
 def _noise(along: Along, count: int) -> Array:
     """(Q,) a quantity that is nowhere larger is rounding."""
-    joints = along.mechanism.joint_coordinates(along.design)
-    length = along.mechanism.characteristic_length(along.design)
+    joints = along.machine.joints
+    length = along.machine.length
     pace = _NOTHING * along.path.length / along.law.duration
     rates = np.array([pace / length if c.unit == "rad" else pace for c in joints])
     forces = np.zeros(count - 2 * len(joints))

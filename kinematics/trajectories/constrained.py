@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics.errors import InputError
-from kinematics.mechanism import Design, Mechanism
+from kinematics.machine import Machine
 from kinematics.screws.spatial import Array
 from kinematics.trajectories.paths import Derivatives, Path
 
@@ -26,8 +27,7 @@ class Constrained:
     """A path whose coordinate ``dependent`` gives way to the mechanism's constraint."""
 
     path: Path
-    mechanism: Mechanism
-    design: Design
+    machine: Machine[Any]
     mode: str
     dependent: int
 
@@ -46,36 +46,32 @@ class Constrained:
         points, first, second = (np.array(each) for each in self.path.at(share))
         k = self.dependent
         for pose in points:
-            full = self.mechanism.complete_pose(
-                self.design, tuple(pose.tolist()), self.mode, None, k
-            )
+            full = self.machine.complete_pose(tuple(pose.tolist()), self.mode, None, k)
             pose[k] = full[k]
         first[:, k] = np.nan
         second[:, k] = np.nan
         return points, first, second
 
 
-def constrained(
-    path: Path, mechanism: Mechanism, design: Design, mode: str, dependent: int | None
-) -> Path:
+def constrained(path: Path, machine: Machine[Any], mode: str, dependent: int | None) -> Path:
     """The path itself, or with the coordinate that follows from the others solved for.
 
     Args:
         dependent: which one gives way; None: the one that the mechanism would choose.
     """
-    known = mechanism.dependent_coordinates(design)
+    known = machine.dependent
     if not known:
         return path
     if dependent is None:
         start = path.at(np.zeros(1))[0][0]
         moved = tuple((start + 1e-3).tolist())
-        change = np.abs(np.subtract(mechanism.complete_pose(design, moved, mode), moved))
+        change = np.abs(np.subtract(machine.complete_pose(moved, mode), moved))
         dependent = max(known, key=lambda k: float(change[k]))
-    return Constrained(path, mechanism, design, mode, dependent)
+    return Constrained(path, machine, mode, dependent)
 
 
 def giving_way(
-    path: Path, mechanism: Mechanism, design: Design, mode: str, wanted: int | None = None
+    path: Path, machine: Machine[Any], mode: str, wanted: int | None = None
 ) -> int | None:
     """The coordinate that can give way all along a path; None where there are no dependent ones.
 
@@ -86,19 +82,19 @@ def giving_way(
     Raises:
         InputError: none of them can.
     """
-    known = mechanism.dependent_coordinates(design)
+    known = machine.dependent
     if not known:
         return None
     shares = np.linspace(0.0, 1.0, LOOKS)
     given = path.at(shares)[0]
-    length = mechanism.characteristic_length(design)
-    axes = mechanism.pose_coordinates(design)
+    length = machine.length
+    axes = machine.coordinates
     trouble = ""
     for group in _groups(known, given, wanted):
         found: list[tuple[float, int]] = []
         for k in group:
             try:
-                points = Constrained(path, mechanism, design, mode, k).at(shares)[0]
+                points = Constrained(path, machine, mode, k).at(shares)[0]
             except InputError as error:
                 trouble = trouble or str(error)
                 continue

@@ -30,7 +30,7 @@ def leaps(along: Along, found: Trajectory) -> Iterator[Event]:
         fine = np.linspace(times[n], times[n + 1], count + 1)
         joints, _ = along.joints(fine)
         over = _leap(fine, joints, along.asked(fine, None)[0])
-        for k, c in enumerate(along.mechanism.joint_coordinates(along.design)):
+        for k, c in enumerate(along.machine.joints):
             if c.unit != "rad":
                 continue
             for first, last in runs(over[:, k]):
@@ -83,7 +83,7 @@ def corners(along: Along, found: Trajectory) -> Iterator[Event]:
 
 
 def _leaping(along: Along, k: int, size: float) -> str:
-    c = along.mechanism.joint_coordinates(along.design)[k]
+    c = along.machine.joints[k]
     return f"{c.symbol} leaps by {shown(size, c, 'rate'):.4g} {unit(c, 'rate')}"
 
 
@@ -99,7 +99,7 @@ def beyond(along: Along, found: Trajectory, limits: Limits) -> Iterator[Event]:
     column = np.array([s.column for s in spans] * 2)
     limit = np.array([s.limit for s in spans] * 2)
     passed = crossings(along, found.load, column, limit, inside, outside).reshape(2, -1)
-    coordinates = along.mechanism.joint_coordinates(along.design)
+    coordinates = along.machine.joints
     for span, start, end in zip(spans, *passed.tolist(), strict=True):
         c, what = coordinates[span.joint], span.what
         mark = unit(c, what)
@@ -160,7 +160,7 @@ def shown(value: float, c: Coordinate, what: Quantity) -> float:
 def place(along: Along, pose: Sequence[float]) -> str:
     """ "x = −69.65 mm, y = 804.00 mm"."""
     parts = []
-    for c, value in zip(along.mechanism.pose_coordinates(along.design), pose, strict=True):
+    for c, value in zip(along.machine.coordinates, pose, strict=True):
         number = f"{degrees(value):.2f}°" if c.unit == "rad" else f"{value:.2f} mm"
         parts.append(f"{c.symbol} = {number.replace('-', '−')}")
     return ", ".join(parts)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from kinematics.mechanism import Design, Mechanism
+from kinematics.machine import Machine
 from kinematics.screws.spatial import Array
 from kinematics.trajectories.results import Trajectory
 
@@ -36,8 +38,7 @@ def rounded(coefficients: Array, digits: int) -> Array:
 
 
 def digits_needed(
-    mechanism: Mechanism,
-    design: Design,
+    machine: Machine[Any],
     found: Trajectory,
     coefficients: Array,
     exact: Orders,
@@ -53,8 +54,8 @@ def digits_needed(
     Returns:
         None where all 17 digits are not enough, because powers of t cancel.
     """
-    length = mechanism.characteristic_length(design)
-    axes = mechanism.pose_coordinates(design)
+    length = machine.length
+    axes = machine.coordinates
     scale = np.array([length if axis.unit == "mm" else 1.0 for axis in axes])
     through = all(np.isfinite(each).all() for each in errors)
     for digits in range(FEWEST, MOST + 1):
@@ -66,7 +67,7 @@ def digits_needed(
             if (np.abs(off[0]).max(axis=0) <= ADDS * size).all():
                 return digits
             continue
-        moved = (mechanism.forward_motion(design, found.poses, found.mode, each) for each in off)
+        moved = (machine.motion.forward(found.poses, found.mode, each) for each in off)
         if all(
             _small(motion.pose_rates, error, _FLOOR * scale / found.duration**order)
             for order, (motion, error) in enumerate(zip(moved, errors, strict=True))

@@ -149,7 +149,7 @@ def _same_side(along: Along, negative: bool, time: float) -> bool:
 def _crossed(along: Along, at: float, verb: str) -> Event:
     pose = along.pose(at)
     posture = along.posture(at)
-    lost = along.mechanism.singularities(along.design, posture)
+    lost = along.machine.singularities.at(posture)
     cause = f": {lost[0].cause}" if lost else ""
     text = f"the path {verb} a singularity at t = {at:.4f} s, {place(along, pose)}{cause}"
     return Event("singularity", at, at, pose, text, -1, 0.0, at)

@@ -7,13 +7,13 @@ machine that is driven by the polynomials is then solved again, FK(fit(IK)), and
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from kinematics.answers.solutions import Followed
 from kinematics.errors import InputError
-from kinematics.mechanism import Design, Mechanism
+from kinematics.machine import Machine
 from kinematics.screws.spatial import Array, Frozen
 from kinematics.trajectories.digits import MOST, Orders, digits_needed, values_of
 from kinematics.trajectories.results import Trajectory
@@ -69,7 +69,7 @@ class Fits(Frozen):
         return a, b, c
 
 
-def fit(mechanism: Mechanism, design: Design, found: Trajectory, degree: int) -> Fits:
+def fit(machine: Machine[Any], found: Trajectory, degree: int) -> Fits:
     """Fit polynomials of ``degree`` to the joints of a trajectory.
 
     Raises:
@@ -93,11 +93,11 @@ def fit(mechanism: Mechanism, design: Design, found: Trajectory, degree: int) ->
         for k in range(3)
     )
     exact = (joints, rates, accelerations)
-    driven = _driven(mechanism, design, found, exact)
-    digits = digits_needed(mechanism, design, found, coefficients, exact, driven.errors)
+    driven = _driven(machine, found, exact)
+    digits = digits_needed(machine, found, coefficients, exact, driven.errors)
     if digits is None:  # the errors are those of the powers of t, as printed
         exact = values_of(coefficients, found.times)
-        driven = _driven(mechanism, design, found, exact)
+        driven = _driven(machine, found, exact)
     error, rate_error, acceleration_error = driven.errors
     return Fits(
         degree=degree,
@@ -126,13 +126,13 @@ class _Driven(NamedTuple):
     trouble: str
 
 
-def _driven(mechanism: Mechanism, design: Design, found: Trajectory, joints: Orders) -> _Driven:
+def _driven(machine: Machine[Any], found: Trajectory, joints: Orders) -> _Driven:
     poses = np.full_like(found.poses, np.nan)
     modes: list[str] = []
     trouble = ""
     for n, pose in enumerate(found.poses):
-        posture = mechanism.posture(design, tuple(pose.tolist()), found.mode)
-        reached = mechanism.follow(design, posture, joints[0][n].tolist())
+        posture = machine.inverse.posture(tuple(pose.tolist()), found.mode)
+        reached = machine.following.follow(posture, joints[0][n].tolist())
         modes.append(reached.posture.mode)
         if reached.stop == "target":
             poses[n] = reached.posture.pose
@@ -146,13 +146,11 @@ def _driven(mechanism: Mechanism, design: Design, found: Trajectory, joints: Ord
     for mode in sorted(set(modes)):
         rows = np.flatnonzero(there & (np.array(modes) == mode))
         if len(rows):
-            motion = mechanism.forward_motion(
-                design, poses[rows], mode, joints[1][rows], joints[2][rows]
-            )
+            motion = machine.motion.forward(poses[rows], mode, joints[1][rows], joints[2][rows])
             rates[rows] = motion.pose_rates
             accelerations[rows] = motion.pose_accelerations
     error = poses - found.poses
-    for k, coordinate in enumerate(mechanism.pose_coordinates(design)):
+    for k, coordinate in enumerate(machine.coordinates):
         if coordinate.unit == "rad":  # a whole turn is none
             error[:, k] -= 2 * np.pi * np.round(error[:, k] / (2 * np.pi))
     errors = (error, rates - found.pose_rates, accelerations - found.pose_accelerations)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from kinematics.answers.motion import WrenchName
 from kinematics.errors import InputError
-from kinematics.mechanism import Design, Mechanism
+from kinematics.machine import Machine
 from kinematics.screws.spatial import Array, finite
 from kinematics.trajectories.along import Along, joints_along, moved
 from kinematics.trajectories.between import close
@@ -25,8 +26,7 @@ NEAR = 0.03  # of the characteristic length: a singularity nearer than this is t
 
 
 def trajectory(
-    mechanism: Mechanism,
-    design: Design,
+    machine: Machine[Any],
     path: Path,
     law: Law,
     mode: str,
@@ -52,29 +52,29 @@ def trajectory(
     Raises:
         InputError: no such mode, less than two samples, or a load or limits of the wrong size.
     """
-    if mode not in mechanism.modes:
-        raise InputError(f"there is no mode {mode!r}; known are {', '.join(mechanism.modes)}")
+    if mode not in machine.modes:
+        raise InputError(f"there is no mode {mode!r}; known are {', '.join(machine.modes)}")
     if not 2 <= samples <= MOST_SAMPLES:
         raise InputError(f"a trajectory takes 2 to {MOST_SAMPLES} samples, got {samples}")
-    limits = _checked(limits or Limits(), len(mechanism.joint_coordinates(design)))
+    limits = _checked(limits or Limits(), len(machine.joints))
     times = np.linspace(0.0, law.duration, samples)
-    path = constrained(path, mechanism, design, mode, dependent)
+    path = constrained(path, machine, mode, dependent)
     shares, poses, rates, accelerations = moved(path, law, times)
-    along = Along(mechanism, design, path, law, mode)
-    joints, reachable = joints_along(mechanism, design, poses, mode)
-    found = mechanism.inverse_motion(design, poses, mode, rates, accelerations)
+    along = Along(machine, path, law, mode)
+    joints, reachable = joints_along(machine, poses, mode)
+    found = machine.motion.inverse(poses, mode, rates, accelerations)
     names: tuple[WrenchName, ...] = ()
     forces = np.zeros((samples, 0))
     held_load: tuple[float, ...] | None = None
     if load is not None:
         held_load = tuple(finite(load, name="the load", last=6).tolist())
-        held = mechanism.statics(design, poses, mode, np.array(held_load))
+        held = machine.statics.forces(poses, mode, np.array(held_load))
         names, forces = held.names, held.forces
-    determinant = mechanism.wrench_system(design, poses, mode).determinant
-    keys = {measure.key for measure in mechanism.measures(design)}
+    determinant = machine.statics.wrenches(poses, mode).determinant
+    keys = {measure.key for measure in machine.measures.specs}
     conditioning = np.full(samples, np.nan)
     if "conditioning" in keys:
-        conditioning = np.asarray(mechanism.measure(design, poses, mode, "conditioning"))
+        conditioning = np.asarray(machine.measures(poses, mode, "conditioning"))
     distance = np.full(samples, np.nan)
     if distances:
         distance = np.array(
@@ -106,7 +106,7 @@ def trajectory(
         close=close(along, times, held_load, limits),
         load=held_load,
     )
-    limit = NEAR * mechanism.characteristic_length(design) if near is None else near
+    limit = NEAR * machine.length if near is None else near
     return replace(result, events=events_of(along, result, limits, limit))
 
 

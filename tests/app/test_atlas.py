@@ -14,14 +14,15 @@ from app.review.changes import Move, SetAtlas, Visit, change
 from app.review.state import SAME_MODE, Review, new_review
 from kinematics.answers.solutions import ForwardSolutions, Merged, Refreshed
 from kinematics.designs.files import load_design
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of
+from kinematics.mechanism import mechanism_class
 
-MACHINE = mechanism("five_rpur")
+MACHINE = mechanism_class("five_rpur")
 
 
 def known_of(review: Review) -> Known:
-    (found,) = MACHINE.forward(
-        review.design, [review.posture.joints], mixed_modes=review.atlas.mixed
+    (found,) = machine_of(review.design).forward(
+        [review.posture.joints], mixed_modes=review.atlas.mixed
     )
     return Known(review.design, mixes(review), found)
 
@@ -73,7 +74,7 @@ def test_a_distance_is_how_far_the_platforms_farthest_point_goes(
     view = compute.view(review)
     corners = [p for b in view.drawing.bodies if b.name == "platform" for p in b.points]
     for row in atlas(view, known).rows:
-        there = MACHINE.transform(review.design, row.pose, row.mode)
+        there = machine_of(review.design).transform(row.pose, row.mode)
         ways = [
             math.dist((there @ [*p, 1.0])[:3], (view.platform @ [*p, 1.0])[:3]) for p in corners
         ]
@@ -84,7 +85,7 @@ def test_ghosts_stand_where_their_rows_say(review: Review, known: Known) -> None
     turned, _ = change(review, SetAtlas("sort", "condition"))
     shown = atlas(compute.view(turned), known)
     for row, placed in zip(shown.rows, shown.placements, strict=True):
-        assert placed == pytest.approx(MACHINE.transform(review.design, row.pose, row.mode))
+        assert placed == pytest.approx(machine_of(review.design).transform(row.pose, row.mode))
 
 
 @pytest.mark.parametrize(
@@ -147,7 +148,7 @@ def test_nothing_is_shown_of_another_design_or_of_a_machine_that_does_not_close(
     other = new_review(load_design("rpur-a2a3"))
     assert atlas(compute.view(other), known).rows == ()
     assert atlas(compute.view(review), None).rows == ()
-    top = MACHINE.pose_coordinates(review.design)[1].upper
+    top = machine_of(review.design).coordinates[1].upper
     away, _ = change(review, Move(1, top))
     assert not away.posture.closes
     shown = atlas(compute.view(away), known)
@@ -159,7 +160,7 @@ def test_a_posture_in_mixed_modes_is_told_and_the_mixed_set_offered() -> None:
     review = new_review(load_design("rpur-a2a2"))
     review, _ = change(review, Visit((-265.0, 65.0, 107.0, 0.0, 0.0), "-++--"))
     assert review.posture.reachable
-    assert offers_mixed(MACHINE, review.design)
+    assert offers_mixed(review.machine)
     known = known_of(review)
     shown = atlas(compute.view(review), known)
     assert shown.offers_mixed
@@ -174,7 +175,7 @@ def test_a_posture_in_mixed_modes_is_told_and_the_mixed_set_offered() -> None:
 
 def test_a_general_design_has_no_more_in_mixed_modes() -> None:
     review, _ = change(new_review(load_design("rpur-table1")), SetAtlas("mixed", True))
-    assert not offers_mixed(MACHINE, review.design)
+    assert not offers_mixed(review.machine)
     assert not mixes(review)
 
 

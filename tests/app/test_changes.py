@@ -65,7 +65,7 @@ def test_numbers_that_are_none_are_refused(review: Review, bad: float) -> None:
 
 
 def test_numbers_out_of_range_stop_at_the_range_and_say_so(review: Review) -> None:
-    coordinate = review.mechanism.pose_coordinates(review.design)[0]
+    coordinate = review.machine.coordinates[0]
     moved, note = change(review, Move(0, 1e12))
     assert moved.pose[0] == coordinate.upper
     assert f"{coordinate.upper:g} mm" in note
@@ -92,7 +92,7 @@ def test_driving_an_actuator_moves_the_platform_and_keeps_the_others(review: Rev
 
 
 def test_a_machine_that_is_not_assembled_cannot_be_driven(review: Review) -> None:
-    y = review.mechanism.pose_coordinates(review.design)[1].upper
+    y = review.machine.coordinates[1].upper
     away, _ = change(review, Move(1, y))
     assert not away.posture.closes
     with pytest.raises(InputError, match=r"limb \d cannot close"):
@@ -231,7 +231,7 @@ def test_reviews_are_values(review: Review) -> None:
 
 
 def test_a_visit_is_one_step_that_can_be_taken_back(review: Review) -> None:
-    (found,) = review.mechanism.forward(review.design, [review.posture.joints])
+    (found,) = review.machine.forward([review.posture.joints])
     n = int(np.abs(found.poses - review.pose).max(axis=1).argmax())
     visit = Visit(tuple(found.poses[n].tolist()), found.modes[n])
     history, note = History(review).apply(visit, 1.0)
@@ -246,7 +246,7 @@ def test_a_visit_is_one_step_that_can_be_taken_back(review: Review) -> None:
 
 
 def test_a_visit_is_taken_as_it_is_or_not_at_all(review: Review) -> None:
-    far = review.mechanism.pose_coordinates(review.design)[0].upper + 50.0
+    far = review.machine.coordinates[0].upper + 50.0
     there, note = change(review, Visit((far, *review.pose[1:]), review.mode))
     assert there.pose[0] == far
     assert note == ""

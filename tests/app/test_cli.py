@@ -21,7 +21,7 @@ import pytest
 import trimesh
 
 from kinematics.designs.files import load_design
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of
 from tests.conftest import ROOT, Finished, answered, command_environment, refused
 
 Run = Callable[..., Finished]
@@ -440,14 +440,13 @@ def test_the_written_workspace_is_in_base_coordinates(bohemia: Run, tmp_path: Pa
     assert solid.is_watertight
     assert solid.volume == pytest.approx(answer["volume_mm3"], rel=1e-5)
     design = load_design("rpur-table1")
-    machine = mechanism("five_rpur")
     angles = np.radians([-20.0, 30.0])
     large = solid.area_faces > np.median(solid.area_faces)
     centres, normals = solid.triangles_center[large], solid.face_normals[large]
     for step, expected in ((-1.0, True), (1.0, False)):
         points = centres + step * normals
         poses = np.column_stack([points, np.broadcast_to(angles, (len(points), 2))])
-        inside = machine.inverse(design, poses).within_stroke.any(axis=-1)
+        inside = machine_of(design).inverse(poses).within_stroke.any(axis=-1)
         assert np.mean(inside == expected) > 0.98
 
 

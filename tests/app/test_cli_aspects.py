@@ -12,20 +12,20 @@ import pytest
 import trimesh
 
 from kinematics.designs.files import load_design
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of
 from tests.conftest import Finished, answered, refused
 
 Run = Callable[..., Finished]
 
 DESIGN = load_design("rpur-table1")
-MACHINE = mechanism(DESIGN.mechanism)
+MACHINE = machine_of(DESIGN)
 AT = ("singularity", "rpur-table1", "--phi", "-10", "--theta", "20", "--mode", "-----")
 ANGLES = np.radians([-10.0, 20.0])
 
 
 def determinants(points):
     poses = np.column_stack([points, np.tile(ANGLES, (len(points), 1))])
-    return MACHINE.wrench_system(DESIGN, poses, "-----").determinant
+    return machine_of(DESIGN).statics.wrenches(poses, "-----").determinant
 
 
 def test_pieces_their_signs_and_their_sum(bohemia: Run) -> None:

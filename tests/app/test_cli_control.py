@@ -18,7 +18,7 @@ from app.features.singularities import files
 from kinematics.answers.singularities import LocusCurves, LocusSpec
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur.mechanism import FiveRPUR
 from kinematics.screws.spatial import Array
 from tests.conftest import Finished, answered, refused
@@ -26,7 +26,7 @@ from tests.conftest import Finished, answered, refused
 Run = Callable[..., Finished]
 
 DESIGN = load_design("rpur-table1")
-MACHINE = mechanism(DESIGN.mechanism)
+MACHINE = machine_of(DESIGN)
 POSE = "90,110,430,5,-3"
 MODE = "+++++"
 AT = ("rpur-table1", "--pose", POSE, "--mode", MODE)
@@ -34,7 +34,7 @@ INNER = np.array([90, 110, 430, np.radians(5), np.radians(-3)])
 
 
 def lengths(pose: Any) -> Array:
-    return np.array(MACHINE.posture(DESIGN, pose, MODE).joints)
+    return np.array(machine_of(DESIGN).inverse.posture(pose, MODE).joints)
 
 
 # --- velocity ------------------------------------------------------------------------------
@@ -83,9 +83,9 @@ def test_both_ways_round(here: Run) -> None:
 
 def test_without_a_mode_it_is_that_of_the_home_posture(here: Run) -> None:
     done = here("velocity", "rpur-table1", "--pose", POSE, "--rates", "1,0,0,0,0", "--json")
-    assert done.json["working_mode"] == MACHINE.home(DESIGN).mode
+    assert done.json["working_mode"] == machine_of(DESIGN).home.mode
     table = here("statics", "rpur-table1", "--pose", POSE, "--load", "0,0,-10,0,0,0")
-    assert f"working mode {MACHINE.home(DESIGN).mode}" in table.stdout
+    assert f"working mode {machine_of(DESIGN).home.mode}" in table.stdout
 
 
 def test_velocity_table_is_readable(here: Run) -> None:
@@ -195,11 +195,11 @@ def test_an_ordinary_posture_is_held(bohemia: Run) -> None:
     assert answer["singular"] is False
     assert answer["kinds"] == answer["singularities"] == []
     held = answer["conditioning"]
-    system = MACHINE.wrench_system(DESIGN, INNER, MODE)
+    system = machine_of(DESIGN).statics.wrenches(INNER, MODE)
     assert held["determinant"] == pytest.approx(float(system.determinant))
     assert held["smallest_singular_value"] > 0.0
     assert held["condition"] > 1.0
-    assert held["characteristic_length_mm"] == MACHINE.characteristic_length(DESIGN)
+    assert held["characteristic_length_mm"] == machine_of(DESIGN).length
     assert answer["reasons"] == []
     assert answer["remedy"] is None
     for each in answer["clearances"]:
@@ -219,7 +219,9 @@ def test_the_reference_fold_is_named(here: Run) -> None:
         m
         for m in MACHINE.modes
         if np.allclose(
-            MACHINE.posture(DESIGN, fold["pose_fold"], m).joints, fold["rho_fold"], atol=1e-6
+            machine_of(DESIGN).inverse.posture(fold["pose_fold"], m).joints,
+            fold["rho_fold"],
+            atol=1e-6,
         )
     )
     arguments = ("singularity", "rpur-table1", "--pose", ",".join(map(repr, pose)), "--mode", mode)

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from kinematics.machine import machine_of
 from tests.conftest import Finished, answered, refused
 
 Run = Callable[..., Finished]
@@ -192,7 +193,6 @@ def test_a_dependent_coordinate_may_be_left_out(here: Run, tmp_path: Path) -> No
 @pytest.mark.parametrize("degree", [3, 8, 20])
 def test_printed_polynomials_are_as_good_as_their_error(here: Run, degree: int) -> None:
     from kinematics.designs.files import load_design
-    from kinematics.mechanism import mechanism
 
     words = ("trajectory", "five-bar", "rest-to-rest", "--fit", str(degree), "--samples", "201")
     text = here(*words).stdout
@@ -204,12 +204,14 @@ def test_printed_polynomials_are_as_good_as_their_error(here: Run, degree: int) 
         formula = line.partition(" = ")[2].removesuffix(" rad").replace("^", "**")
         formula = re.sub(r"(\d)t", r"\1*t", formula)
         joints.append(eval(formula, {"t": times}))  # what is printed is a formula
-    design, kind = load_design("five-bar"), mechanism("five_bar")
+    design = load_design("five-bar")
     poses = np.column_stack([whole["samples"]["x"], whole["samples"]["y"]])
     error = []
     for pose, row in zip(poses.tolist(), np.stack(joints, axis=1).tolist(), strict=True):
-        posture = kind.posture(design, pose, "+-")
-        error.append(np.subtract(kind.follow(design, posture, row).posture.pose, pose))
+        posture = machine_of(design).inverse.posture(pose, "+-")
+        error.append(
+            np.subtract(machine_of(design).following.follow(posture, row).posture.pose, pose)
+        )
     told = [whole["fit"]["error"][key]["deviation"] for key in "xy"]
     np.testing.assert_allclose(
         np.std(error, axis=0, ddof=1), told, rtol=0.0101 if degree < 20 else 0.05

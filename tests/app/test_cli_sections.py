@@ -22,14 +22,14 @@ from app import cli
 from app.jobs import executors
 from kinematics.designs.files import load_design
 from kinematics.facets import map_sweeps
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of
 from tests.app.made_sections import area_by_edge
 from tests.conftest import Finished, answered, command_environment, refused
 
 Run = Callable[..., Finished]
 
 DESIGN = load_design("rpur-table1")
-MACHINE = mechanism(DESIGN.mechanism)
+MACHINE = machine_of(DESIGN)
 VOLUME = 24_501_399.0  # mm³ at φ = θ = 0, by quadrature over closed-form slice areas
 ALL = ("volume_mm3", "pieces", "largest_piece_mm3", "sphere_mm", "stroke_percent")
 
@@ -57,11 +57,11 @@ def here(
 
 def inside(points: Any, theta: float, phi: float) -> Any:
     """Whether points (N, 3) in x', y', z' belong to the workspace, by their limbs' lengths."""
-    frame = MACHINE.section_frame(DESIGN, (0, 0, 0, phi, theta))
+    frame = machine_of(DESIGN).sections.frame((0, 0, 0, phi, theta))
     poses = np.zeros((len(points), 5))
     poses[:, :3] = np.asarray(points) @ frame[:3, :3].T
     poses[:, 3:] = phi, theta
-    return MACHINE.inverse(DESIGN, poses).within_stroke.any(axis=1)
+    return machine_of(DESIGN).inverse(poses).within_stroke.any(axis=1)
 
 
 # --- volume --------------------------------------------------------------------------------
@@ -119,7 +119,7 @@ def test_the_usable_workspace_is_inside(here: Run) -> None:
     sphere, box = answer["sphere"], answer["box"]
     directions = np.random.default_rng(1).normal(size=(200, 3))
     directions /= np.linalg.norm(directions, axis=1)[:, None]
-    back = MACHINE.section_frame(DESIGN, (0, 0, 0, 0, radians(20)))[:3, :3]
+    back = machine_of(DESIGN).sections.frame((0, 0, 0, 0, radians(20)))[:3, :3]
     points = np.array(sphere["center_mm"]) + (1 - 1e-6) * sphere["radius_mm"] * directions
     assert inside(points @ back, radians(20), 0.0).all()
     low, high = np.array(box["low_mm"]), np.array(box["high_mm"])
@@ -129,7 +129,7 @@ def test_the_usable_workspace_is_inside(here: Run) -> None:
 
 
 def test_the_usable_workspace_about_a_point(here: Run) -> None:
-    center = MACHINE.home(DESIGN).pose[:3]
+    center = machine_of(DESIGN).home.pose[:3]
     typed = ",".join(map(str, center))
     answer = answered(here("volume", "rpur-table1", "--around", typed, "--json"))
     assert answer["sphere"]["center_mm"] == list(center)

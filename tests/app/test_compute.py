@@ -24,9 +24,9 @@ def test_every_preset_has_a_view_with_a_reachable_home(name: str) -> None:
     view = compute.view(review)
     assert view.posture.reachable
     assert view.inside
-    mode = compute.mode_text(review.mechanism, review.mode)
+    mode = compute.mode_text(review.machine, review.mode)
     assert view.status.text.startswith(f"Reachable · {mode}")
-    assert len(view.joints) == len(review.mechanism.joint_coordinates(review.design))
+    assert len(view.joints) == len(review.machine.joints)
 
 
 def test_the_status_names_the_nearest_limit(review: Review) -> None:
@@ -36,7 +36,7 @@ def test_the_status_names_the_nearest_limit(review: Review) -> None:
 
 
 def test_an_unreachable_pose_says_which_limb_and_by_how_much(review: Review) -> None:
-    high = review.mechanism.pose_coordinates(review.design)[2].upper
+    high = review.machine.coordinates[2].upper
     view = compute.view(change(review, Move(2, high))[0])
     assert view.status.level == "bad"
     assert view.status.text.startswith("Not reachable · mode ")
@@ -48,7 +48,7 @@ def test_an_unreachable_pose_says_which_limb_and_by_how_much(review: Review) -> 
 
 
 def test_the_way_out_is_the_nearest_mode_that_reaches(review: Review) -> None:
-    answered = review.mechanism.inverse(review.design, review.pose)
+    answered = review.machine.inverse(review.pose)
     unable = [m for m, ok in zip(answered.modes, answered.within_stroke, strict=True) if not ok]
     assert unable
     view = compute.view(change(review, Flip(unable[-1]))[0])
@@ -74,7 +74,7 @@ def test_the_platform_and_the_drawing_agree(review: Review) -> None:
 
 
 def test_a_limb_that_cannot_close_shows_by_how_much(review: Review) -> None:
-    y = review.mechanism.pose_coordinates(review.design)[1].upper
+    y = review.machine.coordinates[1].upper
     view = compute.view(change(review, Move(1, y))[0])
     gaps = {bar.limb: bar for bar in view.drawing.bars if bar.role == "gap"}
     short = {r.limb: r.amount for r in view.posture.reasons if r.bound == "link"}
@@ -108,7 +108,7 @@ def test_the_modes_of_the_workspace_reach_the_request(review: Review) -> None:
 
 def test_page_units() -> None:
     review = new_review(load_design("rpur-table1"))
-    coordinates = review.mechanism.pose_coordinates(review.design)
+    coordinates = review.machine.coordinates
     assert [compute.page_unit(c) for c in coordinates] == ["mm", "mm", "mm", "°", "°"]
     for c in coordinates:
         assert compute.from_page_units(c, compute.in_page_units(c, 0.75)) == pytest.approx(0.75)
@@ -116,7 +116,7 @@ def test_page_units() -> None:
 
 def test_the_mode_that_reaches_a_pose_flips_the_fewest_limbs(review: Review) -> None:
     assert compute.reaching_mode(review, review.pose) == review.mode
-    kind, answer = review.mechanism, review.mechanism.inverse(review.design, review.pose)
+    kind, answer = review.machine, review.machine.inverse(review.pose)
     able = [m for m, ok in zip(answer.modes, answer.within_stroke, strict=True) if ok]
     assert 0 < len(able) < len(kind.modes)
     for mode in kind.modes:

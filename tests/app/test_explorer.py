@@ -215,7 +215,7 @@ def test_all_can_be_found_from_scratch(loop: Loop) -> None:
 
 def test_a_machine_that_does_not_close_asks_for_nothing(loop: Loop) -> None:
     review = new_review(load_design("rpur-table1"))
-    top = review.mechanism.pose_coordinates(review.design)[1].upper
+    top = review.machine.coordinates[1].upper
     away, _ = change(review, Move(1, top))
     view = loop.show(away)
     time.sleep(0.3)

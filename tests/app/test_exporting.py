@@ -18,7 +18,9 @@ from hypothesis import strategies as st
 from app.features.review import files
 from kinematics.designs.files import load_design, presets, read_design
 from kinematics.errors import ComputationError, InputError
-from kinematics.mechanism import mechanism
+from kinematics.facets.solids import build_solid
+from kinematics.machine import machine_of
+from kinematics.mechanism import mechanism_class
 from kinematics.screws.spatial import homogeneous, rotation_y, rotation_z
 from kinematics.solids import csg
 
@@ -28,10 +30,9 @@ PLACEMENT = homogeneous(rotation_y(0.7) @ rotation_z(-0.3), [100.0, -200.0, 300.
 @cache
 def built() -> csg.BuiltSolid:
     """A real workspace in several pieces."""
-    machine = mechanism("five_rpur")
     design = load_design("rpur-table1")
     pose = (0.0, 0.0, 0.0, 0.2, -0.1)
-    return machine.build_solid(machine.solid_request(design, "workspace", pose, None, "preview"))
+    return build_solid(machine_of(design).solids.request("workspace", pose, None, "preview"))
 
 
 def read_back(data: bytes, kind: str) -> trimesh.Trimesh:
@@ -77,13 +78,12 @@ def test_an_unsound_or_empty_solid_is_not_written() -> None:
     with pytest.raises(ComputationError):
         files.solid_bytes(bad, np.eye(4), "stl")
 
-    machine = mechanism("five_rpur")
     design: Any = load_design("rpur-table1")
     far = replace(design.limbs[0], base=(9e5, 0.0, 0.0))
     apart = replace(design, limbs=(far, *design.limbs[1:]))
-    request = machine.solid_request(apart, "workspace", (0.0,) * 5, None, "preview")
+    request = machine_of(apart).solids.request("workspace", (0.0,) * 5, None, "preview")
     with pytest.raises(ComputationError, match="empty"):
-        files.solid_bytes(machine.build_solid(request), np.eye(4), "stl")
+        files.solid_bytes(build_solid(request), np.eye(4), "stl")
 
 
 def test_an_unknown_format_is_named() -> None:
@@ -106,7 +106,7 @@ def test_other_endings_are_refused(path: str) -> None:
 
 def test_names_say_what_the_solid_is() -> None:
     design = load_design("rpur-table1")
-    axes = mechanism("five_rpur").pose_coordinates(design)[3:]
+    axes = mechanism_class("five_rpur").coordinates[3:]
 
     def name(key: str, phi: float, theta: float, *modes: str) -> str:
         orientation = tuple(zip(axes, np.radians([phi, theta]).tolist(), strict=True))

@@ -20,7 +20,7 @@ def review() -> Review:
 
 @pytest.fixture(scope="module")
 def known(review: Review) -> Known:
-    (found,) = review.mechanism.forward(review.design, [review.posture.joints])
+    (found,) = review.machine.forward([review.posture.joints])
     return Known(review.design, False, found)
 
 
@@ -31,9 +31,7 @@ def _ahead(review: Review, index: int, by: float, *, partner: int | None, known:
     other = None
     if partner is not None:
         found = known.solutions
-        other = review.mechanism.posture(
-            review.design, found.poses[partner].tolist(), found.modes[partner]
-        )
+        other = review.machine.inverse.posture(found.poses[partner].tolist(), found.modes[partner])
     fold = Fold(abs(by), tuple(joints), review.pose, review.mode, other)
     return Ahead(index, start, start + 3 * by, fold)
 
@@ -76,16 +74,16 @@ def test_another_mode_at_the_fold_is_told(review: Review, known: Known) -> None:
 def test_a_partner_is_one_of_the_known_solutions_or_none(review: Review, known: Known) -> None:
     found = known.solutions
     for n, identity in enumerate(found.identities):
-        posture = review.mechanism.posture(review.design, found.poses[n].tolist(), found.modes[n])
+        posture = review.machine.inverse.posture(found.poses[n].tolist(), found.modes[n])
         assert partner(known, posture) == identity
         off = (posture.pose[0] + 1.0, *posture.pose[1:])
-        assert partner(known, review.mechanism.posture(review.design, off, posture.mode)) is None
+        assert partner(known, review.machine.inverse.posture(off, posture.mode)) is None
     assert partner(None, review.posture) is None
 
 
 def test_both_directions_of_every_actuator_are_looked_at(review: Review, known: Known) -> None:
     ahead = look_ahead(review.design, review.posture)
-    bounds = review.mechanism.joint_coordinates(review.design)
+    bounds = review.machine.joints
     assert [(a.index, a.longer) for a in ahead] == [
         (n, up) for n in range(5) for up in (False, True)
     ]

@@ -21,7 +21,7 @@ from kinematics.answers.singularities import (
     ProfileCurve,
 )
 from kinematics.designs.files import load_design
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of
 
 PLAIN = LocusSpec("p", "Plain <b>", ("φ", "y"), ("rad", "mm"))
 POLAR = LocusSpec("o", "Polar", ("θ", "φ"), ("rad", "rad"), polar=True)
@@ -182,12 +182,11 @@ def test_profiles_of_two_machines_are_told_apart_and_escaped() -> None:
 @pytest.mark.parametrize("name", ["rpur-table1", "five-bar", "rps-3", "spr-3", "sps-spr"])
 def test_the_curves_of_every_machine_make_a_sound_picture(name: str) -> None:
     design = load_design(name)
-    kind = mechanism(design.mechanism)
-    home = kind.home(design)
-    for spec in kind.locus_specs(design):
+    home = machine_of(design).home
+    for spec in machine_of(design).singularities.loci:
         at = 0.0 if spec.key == "section" else None
-        curves = kind.locus(design, spec.key, home.pose, home.mode, at)
-        circle = next(iter(kind.circles(design, home.pose, home.mode)), None)
+        curves = machine_of(design).singularities.locus(spec.key, home.pose, home.mode, at)
+        circle = next(iter(machine_of(design).circles.about(home.pose, home.mode)), None)
         drawn = plot.figure(spec, curves, circle)
         root = _svg(drawn.content)
         paths = [p for p in root.iter("path") if "locus" in p.get("class", "")]

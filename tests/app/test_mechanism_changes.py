@@ -42,6 +42,7 @@ from app.review.history import History
 from app.review.state import Chart, Control, Flat, Review, Span, new_review
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
+from kinematics.machine import machine_of
 from kinematics.mechanism import Design
 
 MACHINES = ("rpur-table1", "five-bar", "rps-3", "spr-3", "sps-spr")
@@ -54,15 +55,15 @@ def _all(what: str) -> list[Any]:
     found: list[Any] = []
     for name in MACHINES:
         review = new_review(_design(name))
-        kind, design = review.mechanism, review.design
+        kind, design = review.machine, review.design
         found += {
-            "measures": [m.key for m in kind.measures(design)],
-            "charts": [s.key for s in kind.locus_specs(design)],
-            "flats": [s.key for s in kind.region_specs(design)],
-            "solids": [s.key for s in kind.solids(design)],
+            "measures": [m.key for m in machine_of(design).measures.specs],
+            "charts": [s.key for s in machine_of(design).singularities.loci],
+            "flats": [s.key for s in machine_of(design).region_specs],
+            "solids": [s.key for s in machine_of(design).solid_specs],
             "modes": [*kind.modes],
-            "paths": [f.path for f in kind.design_fields(design)],
-            "ways": [c.key for c in kind.pose_coordinates(design)],
+            "paths": [f.path for f in machine_of(design).fields],
+            "ways": [c.key for c in machine_of(design).coordinates],
         }[what]
     return list(dict.fromkeys(found))
 
@@ -130,16 +131,16 @@ def test_changes_are_taken_or_refused_in_words_and_undone(name: str, steps: list
             continue
         assert "\n" not in note
         review = history.present
-        assert len(review.pose) == len(review.mechanism.pose_coordinates(review.design))
+        assert len(review.pose) == len(review.machine.coordinates)
         assert all(map(math.isfinite, review.pose))
-        assert review.mode in review.mechanism.modes
+        assert review.mode in review.machine.modes
     review = history.present
     # Whatever it has come to, it can be shown and written down.
     view = compute.view(review)
     assert view.status.text
-    assert len(view.joints) == len(review.mechanism.joint_coordinates(review.design))
-    assert regions.wish(review) is None or review.mechanism.region_specs(review.design)
-    if review.mechanism.section_spec(review.design) is not None:
+    assert len(view.joints) == len(review.machine.joints)
+    assert regions.wish(review) is None or review.machine.region_specs
+    if review.machine.section_spec is not None:
         assert slicer.wish(review).region.design == review.design
     assert spot_of(review).posture.reasons == view.posture.reasons
     other = counterpart(review)
@@ -152,7 +153,7 @@ def test_changes_are_taken_or_refused_in_words_and_undone(name: str, steps: list
 
 def _assert_kept(review: Review) -> None:
     """A session file gives back what it was made of."""
-    axes = review.mechanism.pose_coordinates(review.design)
+    axes = review.machine.coordinates
     if any(not c.lower <= v <= c.upper for c, v in zip(axes, review.pose, strict=True)):
         return  # a visit next to the sliders' range is brought into it
     text = session.to_text(review)
@@ -168,14 +169,14 @@ def _assert_kept(review: Review) -> None:
 def _busy(name: str) -> Review:
     """A review in which everything that the mechanism offers is set to something else."""
     review = new_review(_design(name))
-    kind, design = review.mechanism, review.design
-    axes = kind.pose_coordinates(design)
+    design = review.design
+    axes = machine_of(design).coordinates
     control = Control(
         wrenches=True,
         clearances=True,
         locus=False,
-        chart=kind.locus_specs(design)[-1].key,
-        shade=kind.measures(design)[0].key,
+        chart=machine_of(design).singularities.loci[-1].key,
+        shade=machine_of(design).measures.specs[0].key,
         compare=True,
         ratios=(0.5, 2.0),
         load=(1.0, -2.5, 30.0, 0.0, 100.0, -7.0),
@@ -184,8 +185,8 @@ def _busy(name: str) -> Review:
         rates=tuple(0.5 * n for n in range(len(axes))),
         accelerations=tuple(-0.25 * n for n in range(len(axes))),
     )
-    flats = kind.region_specs(design)
-    dependent = kind.dependent_coordinates(design)
+    flats = machine_of(design).region_specs
+    dependent = machine_of(design).dependent
     return replace(
         review,
         control=control,
@@ -204,22 +205,24 @@ def test_every_setting_survives_in_a_file(name: str) -> None:
 def test_another_mechanism_takes_over_what_it_has_too(one: str, other: str) -> None:
     before = _busy(one)
     after, _ = change(before, UseDesign(_design(other)))
-    kind, design = after.mechanism, after.design
+    design = after.design
     kept, had = after.control, before.control
-    assert kept.shade == (had.shade if had.shade in [m.key for m in kind.measures(design)] else "")
-    charts = [s.key for s in kind.locus_specs(design)]
+    assert kept.shade == (
+        had.shade if had.shade in [m.key for m in machine_of(design).measures.specs] else ""
+    )
+    charts = [s.key for s in machine_of(design).singularities.loci]
     assert kept.chart == (had.chart if had.chart in charts else "")
-    same = len(kind.pose_coordinates(design)) == len(had.rates)
+    same = len(machine_of(design).coordinates) == len(had.rates)
     assert kept.rates == (had.rates if same else ())
     assert kept.accelerations == (had.accelerations if same else ())
     for name in ("wrenches", "clearances", "locus", "compare", "ratios", "load", "forces", "arrow"):
         assert getattr(kept, name) == getattr(had, name)
     assert (after.flat.on, after.flat.locus) == (False, False)
-    flats = [s.key for s in kind.region_specs(design)]
+    flats = [s.key for s in machine_of(design).region_specs]
     assert not flats or after.flat.key == (
         before.flat.key if before.flat.key in flats else "workspace"
     )
-    assert after.gives_way == (before.gives_way if kind.dependent_coordinates(design) else "")
+    assert after.gives_way == (before.gives_way if machine_of(design).dependent else "")
     assert after.posture.reachable
     _assert_kept(after)
 
@@ -321,12 +324,12 @@ def test_the_counterpart_stands_beside_at_the_same_coordinates(name: str) -> Non
     there = view.beside
     kind = replace(moved, design=there.design).mechanism
     assert kind.kind != moved.mechanism.kind
-    assert there.posture == kind.posture(there.design, moved.pose, moved.mode)
-    true = kind.drawing(there.design, there.posture)
+    assert there.posture == machine_of(there.design).inverse.posture(moved.pose, moved.mode)
+    true = machine_of(there.design).drawing(there.posture)
     for bar, own in zip(there.drawing.bars, true.bars, strict=True):
         assert bar.start == pytest.approx(tuple(own.start + there.offset))
         assert bar.limb == (None if own.limb is None else own.limb + compute.OTHER)
-    at = kind.transform(there.design, there.posture.pose, there.posture.mode)
+    at = machine_of(there.design).transform(there.posture.pose, there.posture.mode)
     for body, own_body in zip(there.drawing.bodies, true.bodies, strict=True):
         assert body.frame == "base"
         for point, own_point in zip(body.points, own_body.points, strict=True):

@@ -20,6 +20,7 @@ from app.review.state import Review, new_review
 from app.review.view import how_far
 from app.scene import palette
 from kinematics.designs.files import load_design
+from kinematics.machine import machine_of
 from tests.app.seats import Seat, seat
 
 MACHINES = ("rpur-table1", "five-bar", "rps-3", "spr-3", "sps-spr")
@@ -57,8 +58,8 @@ def _here(seat: Seat) -> Here:
 
 
 def _coordinates(review: Review) -> list[str]:
-    kind, design = review.mechanism, review.design
-    axes = [*kind.pose_coordinates(design), *kind.joint_coordinates(design)]
+    design = review.design
+    axes = [*machine_of(design).coordinates, *machine_of(design).joints]
     return [f"{c.symbol} ({'mm' if c.unit == 'mm' else '°'})" for c in axes]
 
 
@@ -68,8 +69,8 @@ def _coordinates(review: Review) -> list[str]:
 @pytest.mark.parametrize("name", MACHINES)
 def test_the_tabs_are_those_that_the_machine_has_a_use_for(opened: Open, name: str) -> None:
     page = opened(name)
-    kind, design = page.review.mechanism, page.review.design
-    more = {"Section": kind.section_spec(design), "Map": kind.map_spec(design)}
+    design = page.review.design
+    more = {"Section": machine_of(design).section_spec, "Map": machine_of(design).map_spec}
     wanted = [*COMMON[:3], *[t for t, has in more.items() if has is not None], *COMMON[3:]]
     assert sorted(page.tabs) == sorted(wanted)
     assert set(_coordinates(page.review)) <= page.labels()
@@ -81,9 +82,9 @@ def test_the_tabs_are_those_that_the_machine_has_a_use_for(opened: Open, name: s
 def test_it_moves_by_its_pose_and_by_its_actuators_and_goes_home(opened: Open, name: str) -> None:
     page = opened(name)
     home = page.review
-    kind, design = home.mechanism, home.design
+    design = home.design
     for by_pose in (True, False):
-        axes = kind.pose_coordinates(design) if by_pose else kind.joint_coordinates(design)
+        axes = machine_of(design).coordinates if by_pose else machine_of(design).joints
         label = f"{axes[0].symbol} ({'mm' if axes[0].unit == 'mm' else '°'})"
         before = page.review
         step = 3.0 if by_pose else -2.0
@@ -100,7 +101,7 @@ def test_it_moves_by_its_pose_and_by_its_actuators_and_goes_home(opened: Open, n
             assert joints[0] == pytest.approx(round(were[0] / scale, 1) * scale + step * scale)
             assert joints[1:] == pytest.approx(were[1:], abs=1e-7)
         shown = page.server.scene._handle_from_node_name["/handle"]
-        at = kind.transform(design, after.pose, after.mode)
+        at = machine_of(design).transform(after.pose, after.mode)
         assert shown.position == pytest.approx(at[:3, 3], abs=1e-9)
         assert page.page._control.controlled().stale is False
     page.press("Home position")
@@ -119,7 +120,7 @@ def test_dragging_the_handle_and_putting_it_back(opened: Open, name: str) -> Non
     for phase in ("start", "update", "end"):
         page.drag("/handle", at.tolist(), phase)
     assert page.review.pose != home.pose
-    true = home.mechanism.transform(home.design, page.review.pose, page.review.mode)
+    true = home.mechanism.transform(page.review.pose, page.review.mode)
     assert page.node("/handle").position == pytest.approx(true[:3, 3], abs=1e-9)
     page.press("Undo")
     assert page.review == home
@@ -150,7 +151,7 @@ def test_the_load_is_dragged_and_the_limbs_hold_it(opened: Open, name: str) -> N
         ]
         assert any(np.allclose(tip - start, reach * f, atol=1e-3) for f in near or [forces[n]])
     # Limbs that are pushed by the load push back.
-    joints = here.place.kind.joint_coordinates(here.place.design)
+    joints = here.place.machine.joints
     unit = "N" if joints[0].unit == "mm" else "N·mm"
     texts = [page.node(n).text for n in page.seen("/control/labels/force")]
     assert any(re.fullmatch(rf"[\d.e+]+ {unit}( push| pull)?", text) for text in texts)
@@ -175,8 +176,8 @@ def test_the_load_is_dragged_and_the_limbs_hold_it(opened: Open, name: str) -> N
 @pytest.mark.parametrize("name", MACHINES)
 def test_rates_are_typed_and_the_actuators_answer(opened: Open, name: str) -> None:
     page = opened(name)
-    kind, design = page.review.mechanism, page.review.design
-    axes = kind.pose_coordinates(design)
+    design = page.review.design
+    axes = machine_of(design).coordinates
     page.put("Rates", ", ".join("10" for _ in axes))
     rates = tuple(10.0 if c.unit == "mm" else math.radians(10.0) for c in axes)
     assert page.review.control.rates == pytest.approx(rates)
@@ -186,7 +187,9 @@ def test_rates_are_typed_and_the_actuators_answer(opened: Open, name: str) -> No
     true, step = np.asarray(motion.pose_rates), 1e-5
     ahead, behind = (
         np.array(
-            kind.posture(design, tuple(page.review.pose + s * step * true), page.review.mode).joints
+            machine_of(design)
+            .inverse.posture(tuple(page.review.pose + s * step * true), page.review.mode)
+            .joints
         )
         for s in (1, -1)
     )
@@ -194,7 +197,7 @@ def test_rates_are_typed_and_the_actuators_answer(opened: Open, name: str) -> No
     assert page.seen("/control/rates")
     assert any("mm/s" in page.node(n).text for n in page.seen("/control/labels/rate"))
     asked = page.text()
-    assert ("follows:" in asked) == bool(kind.dependent_coordinates(design))
+    assert ("follows:" in asked) == bool(machine_of(design).dependent)
     page.put("Rates", "1, 2")
     if len(axes) != 2:
         assert "numbers with commas" in page.told[-1]
@@ -208,8 +211,8 @@ def test_rates_are_typed_and_the_actuators_answer(opened: Open, name: str) -> No
 def test_every_chart_is_drawn_pointed_at_and_saved(opened: Open, name: str) -> None:
     page = opened(name)
     review = page.review
-    kind, design = review.mechanism, review.design
-    for spec in kind.locus_specs(design):
+    design = review.design
+    for spec in machine_of(design).singularities.loci:
         if spec.key == "section":
             continue
         page.do(GoHome())
@@ -225,7 +228,7 @@ def test_every_chart_is_drawn_pointed_at_and_saved(opened: Open, name: str) -> N
         assert known is not None
         assert len(curves) == len(known.kinds)
         assert "exact to" in page.text() or not curves
-        symbols = {c.symbol: n for n, c in enumerate(kind.pose_coordinates(design))}
+        symbols = {c.symbol: n for n, c in enumerate(machine_of(design).coordinates)}
         before = page.review.pose
         page.point(spec.title, 12.0, 8.0)
         if set(spec.axes) <= set(symbols):
@@ -271,7 +274,7 @@ def test_wrenches_and_clearances_are_drawn(opened: Open, name: str) -> None:
 @pytest.mark.parametrize("name", MACHINES)
 def test_beyond_its_reach_the_way_out_is_offered_and_taken(opened: Open, name: str) -> None:
     page = opened(name)
-    axes = page.review.mechanism.pose_coordinates(page.review.design)
+    axes = page.review.machine.coordinates
     far = next(c for c in reversed(axes) if c.unit == "mm")
     page.put(f"{far.symbol} (mm)", 0.999 * far.upper)
     assert not page.review.posture.reachable
@@ -303,7 +306,7 @@ def test_nothing_of_the_last_machine_stays(opened: Open) -> None:
         assert set(page.seen("/axes/")) == axes
         bodies = {f"/machine/{body.name}" for body in drawing.bodies}
         assert set(page.seen("/machine/")) == bodies | {"/machine/bars"}
-        flat = page.review.mechanism.region_specs(page.review.design)
+        flat = page.review.machine.region_specs
         assert bool(page.seen("/regions/")) == bool(flat)
         at = page.page.view.platform
         assert page.node("/handle").position == pytest.approx(at[:3, 3])
@@ -327,7 +330,7 @@ def test_a_review_is_opened_as_it_was_saved(opened: Open, name: str) -> None:
     page = opened(name)
     page.put("Wrench lines", True)
     page.put("Forces on the limbs", True)
-    specs = page.review.mechanism.locus_specs(page.review.design)
+    specs = page.review.machine.singularities.loci
     page.do(SetControl("chart", specs[0].key))
     saved = session.to_text(page.review)
     kept = page.review
@@ -345,7 +348,7 @@ def test_a_review_is_opened_as_it_was_saved(opened: Open, name: str) -> None:
 @pytest.mark.parametrize("name", TRIPODS)
 def test_the_chart_has_the_inscribed_circle_and_the_machines_cross(opened: Open, name: str) -> None:
     page = opened(name)
-    (spec,) = page.review.mechanism.locus_specs(page.review.design)
+    (spec,) = page.review.machine.singularities.loci
     page.put("Chart", spec.title)
     (picture,) = [h for h in page.html() if 'class="micr"' in h]
     circle = next(c for c in _here(page).circles if c.limit == "parallel")
@@ -379,7 +382,7 @@ def test_side_by_side_with_its_counterpart(opened: Open, name: str) -> None:
     assert controlled.beside is not None
     assert controlled.beside.place.design == beside.design
     assert "Circle to a singularity" in page.text()
-    (spec,) = page.review.mechanism.locus_specs(page.review.design)
+    (spec,) = page.review.machine.singularities.loci
     page.put("Chart", spec.title)
     assert sum('class="micr"' in h for h in page.html()) == 2
     assert len([h for h in page.html() if f'aria-label="{spec.title}' in h]) == 2
@@ -414,9 +417,8 @@ def test_the_operation_mode_changes_only_where_modes_meet(opened: Open, name: st
     assert not page.widget("Go where modes meet").visible
     page.put("Mode", other)
     assert page.review.mode == other
-    kind = home.mechanism
-    before = kind.transform(home.design, there.pose, there.mode)
-    after = kind.transform(home.design, page.review.pose, page.review.mode)
+    before = machine_of(home.design).transform(there.pose, there.mode)
+    after = machine_of(home.design).transform(page.review.pose, page.review.mode)
     assert after == pytest.approx(before, abs=1e-6)
     page.press("Undo")
     assert page.review == there
@@ -447,7 +449,7 @@ def test_the_profile_goes_to_an_altitude_and_compares_ratios(opened: Open, name:
 @pytest.mark.parametrize("way", ["x", "y", "alpha", "beta", "gamma"])
 def test_the_coordinate_that_gives_way_keeps_the_constraint(opened: Open, way: str) -> None:
     page = opened("sps-spr")
-    axes = page.review.mechanism.pose_coordinates(page.review.design)
+    axes = page.review.machine.coordinates
     keys = [c.key for c in axes]
     page.put("γ (°)", 7.0)  # away from home, where nothing follows from some coordinates
     page.put("β (°)", -9.0)
@@ -488,9 +490,9 @@ def test_editing_the_revolute_axis_leaves_the_machine_assembled(opened: Open) ->
 def test_regions_in_the_plane_are_chosen_told_and_saved(opened: Open) -> None:
     page = opened("five-bar")
     review = page.review
-    for spec in review.mechanism.region_specs(review.design):
+    for spec in review.machine.region_specs:
         page.put("Regions", spec.title)
-        found = review.mechanism.regions(review.design, spec.key, review.pose, None)
+        found = review.machine.regions.of(spec.key, review.pose, None)
         drawn = [region for region in found if region.mode in ("", review.mode)]
         assert len(page.seen("/regions/fill")) == min(len(drawn), 12)
         text = page.text()
@@ -522,7 +524,7 @@ def test_another_five_bar_keeps_what_is_shown_of_its_plane(opened: Open) -> None
 
 def test_five_bar_modes_turn_over_limb_by_limb(opened: Open) -> None:
     page = opened("five-bar")
-    for mode in page.review.mechanism.modes:
+    for mode in page.review.machine.modes:
         before = page.review
         page.do(Flip(mode))
         assert page.review.pose == before.pose or page.told

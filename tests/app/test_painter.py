@@ -18,7 +18,8 @@ from app.review.state import Review, new_review
 from app.review.view import SolidWish, wishes
 from app.scene import painting, palette
 from kinematics.designs.files import load_design
-from kinematics.mechanism import mechanism
+from kinematics.facets.solids import build_solid
+from kinematics.machine import machine_of
 
 
 @pytest.fixture(scope="module")
@@ -31,9 +32,8 @@ def review() -> Review:
 @pytest.fixture(scope="module")
 def built(review: Review) -> dict[str, tuple[SolidWish, Any]]:
     """Both solids, coarse."""
-    kind = mechanism("three_rps")
     return {
-        wish.spec.key: (wish, Built(wish, "preview", kind.build_solid(wish.requests["preview"])))
+        wish.spec.key: (wish, Built(wish, "preview", build_solid(wish.requests["preview"])))
         for wish in wishes(review)
     }
 
@@ -129,27 +129,27 @@ MACHINES = ("rpur-table1", "five-bar", "rps-3", "spr-3", "sps-spr")
 @pytest.mark.parametrize("name", MACHINES)
 def test_points_of_a_solid_stand_for_poses_and_back(name: str) -> None:
     review = new_review(load_design(name))
-    kind, design = review.mechanism, review.design
-    for spec in kind.solids(design)[:3]:
-        at = kind.solid_point(design, spec.key, review.pose, review.mode)
+    design = review.design
+    for spec in machine_of(design).solid_specs[:3]:
+        at = machine_of(design).solids.point(spec.key, review.pose, review.mode)
         points = at + np.array([[0.0, 0.0, 0.0], [7.0, -4.0, 2.0], [-3.0, 5.0, 4.0]])
-        poses = kind.solid_poses(design, spec.key, review.pose, review.mode, points)
+        poses = machine_of(design).solids.poses(spec.key, review.pose, review.mode, points)
         assert poses[0] == pytest.approx(review.pose, abs=1e-9)
         for point, pose in zip(points, poses, strict=True):
-            again = kind.solid_point(design, spec.key, pose.tolist(), review.mode)
+            again = machine_of(design).solids.point(spec.key, pose.tolist(), review.mode)
             assert again == pytest.approx(point, abs=1e-9)
-            assert kind.posture(design, tuple(pose.tolist()), review.mode).closes
+            assert machine_of(design).inverse.posture(tuple(pose.tolist()), review.mode).closes
 
 
 @pytest.mark.parametrize("name", MACHINES)
 def test_a_field_is_the_measure_point_by_point(name: str) -> None:
     review = new_review(load_design(name))
-    kind, design = review.mechanism, review.design
-    for spec in kind.solids(design)[:1]:
-        at = kind.solid_point(design, spec.key, review.pose, review.mode)
+    design = review.design
+    for spec in machine_of(design).solid_specs[:1]:
+        at = machine_of(design).solids.point(spec.key, review.pose, review.mode)
         points = at + np.array([[0.0, 0.0, 0.0], [6.0, 4.0, 1.0]])
-        poses = kind.solid_poses(design, spec.key, review.pose, review.mode, points)
-        for measure in kind.measures(design):
+        poses = machine_of(design).solids.poses(spec.key, review.pose, review.mode, points)
+        for measure in machine_of(design).measures.specs:
             values = compute.field(spot_of(review), measure.key, spec.key, points)
             here, there = (
                 next(v for m, v in compute.look(place).measures if m.key == measure.key)
@@ -177,17 +177,17 @@ def test_the_platform_is_in_the_piece_of_its_sign(name: str) -> None:
     """The solid of a tripod is of orientations: where the platform stands is none of its places."""
     review, _ = change(new_review(load_design(name)), Show("aspects", True))
     tilted, _ = change(review, Place((review.pose[0], 0.3, 1.0)))
-    kind, design = review.mechanism, review.design
+    design = review.design
     (wish,) = (w for w in wishes(tilted) if w.spec.key == "aspects")
-    solid = kind.build_solid(wish.requests["preview"])
-    at = kind.solid_point(design, "aspects", tilted.pose, tilted.mode)
+    solid = build_solid(wish.requests["preview"])
+    at = machine_of(design).solids.point("aspects", tilted.pose, tilted.mode)
     piece = solid.piece_at(at)
     assert piece is not None
-    determinant = float(kind.wrench_system(design, tilted.pose, tilted.mode).determinant)
-    middle = kind.solid_poses(
-        design, "aspects", tilted.pose, tilted.mode, np.array(solid.pieces[piece].centroid)[None]
+    determinant = float(machine_of(design).statics.wrenches(tilted.pose, tilted.mode).determinant)
+    middle = machine_of(design).solids.poses(
+        "aspects", tilted.pose, tilted.mode, np.array(solid.pieces[piece].centroid)[None]
     )[0]
-    other = float(kind.wrench_system(design, middle, tilted.mode).determinant)
+    other = float(machine_of(design).statics.wrenches(middle, tilted.mode).determinant)
     assert determinant * other > 0.0
 
 
@@ -196,9 +196,7 @@ def test_what_the_way_passes_is_told() -> None:
     spot = spot_of(review)
     down = (*review.pose[:2], 120.0, *review.pose[3:])
     found = compute.passed(spot, down)
-    wanted = review.mechanism.passed(
-        review.design, review.posture, replace(review, pose=down).posture
-    )
+    wanted = review.machine.paths.passed(review.posture, replace(review, pose=down).posture)
     assert found == wanted
     assert found
     assert compute.passed(spot, review.pose) == ()

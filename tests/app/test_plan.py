@@ -24,7 +24,8 @@ from app.review.history import History
 from app.review.state import Review, new_review
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of
+from kinematics.mechanism import mechanism_class
 
 
 @pytest.fixture(scope="module")
@@ -79,28 +80,28 @@ def test_each_fault_is_named(rpur: Review, values: dict[str, Any], message: str)
 
 
 def test_each_way_makes_its_path(rpur: Review) -> None:
-    kind, design = rpur.mechanism, rpur.design
+    design = rpur.design
     home = np.array(rpur.pose)
     along = np.array([1.0, 0.5, 0.0, 0.0, 0.0])
     poses = tuple(tuple((home + d * along).tolist()) for d in (0.0, 10.0, 25.0))
     plan = replace(rpur.plan, end=poses[2])
-    path, law = path_of(plan, kind, design)
+    path, law = path_of(plan, machine_of(design))
     assert path.length == pytest.approx(np.hypot(25.0, 12.5))
     assert (law.kind, law.duration) == ("quintic", 1.0)
     path, law = path_of(
-        replace(plan, law="trapezoidal", speed=5.0, acceleration=10.0), kind, design
+        replace(plan, law="trapezoidal", speed=5.0, acceleration=10.0), machine_of(design)
     )
     assert path.length / law.duration / (1.0 - law.ramp) == pytest.approx(5.0)
     way = replace(plan, way="points", points=poses, through="lines", law="linear", duration=3.0)
-    path, law = path_of(way, kind, design)
+    path, law = path_of(way, machine_of(design))
     assert law.duration == 3.0
     np.testing.assert_allclose(path.at([1.0])[0][0], poses[2], atol=1e-9)
     timed = replace(plan, way="file", file=poses, times=(1.0, 2.0, 5.0))
-    path, law = path_of(timed, kind, design)
+    path, law = path_of(timed, machine_of(design))
     assert (law.kind, law.duration) == ("linear", 4.0)
     np.testing.assert_allclose(path.at([0.25])[0][0], poses[1], atol=1e-9)
     with pytest.raises(InputError, match="Draw the path"):
-        path_of(replace(plan, way="stroke"), kind, design)
+        path_of(replace(plan, way="stroke"), machine_of(design))
 
 
 def test_typing_is_one_step_of_undo_and_buttons_are_one_each(rpur: Review) -> None:
@@ -135,7 +136,7 @@ def test_a_named_way_does_not_go_to_a_machine_without_it(bar: Review) -> None:
 
 
 def test_a_plane_is_two_coordinates(rpur: Review) -> None:
-    axes = rpur.mechanism.pose_coordinates(rpur.design)
+    axes = rpur.mechanism.coordinates
     assert plane_of(rpur.plan, axes) == (0, 1)
     assert plane_of(replace(rpur.plan, plane=("theta", "y")), axes) == (4, 1)
 
@@ -153,9 +154,9 @@ def test_long_strokes_are_thinned_out_and_keep_their_ends() -> None:
 
 def _full(review: Review) -> Review:
     pose = review.pose
-    size = len(review.mechanism.joint_coordinates(review.design))
+    size = len(review.machine.joints)
     other = tuple(v + 0.1 for v in pose)
-    axes = review.mechanism.pose_coordinates(review.design)
+    axes = review.machine.coordinates
     return _set(
         review,
         on=True,
@@ -238,4 +239,4 @@ def test_the_largest_path_fits_into_a_session_file(rpur: Review) -> None:
 
 def test_the_default_plan_is_sound_nowhere_but_without_a_machine() -> None:
     assert Plan().start == ()
-    assert mechanism("five_bar").trajectories(load_design("five-bar"))[0].name == "line"
+    assert mechanism_class("five_bar").paths.named()[0].name == "line"

@@ -18,7 +18,8 @@ from app.review.changes import ChooseModes, EditDesign, Flip, Move, SetFlat, cha
 from app.review.state import Review, new_review
 from app.scene import palette
 from kinematics.designs.files import load_design
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of
+from kinematics.mechanism import mechanism_class
 
 PAPERS_AREA = 1_983_383.8618  # mm², of the five-bar's workspace in all working modes
 
@@ -43,7 +44,7 @@ def _cases() -> list[tuple[str, str]]:
     found = []
     for name in ("five-bar", "sps-spr"):
         review = _review(name)
-        found += [(name, s.key) for s in review.mechanism.region_specs(review.design)]
+        found += [(name, s.key) for s in review.machine.region_specs]
     return found
 
 
@@ -56,7 +57,7 @@ def _area(fill: compute.Fill) -> float:
 def test_the_fills_are_as_large_as_the_librarys_regions(name: str, key: str) -> None:
     laid = _laid(name, key)
     review = _review(name)
-    wanted = review.mechanism.regions(review.design, key, review.pose, None)
+    wanted = review.machine.regions.of(key, review.pose, None)
     assert [r.title for r in laid.regions] == [r.title for r in wanted]
     assert len(laid.fills) == len(wanted)
     for region, true, fill in zip(laid.regions, wanted, laid.fills, strict=True):
@@ -103,17 +104,17 @@ def test_where_the_present_mode_is_not_asked_for_the_first_one_is_drawn() -> Non
 def test_where_control_is_lost_it_is_lost(name: str) -> None:
     laid = _laid(name, "workspace")
     review = _review(name)
-    kind, design = review.mechanism, review.design
+    design = review.design
     assert len(laid.locus)
     rng = np.random.default_rng(2)
     at = laid.locus[rng.choice(len(laid.locus), 12), 0]
-    axes = kind.pose_coordinates(design)
+    axes = machine_of(design).coordinates
     poses = np.tile(review.pose, (len(at), 1))
     for n, c in enumerate(axes):
         if c.key in ("x", "y", "z"):
             poses[:, n] = at[:, "xyz".index(c.key)]
-    here = kind.measure(design, poses, review.mode, "conditioning")
-    home = float(kind.measure(design, review.pose, review.mode, "conditioning"))
+    here = machine_of(design).measures.specs
+    home = float(machine_of(design).measures.specs)
     known = here[np.isfinite(here)]
     assert len(known)
     assert known.max() < 0.02 * home
@@ -196,5 +197,5 @@ def test_an_empty_workspace_is_laid_out_as_nothing() -> None:
     assert sum(r.section.area for r in laid.regions) == 0.0
     assert len(laid.lines) == 0
     assert all(len(fill.faces) == 0 for fill in laid.fills)
-    assert mechanism("five_bar").kind == "five_bar"
+    assert mechanism_class("five_bar").kind == "five_bar"
     assert not math.isnan(laid.frame.sum())

@@ -13,6 +13,7 @@ from app.review.changes import ChooseModes, Flip, Move, MoveCut, SetControl, Sho
 from app.review.state import Review, new_review
 from kinematics.answers.sections import Section
 from kinematics.designs.files import load_design
+from kinematics.machine import machine_of
 from tests.app.made_sections import LENS, RING, TWO
 
 
@@ -90,12 +91,12 @@ def test_lost_control_is_drawn_where_the_present_mode_comes(review: Review) -> N
     review = change(review, Show("aspects", True))[0]
     review = change(review, SetControl("shade", "conditioning"))[0]
     drawn = compute.draw(compute.wish(review))
-    kind, design = review.mechanism, review.design
+    design = review.design
     assert len(drawn.locus) > 20
-    frame = kind.section_frame(design, review.pose)
+    frame = machine_of(design).sections.frame(review.pose)
     middles = drawn.locus.mean(axis=1) @ frame[:3, :3].T + frame[:3, 3]
-    poses = compute.placed(kind, design, review.pose, middles)
-    held = [kind.posture(design, pose, review.mode).reachable for pose in poses]
+    poses = compute.placed(machine_of(design), review.pose, middles)
+    held = [machine_of(design).inverse.posture(pose, review.mode).reachable for pose in poses]
     assert np.mean(held) > 0.95  # all but where the curve leaves
     assert 'class="lost"' in drawn.svg
     assert 'class="lost-beyond"' in drawn.svg

@@ -15,7 +15,7 @@ from app.review.state import new_review
 from app.terminal.tables import surface_text
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
-from kinematics.mechanism import RESOLUTIONS
+from kinematics.facets.solids import RESOLUTIONS, build_solid
 
 
 @pytest.fixture
@@ -47,7 +47,7 @@ def test_another_surface_is_another_wish(review):
     chosen, _ = change(review, ChooseSurface("true"))
     facets, true = view.wishes(review)[0], view.wishes(chosen)[0]
     assert facets.what != true.what
-    solids = {r: chosen.mechanism.build_solid(true.requests[r]) for r in RESOLUTIONS if r != "fine"}
+    solids = {r: build_solid(true.requests[r]) for r in RESOLUTIONS if r != "fine"}
     assert solids["preview"].residual is None  # quick while the hand moves
     assert surface_text(solids["preview"]) == "facets, right on the average"
     assert solids["normal"].residual is not None

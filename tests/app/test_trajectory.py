@@ -34,6 +34,7 @@ from app.widgets.pose_boxes import shown_pose, typed_numbers, typed_pose, units
 from app.widgets.sketch import read_stroke, sketch_axes, sketch_figure, sketch_mark
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
+from kinematics.machine import machine_of
 
 MACHINES = {
     "rpur-table1": (250.0, 110.0, 280.0, 0.2, -0.17),
@@ -77,11 +78,11 @@ def test_every_mechanism_runs_straight_from_home(name: str) -> None:
     # What is played is what was sampled, and O′ is where it was drawn.
     at = float(found.times[7])
     np.testing.assert_allclose(computed.pose_at(at), found.poses[7], atol=1e-9)
-    spot = review.mechanism.transform(review.design, found.poses[7], review.mode)[:3, 3]
+    spot = review.machine.transform(review.mode)[:3, 3]
     np.testing.assert_allclose(computed.spots[7], spot, atol=1e-9)
     distance = compute.distances(computed.asked, found.poses[7:8])
-    posture = review.mechanism.posture(review.design, computed.pose_at(at), review.mode)
-    known = review.mechanism.clearances(review.design, posture)
+    posture = review.machine.inverse.posture(computed.pose_at(at), review.mode)
+    known = review.machine.clearances.of(posture)
     kinds = ("parallel", "constraint")
     least = min((c.distance for c in known if c.kind in kinds), default=math.inf)
     assert distance[0] == pytest.approx(least, abs=1e-6)
@@ -148,7 +149,7 @@ def test_the_reach_in_a_plane_is_where_the_machine_can_be() -> None:
     for i, j in ((5, 5), (n // 2, n // 2), (n // 3, 2 * n // 3)):
         pose = list(review.pose)
         pose[0], pose[2] = x0 + (i + 0.5) / n * (x1 - x0), z0 + (j + 0.5) / n * (z1 - z0)
-        posture = review.mechanism.posture(review.design, pose, review.mode)
+        posture = review.machine.inverse.posture(pose, review.mode)
         assert posture.reachable == reach.inside[i, j]
     assert reach.inside.any()
     assert not reach.inside[0].any()
@@ -248,8 +249,8 @@ def test_what_is_told_in_words(bar: Computed) -> None:
     assert "Rate of θ₂ reaches" in text
     assert "<b>" not in summary_html(replace(moved, missing="<b>"))
     fits = compute.fitted(bar, 5)
-    joints = bar.asked.kind.joint_coordinates(bar.asked.design)
-    axes = bar.asked.kind.pose_coordinates(bar.asked.design)
+    joints = bar.asked.machine.joints
+    axes = bar.asked.machine.coordinates
     told = fits_html(fits, "", axes, joints)
     assert f"{abs(fits.coefficients[0, 5]):.{fits.digits}g}".replace("-", "−") in told
     assert "t<sup>5</sup>" in told
@@ -266,7 +267,7 @@ def test_polynomials_read_from_the_highest_power() -> None:
 
 def test_poses_are_typed_in_page_units() -> None:
     review = _review("rpur-table1")
-    axes = review.mechanism.pose_coordinates(review.design)
+    axes = review.machine.coordinates
     pose = typed_pose("−10; 100 450,5 -3", axes, "To")
     assert pose == pytest.approx((-10, 100, 450, math.radians(5), math.radians(-3)))
     assert shown_pose(pose, axes) == "−10, 100, 450, 5, −3"
@@ -292,7 +293,7 @@ def test_a_stroke_is_read_and_everything_else_is_nothing() -> None:
 def test_the_plane_of_a_stroke_is_drawn_where_things_are() -> None:
     review = _review("five-bar")
     reach = compute.reach(review.design, review.pose, review.mode, (0, 1), None)
-    axes = review.mechanism.pose_coordinates(review.design)
+    axes = review.machine.coordinates
     box = sketch_axes(axes, reach)
     assert sketch_figure(axes, reach).content.count('class="trace"') == 1
     path = np.array([[0.0, 700.0], [100.0, 500.0]])
@@ -330,17 +331,17 @@ def test_arrows_point_along_the_way_and_way_points_are_marked() -> None:
 )
 def test_where_a_stroke_loses_control_is_shown(name: str, plane: tuple[int, int]) -> None:
     review = new_review(load_design(name))
-    kind, design = review.mechanism, review.design
+    design = review.design
     reach = compute.reach(design, review.pose, review.mode, plane, None)
     points = np.concatenate([curve[1:-1] for curve in reach.lost])  # some end on A₁ and A₂
     points = points[np.isfinite(points).all(axis=1)][::7]
     assert len(points) > 10
     poses = np.tile(review.pose, (len(points), 1))
     poses[:, plane[0]], poses[:, plane[1]] = points.T
-    held = kind.wrench_system(design, poses, review.mode).determinant
-    usual = abs(float(kind.wrench_system(design, review.pose, review.mode).determinant))
+    held = machine_of(design).statics.wrenches(poses, review.mode).determinant
+    usual = abs(float(machine_of(design).statics.wrenches(review.pose, review.mode).determinant))
     assert np.nanmax(np.abs(held)) < 1e-3 * usual
-    axes = kind.pose_coordinates(design)
+    axes = machine_of(design).coordinates
     drawn = sketch_figure([axes[n] for n in plane], reach).content
     assert 'class="lost"' in drawn
 

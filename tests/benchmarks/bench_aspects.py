@@ -12,7 +12,7 @@ import time
 from statistics import median
 
 from kinematics.designs.files import load_design
-from kinematics.mechanism import RESOLUTIONS
+from kinematics.facets.solids import RESOLUTIONS
 from kinematics.mechanisms.five_rpur.singularities.aspects import aspects
 from kinematics.mechanisms.five_rpur.singularities.ball import singularity_free_ball
 from kinematics.mechanisms.five_rpur.singularities.curves import SPECS, locus

@@ -13,7 +13,7 @@ import time
 from pathlib import Path
 from statistics import median
 
-from kinematics.mechanism import RESOLUTIONS
+from kinematics.facets.solids import RESOLUTIONS
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.workspace.workspace import limb_part, workspace
 from kinematics.solids.csg import KINDS, encode

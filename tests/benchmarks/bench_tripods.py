@@ -12,7 +12,8 @@ from collections.abc import Callable
 import numpy as np
 
 from kinematics.designs.files import load_design
-from kinematics.mechanism import mechanism
+from kinematics.facets.circles import micr
+from kinematics.machine import machine_of
 
 FLOOR = 1.0  # seconds for the table
 ROUNDS = 7
@@ -32,20 +33,21 @@ def best(action: Callable[[], object]) -> float:
 
 def table() -> None:
     for kind in ("three_rps", "three_spr"):
-        mechanism(kind).micr(1.0, RATIOS, HEIGHTS)
+        micr(kind, 1.0, RATIOS, HEIGHTS)
 
 
 def one(name: str) -> None:
     design = load_design(name)
-    kind = mechanism(design.mechanism)
     joints = np.random.default_rng(0).uniform(*design.stroke, (200, 3))
-    home = kind.home(design)
+    home = machine_of(design).home
     aside = (home.pose[0], 0.1, 0.2)
     each = {
-        "forward, one vector": lambda: kind.forward(design, joints[0]),
-        "forward, a vector of 200": lambda: kind.forward(design, joints),
-        "locus at an altitude": lambda: kind.locus(design, "orientation", home.pose, home.mode),
-        "circles about an orientation": lambda: kind.circles(design, aside, home.mode),
+        "forward, one vector": lambda: machine_of(design).forward(joints[0]),
+        "forward, a vector of 200": lambda: machine_of(design).forward(joints),
+        "locus at an altitude": lambda: machine_of(design).singularities.locus(
+            "orientation", home.pose, home.mode
+        ),
+        "circles about an orientation": lambda: machine_of(design).circles.about(aside, home.mode),
     }
     for what, action in each.items():
         share = 200 if what.endswith("200") else 1

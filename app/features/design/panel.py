@@ -65,7 +65,7 @@ class DesignPanel(Panel):
             with gui.add_folder(group, expand_by_default=False):
                 for stem, fields in rows:
                     self._field(stem, fields)
-        explain(gui, sheet.view.review.mechanism.about("design"), HELP)
+        explain(gui, sheet.view.review.machine.text("design"), HELP)
         self._design = sheet.view.review.design
 
     def draw(self, sheet: Sheet) -> None:
@@ -174,7 +174,7 @@ def _grouped(sheet: Sheet) -> dict[str, list[tuple[tuple[str | int, ...], list[D
     """The design's numbers by group; the coordinates of one point are one row."""
     review = sheet.view.review
     groups: dict[str, dict[tuple[str | int, ...], list[DesignField]]] = defaultdict(dict)
-    for field in review.mechanism.design_fields(review.design):
+    for field in review.machine.fields:
         last = field.path[-1]
         stem = field.path[:-1] if isinstance(last, int) and len(field.path) > 2 else field.path
         groups[field.group].setdefault(stem, []).append(field)

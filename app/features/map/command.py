@@ -67,15 +67,16 @@ def _map(arguments: argparse.Namespace) -> None:
     kind = None if path is None else common.ending(path, files.FORMATS, "a map")
     if arguments.jobs is not None and arguments.scheduler is not None:
         raise InputError("--jobs is for this machine, --scheduler for a cluster; give one of them")
-    design, mechanism = common.load(arguments.design)
-    spec = mechanism.map_spec(design)
+    machine = common.load(arguments.design)
+    design = machine.design
+    spec = machine.map_spec
     if spec is None:
-        raise InputError(f"{design.name}: a {mechanism.title} has no maps")
+        raise InputError(f"{design.name}: a {machine.title} has no maps")
     request = map_request(
         design,
         _range("--phi", arguments.phi),
         _range("--theta", arguments.theta),
-        modes=common.chosen_modes(arguments.modes, mechanism.modes),
+        modes=common.chosen_modes(arguments.modes, machine.modes),
         quantities=_quantities(arguments.quantity, spec),
         relative=arguments.tolerance,
     )
@@ -101,7 +102,7 @@ def _map(arguments: argparse.Namespace) -> None:
             cancelled=cancelled,
         )
     seconds = time.monotonic() - began
-    common.warn(design, mechanism)
+    common.warn(machine)
     if path is not None and kind is not None and found.done.any():
         common.write(path, files.map_bytes(found, kind))
     else:

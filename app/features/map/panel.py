@@ -36,7 +36,8 @@ from app.widgets.plots import STEPS, TURN, Axes, Figure, Plot, nearest, number, 
 from kinematics.answers.sections import Quantity
 from kinematics.errors import InputError
 from kinematics.facets.map_sweeps import Map
-from kinematics.mechanism import Coordinate, Design, Mechanism
+from kinematics.machine import Machine
+from kinematics.mechanism import Coordinate
 
 KINDS = ("CSV", "NPZ", "PNG", "SVG")
 SHADES = 48
@@ -60,10 +61,10 @@ class MapPanel(Panel):
         gui, review = desk.gui, sheet.view.review
         self._desk = desk
         self._sheet = sheet
-        spec = review.mechanism.map_spec(review.design)
+        spec = review.machine.map_spec
         assert spec is not None
         self._spec = spec
-        known = review.mechanism.pose_coordinates(review.design)
+        known = review.machine.coordinates
         self._axes = tuple(known[n] for n in self._spec.axes)
         self._titles = {q.title: q.key for q in self._spec.quantities}
         self._quantity = gui.add_dropdown(
@@ -94,11 +95,11 @@ class MapPanel(Panel):
         )
         self._save = gui.add_button_group("Save as", KINDS)
         clicked(desk, self._save, self._saved)
-        explain(gui, review.mechanism.about("map"), HELP)
+        explain(gui, review.machine.text("map"), HELP)
 
     @staticmethod
-    def serves(kind: Mechanism, design: Design) -> bool:
-        return kind.map_spec(design) is not None
+    def serves(machine: Machine[Any]) -> bool:
+        return machine.map_spec is not None
 
     def draw(self, sheet: Sheet) -> None:
         self._sheet = sheet

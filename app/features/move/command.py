@@ -73,15 +73,15 @@ def _velocity(arguments: argparse.Namespace) -> None:
             "--accelerations goes with --rates, --joint-accelerations with --joint-rates"
         )
     place = Place.of(arguments)
-    machine, at = place.mechanism, (place.design, place.pose, place.mode)
+    machine, at = place.machine, (place.pose, place.mode)
     if forward:
         rates = _inner("--joint-rates", arguments.joint_rates, place.joints)
         second = _optional("--joint-accelerations", arguments.joint_accelerations, place.joints)
-        found = machine.forward_motion(*at, rates, second)
+        found = machine.motion.forward(*at, rates, second)
     else:
         rates = _inner("--rates", arguments.rates, place.axes)
         second = _optional("--accelerations", arguments.accelerations, place.axes)
-        found = machine.inverse_motion(*at, rates, second)
+        found = machine.motion.inverse(*at, rates, second)
     posture = place.posture()
     reasons, warnings = _judged(place, posture, _numbers(found), serial=not forward)
     _warn(place, warnings)
@@ -129,7 +129,7 @@ def _judged(
     """
     if not posture.closes:
         return [reason.text for reason in posture.reasons], []
-    lost = place.mechanism.singularities(place.design, posture)
+    lost = place.machine.singularities.at(posture)
     if not all(map(isfinite, numbers)):
         return [each.text for each in lost] or ["The posture is singular to within rounding."], []
     return [], [
@@ -141,7 +141,7 @@ def _judged(
 
 
 def _warn(place: Place, warnings: Sequence[str]) -> None:
-    common.warn(place.design, place.mechanism)
+    common.warn(place.machine)
     for text in warnings:
         print(f"bohemia: warning: {text}", file=sys.stderr)
 
@@ -198,8 +198,8 @@ def _motion_lines(place: Place, found: Motion, reasons: list[str]) -> list[str]:
 def _statics(arguments: argparse.Namespace) -> None:
     place = Place.of(arguments)
     load = load_numbers(arguments.load)
-    found = place.mechanism.statics(place.design, place.pose, place.mode, load)
-    system = place.mechanism.wrench_system(place.design, place.pose, place.mode)
+    found = place.machine.statics.forces(place.pose, place.mode, load)
+    system = place.machine.statics.wrenches(place.pose, place.mode)
     forces = found.forces.tolist()
     posture = place.posture()
     reasons, warnings = _judged(place, posture, forces, serial=False)

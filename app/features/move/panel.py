@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from functools import partial
+from typing import Any
 
 import viser
 
@@ -29,7 +30,8 @@ from app.widgets.desk import (
     tone,
 )
 from kinematics.answers.singularities import ModeChange
-from kinematics.mechanism import Coordinate, Mechanism
+from kinematics.machine import Machine
+from kinematics.mechanism import Coordinate
 
 STEP = {"mm": 0.1, "rad": 0.1}  # on the page: mm and degrees
 
@@ -53,17 +55,17 @@ class MovePanel(Panel):
     def __init__(self, desk: Desk, sheet: Sheet) -> None:
         gui, view = desk.gui, sheet.view
         self._desk = desk
-        kind, design = view.review.mechanism, view.review.design
+        machine = view.review.machine
         with gui.add_folder("Pose of the platform"):
             self._pose = [
                 self._slider(desk, c, partial(self._move, desk, n, c), value)
                 for n, (c, value) in enumerate(
-                    zip(kind.pose_coordinates(design), view.posture.pose, strict=True)
+                    zip(machine.coordinates, view.posture.pose, strict=True)
                 )
             ]
             self._way: viser.GuiDropdownHandle[str] | None = None
-            axes = kind.pose_coordinates(design)
-            self._ways = {axes[n].symbol: axes[n].key for n in kind.dependent_coordinates(design)}
+            axes = machine.coordinates
+            self._ways = {axes[n].symbol: axes[n].key for n in machine.dependent}
             if self._ways:
                 self._way = gui.add_dropdown(
                     "Gives way",
@@ -74,17 +76,15 @@ class MovePanel(Panel):
         with gui.add_folder("Actuators"):
             self._joints = [
                 self._slider(desk, c, partial(self._drive, desk, n, c), row.value)
-                for n, (c, row) in enumerate(
-                    zip(kind.joint_coordinates(design), view.joints, strict=True)
-                )
+                for n, (c, row) in enumerate(zip(machine.joints, view.joints, strict=True))
             ]
             self._table = gui.add_html(_table(view.joints))
             self._residual = gui.add_html(_residual(sheet))
         self._modes: list[viser.GuiCheckboxHandle] = []
         self._choice: viser.GuiDropdownHandle[str] | None = None
-        if kind.mode_noun:
-            with gui.add_folder(kind.mode_noun.capitalize()):
-                self._offer_modes(desk, kind, view.posture.mode)
+        if machine.mode_noun:
+            with gui.add_folder(machine.mode_noun.capitalize()):
+                self._offer_modes(desk, machine, view.posture.mode)
                 self._other = gui.add_html(_other_modes(sheet))
                 self._change = gui.add_html("")
                 self._go = button(desk, "Go where modes meet", self._go_to_change)
@@ -95,17 +95,17 @@ class MovePanel(Panel):
             lambda client: desk.send(GoHome(), client),
             hint="Back to the design's home pose (hotkey H)",
         )
-        explain(gui, kind.about("move"), HELP)
+        explain(gui, machine.text("move"), HELP)
         self._mode = view.posture.mode
         self._followed = 0.0
 
-    def _offer_modes(self, desk: Desk, kind: Mechanism, mode: str) -> None:
+    def _offer_modes(self, desk: Desk, machine: Machine[Any], mode: str) -> None:
         """A switch for each limb where modes are signs of limbs, else a list."""
-        if not signed(kind.modes):
-            self._choice = desk.gui.add_dropdown("Mode", kind.modes, initial_value=mode)
+        if not signed(machine.modes):
+            self._choice = desk.gui.add_dropdown("Mode", machine.modes, initial_value=mode)
             answer(desk, self._choice, lambda chosen, client: desk.send(Flip(chosen), client))
             return
-        hint = kind.about("mode")
+        hint = machine.text("mode")
         self._modes = [
             desk.gui.add_checkbox(f"Limb {n + 1} on +", sign == "+", hint=hint or None)
             for n, sign in enumerate(mode)
@@ -114,7 +114,7 @@ class MovePanel(Panel):
             answer(desk, switch, partial(self._flip, desk, n))
 
     def draw(self, sheet: Sheet) -> None:
-        view, kind = sheet.view, sheet.view.review.mechanism
+        view, machine = sheet.view, sheet.view.review.machine
         self._draw_machine(sheet)
         if self._way is not None:
             symbols = {key: symbol for symbol, key in self._ways.items()}
@@ -124,7 +124,7 @@ class MovePanel(Panel):
             put(self._desk, self._choice, self._mode)
         for switch, sign in zip(self._modes, self._mode, strict=bool(self._modes)):
             put(self._desk, switch, sign == "+")
-        if kind.mode_noun:
+        if machine.mode_noun:
             put_prop(self._other, "content", _other_modes(sheet))
             self._meeting = view.mode_change
             text = "" if self._meeting is None else box(esc(self._meeting.text))
@@ -141,7 +141,7 @@ class MovePanel(Panel):
     def _draw_machine(self, sheet: Sheet) -> None:
         """Pose and actuators, be it on a trajectory."""
         view = sheet.view
-        axes = view.review.mechanism.pose_coordinates(view.review.design)
+        axes = view.review.machine.coordinates
         for slider, c, value in zip(self._pose, axes, view.posture.pose, strict=True):
             slider.draw(
                 in_page_units(c, c.lower), in_page_units(c, c.upper), in_page_units(c, value)
@@ -226,9 +226,9 @@ def _residual(sheet: Sheet) -> str:
 
 def _other_modes(sheet: Sheet) -> str:
     view = sheet.view
-    answered = view.review.mechanism.inverse(view.review.design, view.posture.pose)
+    answered = view.review.machine.inverse(view.posture.pose)
     able = [m for m, ok in zip(answered.modes, answered.within_stroke, strict=True) if ok]
-    noun = view.review.mechanism.mode_noun
+    noun = view.review.machine.mode_noun
     if not able:
         return box(f"No {noun} reaches this pose within the strokes.")
     some = ", ".join(page_mode(m) for m in able[:6]) + (" …" if len(able) > 6 else "")

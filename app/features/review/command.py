@@ -33,7 +33,7 @@ def _port(text: str) -> int:
 
 
 def _serve(arguments: argparse.Namespace) -> None:
-    design, _ = common.load(arguments.design or DEFAULT_DESIGN)
+    design = common.load(arguments.design or DEFAULT_DESIGN).design
     from app.server import run
 
     if arguments.design and arguments.session is not None and arguments.session.exists():

@@ -18,7 +18,8 @@ from numpy.typing import ArrayLike
 
 from app.terminal.tables import LOCUS
 from kinematics.errors import ComputationError, InputError
-from kinematics.mechanism import Coordinate, Design, SolidRequest, mechanism
+from kinematics.facets.solids import SolidRequest, build_solid
+from kinematics.mechanism import Coordinate, Design
 
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
     from kinematics.solids.csg import BuiltSolid, SolidMesh
@@ -128,7 +129,7 @@ def build_file(
     Raises:
         InputError, ComputationError: as `solid_bytes`.
     """
-    built = mechanism(request.mechanism).build_solid(request)
+    built = build_solid(request)
     if not part:
         return solid_file(built, placement, kind, name=name)
     mesh = built.locus_mesh() if part == LOCUS else built.piece_mesh(int(part) - 1)

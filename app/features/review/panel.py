@@ -31,7 +31,7 @@ from app.widgets.desk import (
     safely,
 )
 from kinematics.errors import InputError
-from kinematics.mechanism import RESOLUTIONS
+from kinematics.facets.solids import RESOLUTIONS
 
 PIECES = 12  # of one solid that can be saved alone
 OPTIONS = {

@@ -12,7 +12,9 @@ from kinematics.errors import InputError
 
 if TYPE_CHECKING:
     from kinematics.answers.sections import Box, Section, SectionSpec, Sphere, Volume
-    from kinematics.mechanism import Design, Mechanism
+    from kinematics.facets.sections import SectionsFacet
+    from kinematics.machine import Machine
+    from kinematics.mechanism import Design
 
 TOLERANCE = 1e-6
 
@@ -50,23 +52,24 @@ def register(command: common.AddCommand) -> None:
 
 
 def _volume(arguments: argparse.Namespace) -> None:
-    design, mechanism = common.load(arguments.design)
-    _spec(design, mechanism)
-    modes = common.chosen_modes(arguments.modes, mechanism.modes)
+    machine = common.load(arguments.design)
+    design = machine.design
+    sections = _sections(machine)
+    modes = common.chosen_modes(arguments.modes, machine.modes)
     around = None if arguments.around is None else _point(arguments.around)
-    turned = common.orientation(arguments, design, mechanism)
+    turned = common.orientation(arguments, machine)
     pose = turned.pose
     began = time.perf_counter()
     with common.progress("Volume"):
-        found = mechanism.volume(design, pose, modes, relative=arguments.tolerance)
+        found = sections.volume(pose, modes, relative=arguments.tolerance)
     seconds = time.perf_counter() - began
     wanted = arguments.usable or around is not None
     sphere, box = None, None
     if wanted:
         with common.progress("Largest sphere and box"):
-            sphere = mechanism.sphere(design, pose, modes, around)
-            box = mechanism.box(design, pose, modes, around)
-    common.warn(design, mechanism)
+            sphere = sections.ball(pose, modes, around)
+            box = sections.box(pose, modes, around)
+    common.warn(machine)
     if not arguments.json:
         common.print_head(design, _where(turned, modes))
         print("\n".join(_volume_lines(found, seconds)))
@@ -144,16 +147,18 @@ def _section(arguments: argparse.Namespace) -> None:
 
     path: Path | None = arguments.output
     kind = None if path is None else common.ending(path, files.FORMATS, "a section")
-    design, mechanism = common.load(arguments.design)
-    spec = _spec(design, mechanism)
+    machine = common.load(arguments.design)
+    design = machine.design
+    sections = _sections(machine)
+    spec = sections.spec
     at = common.number(arguments.x, "--x")
-    modes = common.chosen_modes(arguments.modes, mechanism.modes)
-    turned = common.orientation(arguments, design, mechanism)
+    modes = common.chosen_modes(arguments.modes, machine.modes)
+    turned = common.orientation(arguments, machine)
     pose = turned.pose
     with common.progress(f"{spec.title} = {at:g} mm"):
-        found = mechanism.section(design, pose, modes, at)
-        reach = mechanism.section_range(design, pose, modes)
-    common.warn(design, mechanism)
+        found = sections.at(pose, modes, at)
+        reach = sections.range(pose, modes)
+    common.warn(machine)
     if path is not None and kind is not None:
         title = f"{design.title or design.name}, {_where(turned, modes)}, {spec.normal} = {at:g}"
         common.write(path, files.section_bytes(found, spec, kind, title=f"{title} mm"))
@@ -215,16 +220,16 @@ def _section_lines(
 # --- both ----------------------------------------------------------------------------------
 
 
-def _spec(design: Design, mechanism: Mechanism) -> SectionSpec:
-    spec = mechanism.section_spec(design)
-    if spec is None:
-        if mechanism.region_specs(design):
+def _sections(machine: Machine[Any]) -> SectionsFacet[Any]:
+    name = machine.design.name
+    if machine.sections is None:
+        if machine.region_specs:
             raise InputError(
-                f"{design.name}: the workspace of a {mechanism.title} lies in a plane, so it has "
-                f"no volume and no sections; bohemia workspace {design.name} gives its area"
+                f"{name}: the workspace of a {machine.title} lies in a plane, so it "
+                f"has no volume and no sections; bohemia workspace {name} gives its area"
             )
-        raise InputError(f"{design.name}: a {mechanism.title} has no exact sections")
-    return spec
+        raise InputError(f"{name}: a {machine.title} has no exact sections")
+    return machine.sections
 
 
 def _point(text: str) -> list[float]:

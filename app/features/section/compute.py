@@ -20,7 +20,8 @@ from app.features.singularities.compute import placed
 from app.review.state import Review, point_in_section
 from app.scene.painting import scale
 from kinematics.answers.sections import Box, Section, Sphere, Volume
-from kinematics.mechanism import Design, mechanism
+from kinematics.machine import machine_of, required
+from kinematics.mechanism import Design, mechanism_class
 from kinematics.plane.regions import contains
 from kinematics.screws.spatial import Array
 
@@ -49,7 +50,7 @@ class Region:
 
 def prepare(kind: str) -> None:
     """Make ready what takes long the first time on a machine."""
-    mechanism(kind).prepare()
+    mechanism_class(kind).prepare()
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,8 +115,8 @@ class Drawn:
 
 def region(review: Review) -> Region:
     """What is cut in a review whose mechanism has sections."""
-    kind, design, modes = review.mechanism, review.design, review.solver_modes
-    request = kind.solid_request(design, "workspace", review.pose, modes, "fine")
+    machine, design, modes = review.machine, review.design, review.solver_modes
+    request = required(machine.solids, "solids").request("workspace", review.pose, modes, "fine")
     what = (request.mechanism, *request.arguments)
     return Region(what, design, review.pose, modes)
 
@@ -129,12 +130,12 @@ def wish(review: Review) -> Wish:
 
 def _lost(review: Review) -> Lost | None:
     """What of control is shown in the section; nothing unless it is on display elsewhere too."""
-    control, kind, design = review.control, review.mechanism, review.design
-    traced = any(spec.key == CHART for spec in kind.locus_specs(design))
+    control, machine = review.control, review.machine
+    traced = any(spec.key == CHART for spec in machine.singularities.loci)
     locus = traced and control.locus and review.shown("aspects") is not None
     if not (locus or control.shade):
         return None
-    needs = any(m.key == control.shade and m.needs_load for m in kind.measures(design))
+    needs = any(m.key == control.shade and m.needs_load for m in machine.measures.specs)
     return Lost(review.mode, locus, control.shade, control.load if needs else ())
 
 
@@ -144,9 +145,9 @@ def _lost(review: Review) -> Lost | None:
 def draw(wanted: Wish) -> Drawn:
     """The section, its edges, the region hatched, its plot."""
     of = wanted.region
-    kind = mechanism(of.design.mechanism)
-    section = kind.section(of.design, of.pose, of.modes, wanted.at)
-    spec = kind.section_spec(of.design)
+    machine = machine_of(of.design)
+    section = required(machine.sections, "exact sections").at(of.pose, of.modes, wanted.at)
+    spec = machine.section_spec
     assert spec is not None
     reach = extent(of)
     lines, limbs = edges(section)
@@ -190,7 +191,7 @@ def _curves(wanted: Wish) -> list[Array]:
     of, lost = wanted.region, wanted.lost
     if lost is None or not lost.locus:
         return []
-    found = mechanism(of.design.mechanism).locus(of.design, CHART, of.pose, lost.mode, wanted.at)
+    found = machine_of(of.design).singularities.locus(CHART, of.pose, lost.mode, wanted.at)
     return found.lost()
 
 
@@ -201,7 +202,9 @@ def _held(wanted: Wish, section: Section) -> Section | None:
         return None
     if of.modes == (lost.mode,):
         return section
-    return mechanism(of.design.mechanism).section(of.design, of.pose, (lost.mode,), wanted.at)
+    return required(machine_of(of.design).sections, "exact sections").at(
+        of.pose, (lost.mode,), wanted.at
+    )
 
 
 def _parted(curves: Sequence[Array], held: Section | None) -> tuple[list[Array], list[Array]]:
@@ -225,19 +228,19 @@ def _shade(wanted: Wish, section: Section, held: Section | None) -> Shade | None
     of, lost = wanted.region, wanted.lost
     if lost is None or not lost.shade or held is None or not held.loops:
         return None
-    kind = mechanism(of.design.mechanism)
-    measure = next(m for m in kind.measures(of.design) if m.key == lost.shade)
+    machine = machine_of(of.design)
+    measure = next(m for m in machine.measures.specs if m.key == lost.shade)
     across = (u0, u1), (v0, v1) = section_bounds(held)
     wide = max(2, min(CELLS, round(CELLS * (u1 - u0) / max(u1 - u0, v1 - v0))))
     high = max(2, min(CELLS, round(CELLS * (v1 - v0) / max(u1 - u0, v1 - v0))))
     u = u0 + (np.arange(wide) + 0.5) / wide * (u1 - u0)
     v = v0 + (np.arange(high) + 0.5) / high * (v1 - v0)
     flat = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
-    frame = kind.section_frame(of.design, of.pose)
+    frame = required(machine.sections, "exact sections").frame(of.pose)
     points = _raised(flat, wanted.at) @ frame[:3, :3].T + frame[:3, 3]
-    poses = placed(kind, of.design, of.pose, points)
+    poses = placed(machine, of.pose, points)
     load = lost.load if measure.needs_load else None
-    values = np.asarray(kind.measure(of.design, poses, lost.mode, measure.key, load))
+    values = np.asarray(machine.measures(poses, lost.mode, measure.key, load))
     steps = scale(values, high=measure.better == "high", limits=measure.limits)
     if steps is None:
         return None
@@ -247,12 +250,15 @@ def _shade(wanted: Wish, section: Section, held: Section | None) -> Shade | None
 @lru_cache(maxsize=16)
 def extent(of: Region) -> Extent:
     """Where the workspace is; from so many sections that a picture of it does not jump."""
-    kind = mechanism(of.design.mechanism)
-    along = kind.section_range(of.design, of.pose, of.modes)
+    machine = machine_of(of.design)
+    along = required(machine.sections, "exact sections").range(of.pose, of.modes)
     if along is None:
         return Extent(None, None)
     places = np.linspace(*along, LOOKS + 2)[1:-1]
-    cuts = [kind.section(of.design, of.pose, of.modes, float(at)) for at in places]
+    cuts = [
+        required(machine.sections, "exact sections").at(of.pose, of.modes, float(at))
+        for at in places
+    ]
     found = np.array([section_bounds(cut) for cut in cuts if cut.loops]).reshape(-1, 2, 2)
     if not len(found):
         return Extent(along, None)
@@ -262,17 +268,19 @@ def extent(of: Region) -> Extent:
 
 def measure(of: Region) -> Volume:
     """The exact volume."""
-    return mechanism(of.design.mechanism).volume(of.design, of.pose, of.modes)
+    return required(machine_of(of.design).sections, "exact sections").volume(of.pose, of.modes)
 
 
 def sphere(of: Region, center: Sequence[float] | None) -> Sphere | None:
     """The largest ball inside."""
-    return mechanism(of.design.mechanism).sphere(of.design, of.pose, of.modes, center)
+    return required(machine_of(of.design).sections, "exact sections").ball(
+        of.pose, of.modes, center
+    )
 
 
 def box(of: Region, center: Sequence[float] | None) -> Box | None:
     """The largest box inside."""
-    return mechanism(of.design.mechanism).box(of.design, of.pose, of.modes, center)
+    return required(machine_of(of.design).sections, "exact sections").box(of.pose, of.modes, center)
 
 
 def edges(section: Section, step: float = STEP) -> tuple[Array, np.ndarray]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import viser
@@ -34,7 +35,7 @@ from app.widgets.desk import (
 )
 from app.widgets.plots import Axes, Figure, Plot, nearest, number, scales, ticks
 from kinematics.answers.sections import Section, SectionSpec, Volume
-from kinematics.mechanism import Design, Mechanism
+from kinematics.machine import Machine
 
 KINDS = ("SVG", "DXF", "CSV")
 COLUMNS = 336  # places along x′ of which the profile tells the area, one a pixel
@@ -60,7 +61,7 @@ class SectionPanel(Panel):
         gui, review = desk.gui, sheet.view.review
         self._desk = desk
         self._sheet = sheet
-        spec = review.mechanism.section_spec(review.design)
+        spec = review.machine.section_spec
         assert spec is not None
         self._spec = spec
         self._on = gui.add_checkbox(
@@ -68,7 +69,7 @@ class SectionPanel(Panel):
         )
         answer(desk, self._on, lambda on, client: desk.send(ShowCut(on), client))
         at = review.cut.at
-        lengths = [c for c in review.mechanism.pose_coordinates(review.design) if c.unit == "mm"]
+        lengths = [c for c in review.machine.coordinates if c.unit == "mm"]
         # Until it is known where the workspace lies.
         self._range = (min(c.lower for c in lengths), max(c.upper for c in lengths))
         self._at = Slider(
@@ -92,11 +93,11 @@ class SectionPanel(Panel):
         self._profile_of: Volume | None = None
         self._save = gui.add_button_group("Save as", KINDS)
         clicked(desk, self._save, self._saved)
-        explain(gui, review.mechanism.about("section"), HELP)
+        explain(gui, review.machine.text("section"), HELP)
 
     @staticmethod
-    def serves(kind: Mechanism, design: Design) -> bool:
-        return kind.section_spec(design) is not None
+    def serves(machine: Machine[Any]) -> bool:
+        return machine.section_spec is not None
 
     def draw(self, sheet: Sheet) -> None:
         self._sheet = sheet

@@ -25,7 +25,7 @@ from app.review.view import reaching_mode
 from app.widgets.desk import DIGITS, Sections
 from kinematics.answers.sections import Box, Sphere, Volume
 from kinematics.errors import BohemiaError
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of, required
 
 if TYPE_CHECKING:
     import viser
@@ -108,7 +108,7 @@ class Slicing:
 
     def follow(self) -> None:
         review = self._stage.view.review
-        spec = review.mechanism.section_spec(review.design)
+        spec = review.machine.section_spec
         if spec is None:
             self._region = None
             return
@@ -141,7 +141,7 @@ class Slicing:
         view = self._stage.view
         review = view.review
         self._plane.place(
-            review.mechanism.section_frame(review.design, review.pose),
+            required(review.machine.sections, "exact sections").frame(review.pose),
             review.cut.at,
             None if self._drawn is None else self._drawn.extent,
             on=review.cut.on,
@@ -250,7 +250,7 @@ class Slicing:
         review = self._stage.view.review
         transform = self._stage.view.platform.copy()
         transform[:3, 3] = ball.center
-        pose = review.mechanism.pose_from_transform(review.design, transform, review.mode)
+        pose = review.machine.pose_from_transform(transform, review.mode)
         # The ball is of all the chosen working modes; the machine's own may not get there.
         mode = reaching_mode(review, pose) or review.mode
         return self._stage.apply(Visit(pose, mode), going[0])
@@ -298,13 +298,11 @@ class Slicing:
 def section_file(drawn: Drawn, kind: str) -> ExportedFile:
     """A section as a file."""
     of = drawn.wish.region
-    kinematics = mechanism(of.design.mechanism)
-    spec = kinematics.section_spec(of.design)
+    kinematics = machine_of(of.design)
+    spec = kinematics.section_spec
     assert spec is not None
     angles = tuple(
-        (c, v)
-        for c, v in zip(kinematics.pose_coordinates(of.design), of.pose, strict=True)
-        if c.unit == "rad"
+        (c, v) for c, v in zip(kinematics.coordinates, of.pose, strict=True) if c.unit == "rad"
     )
     name = f"{solid_name(of.design, 'section', angles, of.modes)}_at{drawn.section.at:.6g}"
     title = of.design.title or of.design.name

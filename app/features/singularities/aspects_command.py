@@ -11,7 +11,7 @@ from app.terminal import common, tables
 from kinematics.errors import ComputationError, InputError
 
 if TYPE_CHECKING:
-    from kinematics.mechanism import Resolution
+    from kinematics.facets.solids import Resolution
     from kinematics.solids.csg import BuiltSolid
 
 KEY = "aspects"
@@ -51,12 +51,13 @@ def foreign(arguments: argparse.Namespace) -> str | None:
 
 def run(arguments: argparse.Namespace) -> None:
     """The pieces of the workspace of a mode, and the singular surface between them."""
-    design, mechanism = common.load(arguments.design)
-    mode = common.chosen_mode(arguments.mode, design, mechanism)
-    spec = next((s for s in mechanism.solids(design) if s.key == KEY), None)
+    machine = common.load(arguments.design)
+    design = machine.design
+    mode = common.chosen_mode(arguments.mode, machine)
+    spec = next((s for s in machine.solid_specs if s.key == KEY), None)
     if spec is None:
         raise InputError(
-            f"{design.name}: a {mechanism.title} has no singular surfaces at an orientation; "
+            f"{design.name}: a {machine.title} has no singular surfaces at an orientation; "
             "give --pose, or --pose and --chart"
         )
     resolution: Resolution = arguments.resolution or "normal"
@@ -66,14 +67,18 @@ def run(arguments: argparse.Namespace) -> None:
     path: Path | None = arguments.output
     kind = None if path is None else _kind(path, what)
     typed = {name: getattr(arguments, name) or 0.0 for name in ("phi", "theta")}
-    axes = mechanism.pose_coordinates(design)
+    axes = machine.coordinates
     pose = [radians(typed.get(axis.key, 0.0)) for axis in axes]
     turned_by = [axis for axis in axes if axis.key in typed]
-    request = mechanism.solid_request(design, KEY, pose, (mode,), resolution)
+    from kinematics.facets.solids import build_solid
+    from kinematics.machine import required
+
+    solids = required(machine.solids, "solids")
+    request = solids.request(KEY, pose, (mode,), resolution)
     with common.progress(f"{spec.title}, {resolution}"):
-        built = mechanism.build_solid(request)
-    common.warn(design, mechanism)
-    placement = mechanism.solid_placement(design, KEY, pose)
+        built = build_solid(request)
+    common.warn(machine)
+    placement = solids.placement(KEY, pose)
     if path is not None and kind is not None:
         from app.features.review import files
 
@@ -95,7 +100,7 @@ def run(arguments: argparse.Namespace) -> None:
         common.print_head(
             design,
             f"{f'At {where}' if where else 'All orientations'}"
-            f"{common.mode_text(mechanism, mode)}, {resolution}",
+            f"{common.mode_text(machine, mode)}, {resolution}",
         )
         print(_text(built, area, file, resolution))
         return
@@ -106,7 +111,7 @@ def run(arguments: argparse.Namespace) -> None:
             "mechanism": design.mechanism,
             **{tables.key(axis): typed[axis.key] for axis in turned_by},
             "mode": mode,
-            **common.mode_entry(mechanism, mode),
+            **common.mode_entry(machine, mode),
             "resolution": resolution,
             "pieces": [
                 {

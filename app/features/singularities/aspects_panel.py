@@ -19,7 +19,7 @@ class AspectsFolder:
         gui, review = desk.gui, sheet.view.review
         self._desk = desk
         self._sheet = sheet
-        self._measures = {m.title: m for m in review.mechanism.measures(review.design)}
+        self._measures = {m.title: m for m in review.machine.measures.specs}
         shown = review.shown(ASPECTS)
         with gui.add_folder("Aspects of the present mode"):
             self._aspects = gui.add_checkbox("Show", shown is not None, hint="Hotkey A")
@@ -46,7 +46,7 @@ class AspectsFolder:
             self._legend = gui.add_html("")
             self._pieces = gui.add_html("")
         # A ball is one of places.
-        axes = {c.key for c in review.mechanism.pose_coordinates(review.design)}
+        axes = {c.key for c in review.machine.coordinates}
         with gui.add_folder("Largest ball without a singularity", visible={"x", "y", "z"} <= axes):
             about = gui.add_checkbox(
                 "About the platform", True, hint="Otherwise wherever the most room is"

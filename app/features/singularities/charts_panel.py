@@ -16,7 +16,7 @@ from app.widgets.desk import Controlled, Desk, Sheet, answer, box, clicked, esc,
 from app.widgets.plots import Plot
 from kinematics.answers.singularities import LocusCurves, LocusSpec, OrientationCircle
 from kinematics.errors import InputError
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of
 
 NOTHING = "Nothing"
 PLANE = "section"
@@ -83,7 +83,7 @@ class ChartFolder:
             put_prop(self._named_beside, "content", "")
             return
         self._plot_beside.draw(loci.figure(spec, curves, _singular_circle(controlled.beside)))
-        title = short_title(mechanism(beside.design.mechanism))
+        title = short_title(machine_of(beside.design))
         put_prop(
             self._named_beside,
             "content",
@@ -112,7 +112,7 @@ class ChartFolder:
             return
         review = self._sheet.view.review
         pose = list(review.pose)
-        axes = review.mechanism.pose_coordinates(review.design)
+        axes = review.machine.coordinates
         for symbol, value in zip(spec.axes, loci.from_units(spec, x, y), strict=True):
             index = next((n for n, c in enumerate(axes) if c.symbol == symbol), None)
             if index is None:
@@ -132,10 +132,10 @@ class ProfileFolder:
         with gui.add_folder("Largest circle of orientations"):
             self._circles = gui.add_html("")
             self._compare: viser.GuiCheckboxHandle | None = None
-            others = review.mechanism.counterparts(review.design)
+            others = review.machine.counterparts
             if others:
                 self._compare = gui.add_checkbox(
-                    f"Beside the {short_title(mechanism(others[0].mechanism))}",
+                    f"Beside the {short_title(machine_of(others[0]))}",
                     review.control.compare,
                     hint="The same radii, stroke, altitude and orientation; in the scene too",
                 )
@@ -174,7 +174,7 @@ class ProfileFolder:
         if drawn != self._plotted:
             self._plotted = drawn
             shown = profiles if compared else profiles[:1]
-            named = [(short_title(mechanism(d.mechanism)), p) for d, p in shown]
+            named = [(short_title(machine_of(d)), p) for d, p in shown]
             self._plot.draw(loci.profile_figure(named))
         figure = self._plot.figure
         if figure is not None:
@@ -199,7 +199,7 @@ class ProfileFolder:
 def specs(sheet: Sheet) -> tuple[LocusSpec, ...]:
     """The charts that stand in this tab."""
     review = sheet.view.review
-    return tuple(s for s in review.mechanism.locus_specs(review.design) if s.key != PLANE)
+    return tuple(s for s in review.machine.singularities.loci if s.key != PLANE)
 
 
 def _exactness(spec: LocusSpec, curves: LocusCurves) -> str:
@@ -214,7 +214,7 @@ def _exactness(spec: LocusSpec, curves: LocusCurves) -> str:
 def _chart_place(sheet: Sheet, spec: LocusSpec) -> tuple[float, float] | None:
     """Where the machine stands in a chart; None if it has not these coordinates."""
     review = sheet.view.review
-    axes = review.mechanism.pose_coordinates(review.design)
+    axes = review.machine.coordinates
     known = {c.symbol: v for c, v in zip(axes, review.pose, strict=True)}
     if not all(symbol in known for symbol in spec.axes):
         return None

@@ -84,18 +84,18 @@ def _at_pose(arguments: argparse.Namespace) -> None:
 
     tolerance = AT if arguments.tolerance is None else _tolerance(arguments.tolerance)
     place = Place.of(arguments)
-    design, mechanism = place.design, place.mechanism
+    machine = place.machine
     posture = place.posture()
-    lost = mechanism.singularities(design, posture, tolerance) if posture.closes else ()
-    near = mechanism.singularities(design, posture, NEAR) if posture.closes and not lost else ()
+    lost = machine.singularities.at(posture, tolerance) if posture.closes else ()
+    near = machine.singularities.at(posture, NEAR) if posture.closes and not lost else ()
     held = _conditioning(place)
     with common.progress("Clearances"):
-        clearances = mechanism.clearances(design, posture)
+        clearances = machine.clearances.of(posture)
     remedy = None
     if not posture.reachable:
         with common.progress("The nearest posture"):
-            remedy = mechanism.remedy(design, posture)
-    common.warn(design, mechanism)
+            remedy = machine.clearances.nearest_pose(posture)
+    common.warn(machine)
     if not arguments.json:
         place.head()
         print("\n".join(_lost_lines(place, posture, lost, near, held, clearances, remedy)))
@@ -127,8 +127,8 @@ def _tolerance(text: str) -> float:
 def _conditioning(place: Place) -> dict[str, float | None]:
     from kinematics.screws.wrenches import singular_values
 
-    length = place.mechanism.characteristic_length(place.design)
-    system = place.mechanism.wrench_system(place.design, place.pose, place.mode)
+    length = place.machine.length
+    system = place.machine.statics.wrenches(place.pose, place.mode)
     values = singular_values(system.rows, length).tolist()
     return {
         "smallest_singular_value": common.finite(values[-1]),
@@ -144,11 +144,9 @@ def _measures(place: Place) -> list[dict[str, Any]]:
             "key": each.key,
             "title": each.title,
             "unit": each.unit,
-            "value": common.finite(
-                float(place.mechanism.measure(place.design, place.pose, place.mode, each.key))
-            ),
+            "value": common.finite(float(place.machine.measures(place.pose, place.mode, each.key))),
         }
-        for each in place.mechanism.measures(place.design)
+        for each in place.machine.measures.specs
         if not each.needs_load
     ]
 
@@ -192,7 +190,7 @@ def _remedy(remedy: Remedy, place: Place) -> dict[str, Any]:
         if nearest is None
         else {
             "pose": dict(zip(keys, tables.outer(nearest.pose, place.axes), strict=True)),
-            **common.mode_entry(place.mechanism, nearest.mode),
+            **common.mode_entry(place.machine, nearest.mode),
             "joints": tables.outer(nearest.joints, place.joints),
         },
         "distance_mm": common.finite(remedy.distance),
@@ -269,12 +267,12 @@ def _chart(arguments: argparse.Namespace) -> None:
     spec = _locus_spec(arguments.chart, place)
     at = None if arguments.at is None else common.number(arguments.at, "--at")
     with common.progress(spec.title):
-        found = place.mechanism.locus(place.design, spec.key, place.pose, place.mode, at)
-    common.warn(place.design, place.mechanism)
+        found = place.machine.singularities.locus(spec.key, place.pose, place.mode, at)
+    common.warn(place.machine)
     if path is not None and kind is not None:
         where = tables.with_units(place.shown, place.axes)
-        title = f"{place.design.title or place.design.name}: {spec.title}"
-        note = f"{where}{common.mode_text(place.mechanism, place.mode)}"
+        title = f"{place.machine.design.title or place.machine.design.name}: {spec.title}"
+        note = f"{where}{common.mode_text(place.machine, place.mode)}"
         data = files.locus_bytes(found, spec, kind, title=title, note=note)
         common.write(path, data)
     if not arguments.json:
@@ -298,9 +296,11 @@ def _chart(arguments: argparse.Namespace) -> None:
 
 
 def _locus_spec(key: str, place: Place) -> LocusSpec:
-    specs = place.mechanism.locus_specs(place.design)
+    specs = place.machine.singularities.loci
     if not specs:
-        raise InputError(f"{place.design.name}: a {place.mechanism.title} has no charts of loci")
+        raise InputError(
+            f"{place.machine.design.name}: a {place.machine.title} has no charts of loci"
+        )
     for spec in specs:
         if spec.key == key.strip():
             return spec

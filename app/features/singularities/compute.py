@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +25,8 @@ from kinematics.answers.singularities import (
 )
 from kinematics.answers.solutions import Posture
 from kinematics.errors import InputError
-from kinematics.mechanism import Design, Mechanism, mechanism
+from kinematics.machine import Machine, machine_of, required
+from kinematics.mechanism import Design
 from kinematics.screws.spatial import Array
 
 SLACK = 0.02  # of a stroke: facets of a solid lie a little beside its true surface
@@ -42,12 +44,12 @@ class Place:
     accelerations: tuple[float, ...] = ()
 
     @property
-    def kind(self) -> Mechanism:
-        return mechanism(self.design.mechanism)
+    def machine(self) -> Machine[Any]:
+        return machine_of(self.design)
 
     @property
     def posture(self) -> Posture:
-        return self.kind.posture(self.design, self.pose, self.mode)
+        return self.machine.inverse.posture(self.pose, self.mode)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -79,7 +81,7 @@ class Here:
         """The units of `statics`, one for each: N, or N·mm of couples and of rotary actuators."""
         if self.wrenches is None:
             return ()
-        joints = self.place.kind.joint_coordinates(self.place.design)
+        joints = self.place.machine.joints
         turns = [
             joints[n].unit == "rad" if name.kind == "actuation" else not np.any(row[:3])
             for n, (name, row) in enumerate(
@@ -110,33 +112,33 @@ class Here:
 
 def look(place: Place) -> Here:
     """What is known of control at a place."""
-    kind, design, posture = place.kind, place.design, place.posture
+    machine, posture = place.machine, place.posture
     closes = posture.closes
-    measures = tuple((m, _value(place, m) if closes else math.nan) for m in kind.measures(design))
+    measures = tuple((m, _value(place, m) if closes else math.nan) for m in machine.measures.specs)
     return Here(
         place,
-        kind.singularities(design, posture, NEAR) if closes else (),
+        machine.singularities.at(posture, NEAR) if closes else (),
         measures,
-        kind.wrench_system(design, place.pose, place.mode) if closes else None,
-        kind.statics(design, place.pose, place.mode, place.load) if closes else None,
-        kind.clearances(design, posture),
-        None if posture.reachable else kind.remedy(design, posture),
-        kind.circles(design, place.pose, place.mode),
+        machine.statics.wrenches(place.pose, place.mode) if closes else None,
+        machine.statics.forces(place.pose, place.mode, place.load) if closes else None,
+        machine.clearances.of(posture),
+        None if posture.reachable else machine.clearances.nearest_pose(posture),
+        () if machine.circles is None else machine.circles.about(place.pose, place.mode),
         _motion(place) if closes and place.rates else None,
     )
 
 
 def _motion(place: Place) -> Motion | None:
     """At the rates asked for; where the mechanism has a constraint one of them gives way to it."""
-    kind, design = place.kind, place.design
-    dependent = kind.dependent_coordinates(design)
+    machine = place.machine
+    dependent = machine.dependent
     rates, gains = np.array(place.rates), np.array(place.accelerations or (0.0,) * len(place.rates))
     for n in dependent[::-1] or (None,):
         wanted, gained = rates.copy(), gains.copy()
         if n is not None:
             wanted[n] = gained[n] = np.nan
         try:
-            return kind.inverse_motion(design, place.pose, place.mode, wanted, gained)
+            return machine.motion.inverse(place.pose, place.mode, wanted, gained)
         except InputError:  # that one does not follow from the others here
             continue
     return None
@@ -144,36 +146,44 @@ def _motion(place: Place) -> Motion | None:
 
 def _value(place: Place, measure: Measure) -> float:
     load = place.load if measure.needs_load else None
-    value = place.kind.measure(place.design, place.pose, place.mode, measure.key, load)
+    value = place.machine.measures(place.pose, place.mode, measure.key, load)
     return float(np.asarray(value))
 
 
 def ball(place: Place, here: bool) -> Sphere | None:
     """The largest ball without a singularity, about the place or anywhere."""
-    kind, design = place.kind, place.design
-    position = kind.transform(design, place.pose, place.mode)[:3, 3]
+    machine = place.machine
+    position = machine.transform(place.pose, place.mode)[:3, 3]
     center = tuple(position.tolist()) if here else None
-    return kind.singularity_free_ball(design, place.pose, place.mode, center)
+    if machine.sections is None:
+        return None
+    return machine.sections.singularity_free_ball(place.pose, place.mode, center)
 
 
 def curves(place: Place, chart: str) -> LocusCurves:
     """The loci of a chart, all but its two coordinates held."""
-    return place.kind.locus(place.design, chart, place.pose, place.mode)
+    return place.machine.singularities.locus(chart, place.pose, place.mode)
 
 
 def profiles(place: Place, ratios: tuple[float, ...]) -> tuple[tuple[Design, Profile], ...]:
     """The profile of the machine, and those of its counterparts."""
-    kind, design = place.kind, place.design
-    machines = (design, *kind.counterparts(design))
+    machine, design = place.machine, place.design
+    machines = (design, *machine.counterparts)
     return tuple(
-        (each, mechanism(each.mechanism).profile(each, place.pose, ratios)) for each in machines
+        (
+            each,
+            required(machine_of(each).circles, "circles of orientations").profile(
+                place.pose, ratios
+            ),
+        )
+        for each in machines
     )
 
 
 def passed(before: Place, pose: tuple[float, ...]) -> tuple[Event, ...]:
     """What the way to another pose passes, in the same mode."""
-    kind, design = before.kind, before.design
-    return kind.passed(design, before.posture, kind.posture(design, pose, before.mode))
+    machine = before.machine
+    return machine.paths.passed(before.posture, machine.posture(pose, before.mode))
 
 
 def field(place: Place, key: str, solid: str, points: Array) -> Array:
@@ -182,33 +192,33 @@ def field(place: Place, key: str, solid: str, points: Array) -> Array:
     NaN where there is none, or where the place's mode does not come (to within the deviation of a
     solid's facets).
     """
-    kind, design = place.kind, place.design
-    measure = next(m for m in kind.measures(design) if m.key == key)
-    poses = kind.solid_poses(design, solid, place.pose, place.mode, points)
+    machine = place.machine
+    measure = next(m for m in machine.measures.specs if m.key == key)
+    poses = required(machine.solids, "solids").poses(solid, place.pose, place.mode, points)
     known = np.flatnonzero(np.isfinite(poses).all(axis=1))
     known = known[_comes(place, poses[known])]
     values = np.full(len(poses), np.nan)
     load = place.load if measure.needs_load else None
-    values[known] = kind.measure(design, poses[known], place.mode, key, load)
+    values[known] = machine.measures(poses[known], place.mode, key, load)
     return values
 
 
 def _comes(place: Place, poses: Array) -> NDArray[np.bool_]:
     """Whether the mode has poses (N, P) within its strokes, or all but."""
-    kind, design = place.kind, place.design
-    solved = kind.inverse(design, poses)
+    machine = place.machine
+    solved = machine.inverse(poses)
     joints = solved.joints[:, solved.modes.index(place.mode)]
-    axes = kind.joint_coordinates(design)
+    axes = machine.joints
     low, high = (np.array([getattr(a, end) for a in axes]) for end in ("lower", "upper"))
     slack = SLACK * (high - low)
     within: NDArray[np.bool_] = ((joints >= low - slack) & (joints <= high + slack)).all(axis=1)
     return within
 
 
-def placed(kind: Mechanism, design: Design, pose: Sequence[float], points: Array) -> Array:
+def placed(machine: Machine[Any], pose: Sequence[float], points: Array) -> Array:
     """The pose with O′ at points (N, 3), all else held: (N, P)."""
     poses = np.tile(np.asarray(pose, dtype=float), (len(points), 1))
-    for n, c in enumerate(kind.pose_coordinates(design)):
+    for n, c in enumerate(machine.coordinates):
         if c.key in ("x", "y", "z"):
             poses[:, n] = points[:, "xyz".index(c.key)]
     return poses

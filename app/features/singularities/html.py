@@ -13,6 +13,7 @@ from app.review.view import how_far, short_title
 from app.scene import painting, palette
 from app.widgets.desk import Controlled, Logged, Sheet, box, chip, esc, red, tone, volume_text
 from kinematics.answers.singularities import AT, Clearance, Measure, Remedy, Singularity
+from kinematics.machine import required
 
 ASPECTS = "aspects"
 """The key of the solid that is parted by singular surfaces."""
@@ -163,7 +164,7 @@ def pieces_html(sheet: Sheet) -> str:
     if not solid.pieces:
         return box("The workspace of this mode is empty at this orientation.")
     review = sheet.view.review
-    at = review.mechanism.solid_point(review.design, ASPECTS, review.pose, review.mode)
+    at = required(review.machine.solids, "solids").point(ASPECTS, review.pose, review.mode)
     point = np.linalg.inv(built.wish.placement) @ np.append(at, 1.0)
     here = solid.piece_at(point[:3])
     colors = painting.piece_colors([piece.sign for piece in solid.pieces])
@@ -215,7 +216,7 @@ def comparison_html(here: Here | None, beside: Here | None) -> str:
     """Two machines in numbers; the better one of each in bold."""
     if here is None or beside is None:
         return ""
-    names = [short_title(h.place.kind) for h in (here, beside)]
+    names = [short_title(h.place.machine) for h in (here, beside)]
     rows = []
     for (measure, one), (_, two) in zip(here.measures, beside.measures, strict=False):
         better = one > two if measure.better == "high" else one < two

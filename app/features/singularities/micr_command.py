@@ -50,31 +50,35 @@ def register(command: common.AddCommand) -> None:
 
 
 def _micr(arguments: argparse.Namespace) -> None:
-    from kinematics.mechanism import mechanism
+    from kinematics.mechanism import mechanism_class
 
-    machine = mechanism(arguments.mechanism.strip())
+    mechanism = mechanism_class(arguments.mechanism.strip())
     if arguments.curves:
-        _curves(arguments, machine)
+        _curves(arguments, mechanism)
     else:
-        _one(arguments, machine)
+        _one(arguments, mechanism)
 
 
 # --- one machine ---------------------------------------------------------------------------
 
 
-def _one(arguments: argparse.Namespace, machine: Mechanism) -> None:
+def _one(arguments: argparse.Namespace, mechanism: type[Mechanism[Any]]) -> None:
     for option in ("ratios", "heights", "output"):
         if getattr(arguments, option) is not None:
             name = "-o" if option == "output" else f"--{option}"
             raise InputError(f"{name} goes with --curves")
     base, platform, altitude = (_size(arguments, name) for name in ("base", "platform", "altitude"))
-    found = machine.micr(base, platform, altitude)
+    from kinematics.facets import circles
+
+    found = circles.micr(mechanism.kind, base, platform, altitude)
     if not arguments.json:
-        print(f"{machine.title}, h1 = {base:g}, h2 = {platform:g}, Z = {altitude:g}", "", sep="\n")
-        print(_table(machine, found), "", found.note, sep="\n")
+        print(
+            f"{mechanism.title}, h1 = {base:g}, h2 = {platform:g}, Z = {altitude:g}", "", sep="\n"
+        )
+        print(_table(mechanism, found), "", found.note, sep="\n")
         return
     answer: dict[str, Any] = {
-        "mechanism": machine.kind,
+        "mechanism": mechanism.kind,
         "base": base,
         "platform": platform,
         "altitude": altitude,
@@ -101,7 +105,7 @@ def _degrees(value: float) -> float | None:
     return degrees(value) if isfinite(value) else None
 
 
-def _table(machine: Mechanism, found: MicrTable) -> str:
+def _table(mechanism: type[Mechanism[Any]], found: MicrTable) -> str:
     rows = []
     for n, mode in enumerate(found.modes):
         radius, contact = float(found.radius[n]), float(found.contact[n])
@@ -111,7 +115,7 @@ def _table(machine: Mechanism, found: MicrTable) -> str:
         printed = f"{float(found.printed[n]):.2f}"
         place = f"{degrees(contact):.3f}"
         rows.append((mode, f"{degrees(radius):.9f}", place, printed, _ring(bool(found.barred[n]))))
-    header = (machine.mode_noun, "MICR (°)", "met at φ (°)", "as the paper would print (°)", "")
+    header = (mechanism.mode_noun, "MICR (°)", "met at φ (°)", "as the paper would print (°)", "")
     return tables.table(header, rows)
 
 
@@ -122,8 +126,9 @@ def _ring(barred: bool) -> str:
 # --- curves --------------------------------------------------------------------------------
 
 
-def _curves(arguments: argparse.Namespace, machine: Mechanism) -> None:
+def _curves(arguments: argparse.Namespace, mechanism: type[Mechanism[Any]]) -> None:
     from app.features.singularities import micr_files
+    from kinematics.facets import circles
 
     for name in ("base", "platform", "altitude"):
         if getattr(arguments, name) is not None:
@@ -135,21 +140,23 @@ def _curves(arguments: argparse.Namespace, machine: Mechanism) -> None:
     if len(ratios) * len(heights) > MOST:
         raise InputError(f"{len(ratios)} ratios at {len(heights)} heights are more than {MOST}")
     with common.progress("MICR"):
-        found = machine.micr(1.0, [[ratio] for ratio in ratios], [heights])
+        found = circles.micr(mechanism.kind, 1.0, [[ratio] for ratio in ratios], [heights])
     if path is not None and kind is not None:
-        data = micr_files.micr_bytes(machine.kind, machine.title, ratios, heights, found, kind)
+        data = micr_files.micr_bytes(mechanism.kind, mechanism.title, ratios, heights, found, kind)
         common.write(path, data)
     file = None if path is None else str(path)
     if not arguments.json:
         print(
-            f"{machine.title}: MICR of {len(ratios)} ratios at {len(heights)} heights", "", sep="\n"
+            f"{mechanism.title}: MICR of {len(ratios)} ratios at {len(heights)} heights",
+            "",
+            sep="\n",
         )
         print(_summary(found, ratios))
         print("", found.note, *([f"file  {file}"] if file else []), sep="\n")
         return
     common.print_json(
         {
-            "mechanism": machine.kind,
+            "mechanism": mechanism.kind,
             "ratios": ratios,
             "heights": heights,
             **{

@@ -74,7 +74,7 @@ class Painter:
             return ()
         color = palette.solid_color(wish.spec)
         if values is not None:
-            measure = next(m for m in review.mechanism.measures(review.design) if m.key == shade)
+            measure = next(m for m in review.machine.measures.specs if m.key == shade)
             steps = painting.scale(values, high=measure.better == "high", limits=measure.limits)
             if steps is not None:
                 self._scale = shade, steps
@@ -88,7 +88,7 @@ def _field_key(review: Review, key: str, built: Built) -> tuple[object, ...]:
     load = next(
         (
             review.control.load
-            for m in review.mechanism.measures(review.design)
+            for m in review.machine.measures.specs
             if m.key == review.control.shade and m.needs_load
         ),
         None,

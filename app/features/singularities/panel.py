@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import viser
 
 from app.features.singularities.aspects_panel import AspectsFolder
@@ -35,7 +37,7 @@ from app.widgets.desk import (
     put_prop,
 )
 from kinematics.answers.singularities import Remedy
-from kinematics.mechanism import Design, Mechanism
+from kinematics.machine import Machine
 
 HELP = """
 **Clearance** is how far the platform may move at its present orientation until it meets a
@@ -59,7 +61,7 @@ class SingularitiesPanel(Panel):
 
     def __init__(self, desk: Desk, sheet: Sheet) -> None:
         gui, review = desk.gui, sheet.view.review
-        kind, design = review.mechanism, review.design
+        machine = review.machine
         self._desk = desk
         self._sheet = sheet
         self._elsewhere = Elsewhere(gui)
@@ -76,10 +78,10 @@ class SingularitiesPanel(Panel):
             self._offers = gui.add_html("")
             self._way = gui.add_dropdown("Change", ("none",), hint="Which of these")
             self._change = button(desk, "Change the design so", self._change_design)
-        has_aspects = any(spec.key == ASPECTS for spec in kind.solids(design))
+        has_aspects = any(spec.key == ASPECTS for spec in machine.solid_specs)
         self._aspects = AspectsFolder(desk, sheet) if has_aspects else None
         self._chart = ChartFolder(desk, sheet) if specs(sheet) else None
-        self._profile = ProfileFolder(desk, sheet) if kind.has_profile else None
+        self._profile = ProfileFolder(desk, sheet) if machine.circles is not None else None
         load = review.control.load
         with gui.add_folder("Load on the platform", expand_by_default=False):
             self._force = gui.add_vector3(
@@ -95,11 +97,11 @@ class SingularitiesPanel(Panel):
         with gui.add_folder("What happened on the way", expand_by_default=False):
             self._log = gui.add_html(log_html(()))
             button(desk, "Clear", lambda _: desk.ask(ClearLog()))
-        explain(gui, kind.about("singularities"), HELP)
+        explain(gui, machine.text("singularities"), HELP)
 
     @staticmethod
-    def serves(kind: Mechanism, design: Design) -> bool:
-        return bool(kind.measures(design))
+    def serves(machine: Machine[Any]) -> bool:
+        return bool(machine.measures.specs)
 
     def draw(self, sheet: Sheet) -> None:
         self._sheet = sheet

@@ -27,6 +27,7 @@ from app.scene.painting import Coat
 from app.widgets.desk import Controlled, Logged
 from kinematics.answers.sections import Sphere
 from kinematics.answers.singularities import LocusCurves, Profile
+from kinematics.machine import required
 from kinematics.mechanism import Design
 
 if TYPE_CHECKING:
@@ -125,7 +126,7 @@ class Controlling:
                 key = ("curves beside", *_chart_key(review))
                 arguments = other, review.control.chart
                 jobs.append(Job(key, "the counterpart's curves", compute.curves, arguments, REST))
-        if review.mechanism.has_profile:
+        if review.machine.circles is not None:
             jobs.append(
                 Job(
                     ("profiles", *_profile_key(review)),
@@ -255,9 +256,7 @@ class Controlling:
         if self._ball is None:
             return False
         review = self._stage.view.review
-        pose = compute.placed(
-            review.mechanism, review.design, review.pose, self._ball.center[None]
-        )[0]
+        pose = compute.placed(review.machine, review.pose, self._ball.center[None])[0]
         return self._stage.apply(Place(tuple(float(v) for v in pose), gesture=""), client)
 
     # --- ways out
@@ -336,7 +335,9 @@ class Controlling:
             curves = self._curves[1] if self._curves[0] == key else None
         profiles: tuple[tuple[Design, Profile], ...] = ()
         if self._profiles is not None and self._profiles[0] == ("profiles", *_profile_key(review)):
-            at = review.mechanism.profile_place(review.design, review.pose)
+            at = required(review.machine.circles, "circles of orientations").profile_place(
+                review.pose
+            )
             profiles = tuple((each, replace(p, at=at)) for each, p in self._profiles[1])
         return Controlled(
             self._nearly(),
@@ -375,9 +376,7 @@ class Controlling:
         if curves is None:
             self._stage.complain("There are no curves to save yet.", client)
             return
-        spec = next(
-            s for s in review.mechanism.locus_specs(review.design) if s.key == review.control.chart
-        )
+        spec = next(s for s in review.machine.singularities.loci if s.key == review.control.chart)
         name = solid_name(review.design, f"singularities-{spec.key}", (), (review.mode,))
         data = locus_bytes(curves, spec, kind, title=review.design.title or review.design.name)
         file = ExportedFile(f"{name}.{kind}", data, MEDIA_TYPES[kind])
@@ -399,7 +398,7 @@ def spot_of(review: Review) -> Spot:
 
 def counterpart(review: Review) -> Spot | None:
     """The counterpart at the same coordinates, where it is to be compared with."""
-    others = review.mechanism.counterparts(review.design) if review.control.compare else ()
+    others = review.machine.counterparts if review.control.compare else ()
     return next((replace(spot_of(review), design=other) for other in others), None)
 
 
@@ -417,7 +416,7 @@ def _orientation(review: Review) -> tuple[object, ...]:
 
 
 def _held(review: Review, free: tuple[str, ...]) -> tuple[float, ...]:
-    axes = review.mechanism.pose_coordinates(review.design)
+    axes = review.machine.coordinates
     return tuple(
         v
         for c, v in zip(axes, review.pose, strict=True)
@@ -428,5 +427,5 @@ def _held(review: Review, free: tuple[str, ...]) -> tuple[float, ...]:
 def _chart_key(review: Review) -> tuple[object, ...]:
     """All that the curves of the chosen chart depend on: its own two coordinates are free."""
     chart = review.control.chart
-    spec = next(s for s in review.mechanism.locus_specs(review.design) if s.key == chart)
+    spec = next(s for s in review.machine.singularities.loci if s.key == chart)
     return chart, review.design, review.mode, *_held(review, spec.axes)

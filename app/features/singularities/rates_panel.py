@@ -20,9 +20,9 @@ class MotionFolder:
     def __init__(self, desk: Desk, sheet: Sheet) -> None:
         gui, review = desk.gui, sheet.view.review
         self._desk = desk
-        self._axes = review.mechanism.pose_coordinates(review.design)
+        self._axes = review.machine.coordinates
         self._asked: tuple[float, ...] = review.control.rates
-        self._joints = review.mechanism.joint_coordinates(review.design)
+        self._joints = review.machine.joints
         units = ", ".join(f"{c.symbol} ({page_unit(c)}/s)" for c in self._axes)
         with gui.add_folder("Velocity and acceleration", expand_by_default=False):
             self._rates = gui.add_text(

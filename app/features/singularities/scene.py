@@ -184,7 +184,7 @@ class Held:
         review = view.review
         step = SWING * view.drawing.size * np.sin(2 * np.pi * elapsed / PERIOD)
         pose = np.array(review.pose) + step * np.array(motion)
-        at = review.mechanism.transform(review.design, pose, review.mode)
+        at = review.machine.transform(pose, review.mode)
         self._ghost.position = tuple(float(v) for v in at[:3, 3])
         self._ghost.wxyz = wxyz(at[:3, :3])
         return True

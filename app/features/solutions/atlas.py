@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +18,8 @@ from app.review.state import SAME_MODE, Review
 from app.review.view import View, in_page_units, page_unit
 from app.terminal import tables
 from kinematics.answers.solutions import ForwardSolutions, Merged, Refreshed
-from kinematics.mechanism import Coordinate, Design, Mechanism
+from kinematics.machine import Machine
+from kinematics.mechanism import Coordinate, Design
 from kinematics.screws.spatial import Array
 
 SAME_JOINTS = 1e-6  # mm or rad: lengths that differ by less have the same solutions
@@ -67,14 +69,14 @@ class Known:
         return found.index(identity) if identity in found else None
 
 
-def offers_mixed(kind: Mechanism, design: Design) -> bool:
+def offers_mixed(machine: Machine[Any]) -> bool:
     """Whether a design has solutions beyond its quick closed form."""
-    return kind.forward_is_quick(design) and not kind.forward_is_quick(design, mixed_modes=True)
+    return machine.forward.is_quick() and not machine.forward.is_quick(mixed_modes=True)
 
 
 def mixes(review: Review) -> bool:
     """Whether solutions beyond the closed form are asked for, and there are any."""
-    return review.atlas.mixed and offers_mixed(review.mechanism, review.design)
+    return review.atlas.mixed and offers_mixed(review.machine)
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +129,7 @@ NONE_YET = Atlas((), np.empty((0, 4, 4)), "", "", False, True, (), 0, False)
 def atlas(view: View, known: Known | None) -> Atlas:
     """What to show of the solutions in a view; `NONE_YET` while there are none."""
     review, posture = view.review, view.posture
-    offered = offers_mixed(review.mechanism, review.design)
+    offered = offers_mixed(review.machine)
     if not posture.closes:
         why = (
             "The limbs do not close at this pose, so there are no actuator lengths to solve for. "
@@ -138,7 +140,7 @@ def atlas(view: View, known: Known | None) -> Atlas:
         return replace(NONE_YET, offers_mixed=offered)
     found = known.solutions
     stale = not known.stands_at(posture.joints)
-    placements = review.mechanism.transform(review.design, found.poses, found.modes)
+    placements = review.machine.transform(found.poses, found.modes)
     rows = _rows(view, known, placements, stale=stale)
     kept = _sorted(review, _filtered(review, rows))
     singular = {motion.text for motion in found.self_motions}
@@ -189,11 +191,11 @@ def _rows(view: View, known: Known, placements: Array, *, stale: bool) -> list[R
 
 def _filtered(review: Review, rows: list[Row]) -> list[Row]:
     wanted = review.atlas
-    modes: Sequence[str] = review.mechanism.modes
+    modes: Sequence[str] = review.machine.modes
     if wanted.modes == SAME_MODE:
         modes = (review.mode,)
     elif wanted.modes:
-        modes = matching(wanted.modes, review.mechanism.modes)
+        modes = matching(wanted.modes, review.machine.modes)
     return [r for r in rows if r.mode in modes and (r.within_stroke or not wanted.within_stroke)]
 
 
@@ -206,7 +208,7 @@ def _sorted(review: Review, rows: list[Row]) -> list[Row]:
         case "height":
             return sorted(rows, key=lambda r: -r.height)
         case "mode":
-            order = {mode: n for n, mode in enumerate(review.mechanism.modes)}
+            order = {mode: n for n, mode in enumerate(review.machine.modes)}
             return sorted(rows, key=lambda r: (order[r.mode], r.distance))
 
 
@@ -247,14 +249,14 @@ def _elsewhere(offered: bool, mixed: bool, mode: str) -> str:
 
 def pose_text(review: Review, pose: Sequence[float]) -> str:
     """A pose in the page's units: "x 12.3, y 4.0, z 310.9 mm, φ 5.0°, θ −3.0°"."""
-    axes = review.mechanism.pose_coordinates(review.design)
+    axes = review.machine.coordinates
     angles = [f"{_value(c, v)}°" for c, v in zip(axes, pose, strict=True) if c.unit == "rad"]
     return ", ".join(filter(None, (place_text(review, pose), *angles)))
 
 
 def place_text(review: Review, pose: Sequence[float]) -> str:
     """Its lengths alone: "x 12.3, y 4.0, z 310.9 mm"; "" where a pose has none."""
-    axes = review.mechanism.pose_coordinates(review.design)
+    axes = review.machine.coordinates
     lengths = [_value(c, v) for c, v in zip(axes, pose, strict=True) if c.unit == "mm"]
     return f"{', '.join(lengths)} mm" if lengths else ""
 

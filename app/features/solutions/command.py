@@ -6,14 +6,14 @@ import argparse
 import sys
 from collections.abc import Sequence
 from math import isfinite, isnan, pi, remainder
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from app.terminal import common, tables
 from kinematics.errors import InputError
 
 if TYPE_CHECKING:
     from kinematics.answers.solutions import Posture
-    from kinematics.mechanism import Design, Mechanism
+    from kinematics.machine import Machine
 
 
 def register(command: common.AddCommand) -> None:
@@ -45,35 +45,36 @@ def register(command: common.AddCommand) -> None:
 
 
 def _ik(arguments: argparse.Namespace) -> None:
-    design, mechanism = common.load(arguments.design)
-    axes = mechanism.pose_coordinates(design)
+    machine = common.load(arguments.design)
+    design = machine.design
+    axes = machine.coordinates
     typed = common.open_numbers("--pose", arguments.pose, axes)
-    modes = mechanism.modes
+    modes = machine.modes
     if arguments.mode is not None:
-        modes = (common.chosen_mode(arguments.mode, design, mechanism),)
-    postures = _postures(design, mechanism, typed, modes)
+        modes = (common.chosen_mode(arguments.mode, machine),)
+    postures = _postures(machine, typed, modes)
     closing = [posture for posture in postures if posture.closes]
     reachable = any(posture.reachable for posture in postures)
     nearest = min(postures, key=_miss)
     reasons = [] if reachable else [reason.text for reason in nearest.reasons]
-    common.warn(design, mechanism)
-    joints = mechanism.joint_coordinates(design)
+    common.warn(machine)
+    joints = machine.joints
     given = not any(isnan(value) for value in typed)
-    free = [_free(design, mechanism, posture) for posture in closing]
-    warnings = _warnings(design, mechanism, closing, free)
+    free = [_free(machine, posture) for posture in closing]
+    warnings = _warnings(machine, closing, free)
     for text in warnings:
         print(f"bohemia: warning: {text}", file=sys.stderr)
 
-    others = [] if given else _other_poses(design, mechanism, typed, nearest)
+    others = [] if given else _other_poses(machine, typed, nearest)
 
     def transform(posture: Posture) -> list[list[float]]:
-        placed: list[list[float]] = mechanism.transform(design, posture.pose, posture.mode).tolist()
+        placed: list[list[float]] = machine.transform(posture.pose, posture.mode).tolist()
         return placed
 
     if not arguments.json:
         shown = typed if given else tables.outer(nearest.pose, axes)
         common.print_head(design, f"Pose {tables.with_units(shown, axes)}")
-        noun = mechanism.mode_noun
+        noun = machine.mode_noun
         print(tables.inverse_text(closing, nearest, joints, reachable, noun, free))
         for other in others:
             where = tables.with_units(tables.outer(other, axes), axes)
@@ -99,7 +100,7 @@ def _ik(arguments: argparse.Namespace) -> None:
             ],
             "solutions": [
                 {
-                    **common.mode_entry(mechanism, posture.mode),
+                    **common.mode_entry(machine, posture.mode),
                     "pose": pose(posture),
                     "joints": tables.outer(posture.joints, joints),
                     "within_stroke": posture.reachable,
@@ -118,21 +119,18 @@ _NUDGE = 1e-9  # of the characteristic length: how far beside a pose joints are 
 _APART = 0.1  # rad; a limb at the end of its reach turns by far less
 
 
-def _free(design: Design, mechanism: Mechanism, posture: Posture) -> list[int]:
+def _free(machine: Machine[Any], posture: Posture) -> list[int]:
     """The angles that a pose leaves free: beside it they are now these, now those."""
     import numpy as np
 
-    joints = mechanism.joint_coordinates(design)
+    joints = machine.joints
     turning = [k for k, joint in enumerate(joints) if joint.unit == "rad"]
     if not turning:
         return []
-    length = mechanism.characteristic_length(design)
-    steps = [
-        _NUDGE * (1.0 if axis.unit == "rad" else length)
-        for axis in mechanism.pose_coordinates(design)
-    ]
+    length = machine.length
+    steps = [_NUDGE * (1.0 if axis.unit == "rad" else length) for axis in machine.coordinates]
     away = np.diag(steps)
-    answer = mechanism.inverse(design, np.array(posture.pose) + np.concatenate([away, -away]))
+    answer = machine.inverse(np.array(posture.pose) + np.concatenate([away, -away]))
     beside = answer.joints[:, answer.modes.index(posture.mode)]
     apart = np.abs(np.angle(np.exp(1j * (beside - np.array(posture.joints)))))
     apart = np.where(np.isfinite(apart), apart, 0.0)
@@ -140,39 +138,34 @@ def _free(design: Design, mechanism: Mechanism, posture: Posture) -> list[int]:
 
 
 def _warnings(
-    design: Design,
-    mechanism: Mechanism,
+    machine: Machine[Any],
     closing: Sequence[Posture],
     free: Sequence[Sequence[int]],
 ) -> list[str]:
     """One sentence for each joint that is free somewhere, with the reason."""
-    joints = mechanism.joint_coordinates(design)
+    joints = machine.joints
     told: dict[int, str] = {}
     for posture, loose in zip(closing, free, strict=True):
         for k in loose:
             if k in told:
                 continue
-            lost = mechanism.singularities(design, posture)
+            lost = machine.singularities.at(posture)
             why = [each.text for each in lost if joints[k].limb in each.limbs]
             told[k] = f"at this pose {joints[k].symbol} is free, what is shown is one of its values"
             told[k] += f": {why[0]}" if why else ""
     return list(told.values())
 
 
-def _postures(
-    design: Design, mechanism: Mechanism, typed: Sequence[float], modes: Sequence[str]
-) -> list[Posture]:
+def _postures(machine: Machine[Any], typed: Sequence[float], modes: Sequence[str]) -> list[Posture]:
     """The pose in each mode that has it; a coordinate that was left out may depend on the mode."""
-    axes = mechanism.pose_coordinates(design)
+    axes = machine.coordinates
     pose = [tables.inner(value, axis) for value, axis in zip(typed, axes, strict=True)]
     if not any(isnan(value) for value in typed):
-        return [mechanism.posture(design, pose, mode) for mode in modes]
+        return [machine.inverse.posture(pose, mode) for mode in modes]
     postures, refusals = [], []
     for mode in modes:
         try:
-            postures.append(
-                mechanism.posture(design, mechanism.complete_pose(design, pose, mode), mode)
-            )
+            postures.append(machine.inverse.posture(machine.complete_pose(pose, mode), mode))
         except InputError as error:
             refusals.append(error)
     if not postures:
@@ -181,18 +174,18 @@ def _postures(
 
 
 def _other_poses(
-    design: Design, mechanism: Mechanism, typed: Sequence[float], taken: Posture
+    machine: Machine[Any], typed: Sequence[float], taken: Posture
 ) -> list[tuple[float, ...]]:
     """The poses that the constraint allows besides the one taken, where an angle was left out."""
-    axes = mechanism.pose_coordinates(design)
+    axes = machine.coordinates
     left = next(n for n, value in enumerate(typed) if isnan(value))
-    if axes[left].unit != "rad" or left not in mechanism.dependent_coordinates(design):
+    if axes[left].unit != "rad" or left not in machine.dependent:
         return []
     found: list[tuple[float, ...]] = []
     for turn in (pi, 2.0 * pi / 3.0, -2.0 * pi / 3.0):  # the value nearest to there
         pose = list(taken.pose)
         pose[left] += turn
-        other = mechanism.complete_pose(design, pose, taken.mode, None, left)
+        other = machine.complete_pose(pose, taken.mode, None, left)
         known = (taken.pose, *found)
         if all(abs(remainder(other[left] - each[left], 2.0 * pi)) > 1e-9 for each in known):
             found.append(other)
@@ -206,18 +199,19 @@ def _miss(posture: Posture) -> tuple[int, float]:
 
 
 def _fk(arguments: argparse.Namespace) -> None:
-    design, mechanism = common.load(arguments.design)
-    actuators = mechanism.joint_coordinates(design)
+    machine = common.load(arguments.design)
+    design = machine.design
+    actuators = machine.joints
     typed = common.numbers("--joints", arguments.joints, actuators)
     joints = [tables.inner(value, axis) for value, axis in zip(typed, actuators, strict=True)]
     with common.progress("All assembly modes"):
-        (found,) = mechanism.forward(design, [joints], mixed_modes=arguments.mixed_modes)
-    common.warn(design, mechanism)
+        (found,) = machine.forward([joints], mixed_modes=arguments.mixed_modes)
+    common.warn(machine)
     for value, axis in zip(joints, actuators, strict=True):
         if not axis.lower <= value <= axis.upper:
             print(f"bohemia: warning: {tables.beyond_stroke(value, axis)}", file=sys.stderr)
-    axes = mechanism.pose_coordinates(design)
-    order = mechanism.modes.index
+    axes = machine.coordinates
+    order = machine.modes.index
     shown = sorted(
         (n for n in range(len(found)) if found.within_stroke[n] or not arguments.within_stroke),
         key=lambda n: (not found.within_stroke[n], order(found.modes[n]), *found.poses[n]),
@@ -226,7 +220,7 @@ def _fk(arguments: argparse.Namespace) -> None:
         common.print_head(design, f"Joints {tables.with_units(typed, actuators)}")
         print(tables.forward_text(found, shown, axes))
         return
-    transforms = mechanism.transform(design, found.poses, found.modes).tolist()
+    transforms = machine.transform(found.poses, found.modes).tolist()
 
     def pose(values: Sequence[float]) -> dict[str, float]:
         return dict(zip(map(tables.key, axes), tables.outer(values, axes), strict=True))
@@ -240,7 +234,7 @@ def _fk(arguments: argparse.Namespace) -> None:
                 {
                     "identity": found.identities[n],
                     "pose": pose(found.poses[n]),
-                    **common.mode_entry(mechanism, found.modes[n]),
+                    **common.mode_entry(machine, found.modes[n]),
                     "joints": typed,
                     "within_stroke": bool(found.within_stroke[n]),
                     "residual": float(found.residual[n]),
@@ -262,7 +256,7 @@ def _fk(arguments: argparse.Namespace) -> None:
             "self_motions": [
                 {
                     "pose": pose(motion.pose),
-                    **common.mode_entry(mechanism, motion.mode),
+                    **common.mode_entry(machine, motion.mode),
                     "direction": pose(motion.direction),
                     "text": motion.text,
                 }

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from app.features.solutions.folds import look_ahead
 from app.jobs.lane import Job
 from kinematics.answers.solutions import ForwardSolutions, Posture, Refreshed
-from kinematics.mechanism import Design, mechanism
+from kinematics.machine import machine_of
+from kinematics.mechanism import Design
 
 REST = 0.15  # s without a new wish before work on it begins
 
@@ -47,8 +48,8 @@ def solve(
     design: Design, joints: tuple[float, ...], mixed: bool, before: ForwardSolutions | None
 ) -> Refreshed:
     """All solutions at these joints, gone on from ``before`` if there is such a set."""
-    kind = mechanism(design.mechanism)
+    machine = machine_of(design)
     if before is not None:
-        return kind.refresh(design, before, joints)
-    (found,) = kind.forward(design, [joints], mixed_modes=mixed)
+        return machine.forward.refresh(before, joints)
+    (found,) = machine.forward([joints], mixed_modes=mixed)
     return Refreshed(found, (), ())

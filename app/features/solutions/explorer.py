@@ -111,7 +111,7 @@ class Explorer:
     @staticmethod
     def _quick(view: View) -> bool:
         review = view.review
-        return review.mechanism.forward_is_quick(review.design, mixed_modes=mixes(review))
+        return review.machine.forward.is_quick(mixed_modes=mixes(review))
 
     def _goes_on(self, view: View) -> bool:
         return self.known is not None and self.known.is_of(view.review)

@@ -11,7 +11,8 @@ from app.features.solutions.atlas import Known, joint_text, pose_text
 from app.review.modes import page_mode
 from app.review.state import Review
 from kinematics.answers.solutions import Fold, Posture
-from kinematics.mechanism import Design, mechanism
+from kinematics.machine import machine_of
+from kinematics.mechanism import Design
 
 SAME = 1e-3  # mm and rad: a partner this near to a known solution is that solution
 
@@ -45,14 +46,14 @@ class Ahead:
 
 def look_ahead(design: Design, posture: Posture) -> tuple[Ahead, ...]:
     """Both directions of every actuator that has somewhere to go."""
-    kind = mechanism(design.mechanism)
+    machine = machine_of(design)
     found = []
-    for index, axis in enumerate(kind.joint_coordinates(design)):
+    for index, axis in enumerate(machine.joints):
         start = posture.joints[index]
         for end, sign in ((axis.lower, -1), (axis.upper, 1)):
             if sign * (end - start) > 0:
                 joints = (*posture.joints[:index], end, *posture.joints[index + 1 :])
-                fold = kind.fold_ahead(design, posture, joints)
+                fold = machine.following.fold_ahead(posture, joints)
                 found.append(Ahead(index, start, end, fold))
     return tuple(found)
 
@@ -65,7 +66,7 @@ def nearest_first(ahead: Sequence[Ahead], driven: int | None) -> list[Ahead]:
 
 def title(review: Review, ahead: Ahead) -> str:
     """ "ρ₃ +33.7 mm": short enough for a menu."""
-    axis = review.mechanism.joint_coordinates(review.design)[ahead.index]
+    axis = review.machine.joints[ahead.index]
     way = joint_text(axis, ahead.goal - ahead.start)
     return f"{axis.symbol} {way if way.startswith('−') else f'+{way}'}"
 
@@ -75,7 +76,7 @@ def words(review: Review, ahead: Ahead, known: Known | None) -> str:
     fold = ahead.fold
     if fold is None:
         return ""
-    axis = review.mechanism.joint_coordinates(review.design)[ahead.index]
+    axis = review.machine.joints[ahead.index]
     change = "Raising" if ahead.longer else "Lowering"
     text = (
         f"{change} {axis.symbol} by {joint_text(axis, abs(ahead.goal - ahead.start))}, to "

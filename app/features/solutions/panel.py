@@ -64,10 +64,10 @@ class SolutionsPanel(Panel):
 
     def __init__(self, desk: Desk, sheet: Sheet) -> None:
         gui, review = desk.gui, sheet.view.review
-        kind, design = review.mechanism, review.design
+        machine = review.machine
         self._desk = desk
-        self._axes = kind.pose_coordinates(design)
-        self._known = kind.modes
+        self._axes = machine.coordinates
+        self._known = machine.modes
         self._mode = review.mode
         self._elsewhere = Elsewhere(gui)
         self._style = gui.add_html(style(stale=False))
@@ -134,7 +134,7 @@ class SolutionsPanel(Panel):
         self._folds: dict[str, Ahead] = {}
         limbs = len(self._known[0]) if signed(self._known) else 0
         gui.add_html(box(f'<div style="opacity:0.75">{key_html(self._axes, limbs)}</div>'))
-        explain(gui, HELP, kind.about("solutions"))
+        explain(gui, HELP, machine.text("solutions"))
 
     def draw_moment(self, sheet: Sheet, moment: Moment) -> None:
         self._elsewhere.draw(moment)
@@ -142,7 +142,7 @@ class SolutionsPanel(Panel):
     def draw(self, sheet: Sheet) -> None:
         review = sheet.view.review
         wanted = review.atlas
-        self._axes = review.mechanism.pose_coordinates(review.design)
+        self._axes = review.machine.coordinates
         self._mode = review.mode
         put(self._desk, self._ghosts, wanted.ghosts)
         put(self._desk, self._mixed, wanted.mixed)
@@ -204,7 +204,7 @@ class SolutionsPanel(Panel):
         spans = [
             (axis, value, goals.get((n, False)), goals.get((n, True)))
             for n, (axis, value) in enumerate(
-                zip(review.mechanism.joint_coordinates(review.design), posture.joints, strict=True)
+                zip(review.machine.joints, posture.joints, strict=True)
             )
         ]
         put_prop(

@@ -80,8 +80,8 @@ class Ghosts:
         at = np.empty((0, 4, 4))
         if ahead is not None and ahead.fold is not None:
             there = ahead.fold
-            at = review.mechanism.transform(review.design, there.pose, there.mode)[None]
-            axis = review.mechanism.joint_coordinates(review.design)[ahead.index]
+            at = review.machine.transform(there.pose, there.mode)[None]
+            axis = review.machine.joints[ahead.index]
             self._label.text = f"fold at {axis.symbol} = {joint_text(axis, ahead.goal)}"
             self._label.position = tuple(float(v) for v in at[0, :3, 3])
         self._label.visible = ahead is not None

@@ -16,7 +16,8 @@ from kinematics.errors import InputError
 if TYPE_CHECKING:
     from app.features.trajectory.files import Points
     from kinematics.answers.solutions import Followed
-    from kinematics.mechanism import Coordinate, Design, Mechanism
+    from kinematics.machine import Machine
+    from kinematics.mechanism import Coordinate
     from kinematics.trajectories import Event, Fits, Law, Limits, Trajectory
     from kinematics.trajectories import Path as Way
 
@@ -102,17 +103,17 @@ def _trajectory(arguments: argparse.Namespace) -> None:
     output: Path | None = arguments.output
     if output is not None:
         common.ending(output, ("csv",), "a trajectory")
-    design, mechanism = common.load(arguments.design)
-    joints = mechanism.joint_coordinates(design)
-    axes = mechanism.pose_coordinates(design)
-    way = _way(arguments, design, mechanism)
+    machine = common.load(arguments.design)
+    design = machine.design
+    joints = machine.joints
+    axes = machine.coordinates
+    way = _way(arguments, machine)
     load = None if arguments.load is None else load_numbers(arguments.load)
     limits = _limits(arguments, joints)
     degree = None if arguments.fit is None else _whole("--fit", arguments.fit)
     with common.progress("Trajectory"):
         found = trajectories.trajectory(
-            mechanism,
-            design,
+            machine,
             way.path,
             way.law,
             way.mode,
@@ -121,16 +122,16 @@ def _trajectory(arguments: argparse.Namespace) -> None:
             limits=limits,
             dependent=way.dependent,
         )
-        fits = None if degree is None else trajectories.fit(mechanism, design, found, degree)
-        driven = _driven(design, mechanism, found)
-    common.warn(design, mechanism)
+        fits = None if degree is None else trajectories.fit(machine, found, degree)
+        driven = _driven(machine, found)
+    common.warn(machine)
     if output is not None:
         common.write(output, trajectory_csv(found, axes, joints).encode())
     if arguments.json:
-        common.print_json(_answer(arguments, design, mechanism, way, found, fits, driven))
+        common.print_json(_answer(arguments, machine, way, found, fits, driven))
         return
     law = f"{way.kind}{way.law.duration:g} s"
-    common.print_head(design, f"{way.title}{common.mode_text(mechanism, way.mode)}, {law}")
+    common.print_head(design, f"{way.title}{common.mode_text(machine, way.mode)}, {law}")
     print("\n".join(_lines(found, fits, axes, joints)))
     if driven is not None and driven.stop != "target":
         where = tables.with_units(tables.outer(driven.posture.pose, axes), axes)
@@ -139,14 +140,14 @@ def _trajectory(arguments: argparse.Namespace) -> None:
         print(f"file       {output} ({len(found.times)} rows; mm, degrees, s)")
 
 
-def _driven(design: Design, mechanism: Mechanism, found: Trajectory) -> Followed | None:
+def _driven(machine: Machine[Any], found: Trajectory) -> Followed | None:
     """How far a machine gets that is driven along a path which leaves its reach or its control."""
     if not any(event.kind in ("singularity", "outside") for event in found.events):
         return None
     step = max(1, len(found.poses) // DRIVEN)
     poses = found.poses[[*range(0, len(found.poses) - 1, step), -1]]
-    start = mechanism.posture(design, tuple(poses[0].tolist()), found.mode)
-    return mechanism.path(design, start, poses[1:])
+    start = machine.inverse.posture(tuple(poses[0].tolist()), found.mode)
+    return machine.paths.drive(start, poses[1:])
 
 
 # --- the path and its law ------------------------------------------------------------------
@@ -167,11 +168,11 @@ class _Asked(NamedTuple):
     dependent: int | None = None
 
 
-def _way(arguments: argparse.Namespace, design: Design, mechanism: Mechanism) -> _Asked:
+def _way(arguments: argparse.Namespace, machine: Machine[Any]) -> _Asked:
     """The path, its time law and its mode."""
     from kinematics.trajectories import law
 
-    known = {each.name: each for each in mechanism.trajectories(design)}
+    known = {each.name: each for each in machine.paths.named()}
     named = known.get(arguments.path)
     duration = None
     if arguments.duration is not None:
@@ -180,7 +181,7 @@ def _way(arguments: argparse.Namespace, design: Design, mechanism: Mechanism) ->
         raise InputError("--blend goes with --through lines")
     mode = named.mode if named is not None else ""
     if named is None or arguments.mode is not None:
-        mode = common.chosen_mode(arguments.mode, design, mechanism)
+        mode = common.chosen_mode(arguments.mode, machine)
     if named is not None:
         kind = named.law.kind if arguments.law is None else arguments.law
         seconds = named.law.duration if duration is None else duration
@@ -188,8 +189,8 @@ def _way(arguments: argparse.Namespace, design: Design, mechanism: Mechanism) ->
         title = named.title if own else f"The way of {named.name}"
         told = "" if own else f"{kind}, "
         return _Asked(named.name, title, named.path, law(kind, seconds), mode, told)
-    points = _points(arguments, design, mechanism, tuple(known))
-    path = _joined(arguments, design, mechanism, points, mode)
+    points = _points(arguments, machine, tuple(known))
+    path = _joined(arguments, machine, points, mode)
     if points.times is not None:
         if arguments.law is not None:
             raise InputError("--law: the file gives the times, so that there is no law to choose")
@@ -203,9 +204,7 @@ def _way(arguments: argparse.Namespace, design: Design, mechanism: Mechanism) ->
     return _Asked(name, name, path, chosen, mode, told, points.dependent)
 
 
-def _points(
-    arguments: argparse.Namespace, design: Design, mechanism: Mechanism, known: tuple[str, ...]
-) -> Points:
+def _points(arguments: argparse.Namespace, machine: Machine[Any], known: tuple[str, ...]) -> Points:
     """What the file says."""
     from app.features.trajectory.files import LARGEST, read_points
 
@@ -219,23 +218,24 @@ def _points(
     except (OSError, ValueError):
         names = f"; paths by name are {', '.join(known)}" if known else ""
         raise InputError(f"there is no file {arguments.path!r} that can be read{names}") from None
-    axes = mechanism.pose_coordinates(design)
-    return read_points(
-        text, axes, origin=str(file), dependent=mechanism.dependent_coordinates(design)
-    )
+    axes = machine.coordinates
+    return read_points(text, axes, origin=str(file), dependent=machine.dependent)
 
 
 def _joined(
-    arguments: argparse.Namespace, design: Design, mechanism: Mechanism, points: Points, mode: str
+    arguments: argparse.Namespace,
+    machine: Machine[Any],
+    points: Points,
+    mode: str,
 ) -> Way:
     """The path through a file's points; one that leaves a coordinate open is completed first."""
     from kinematics.trajectories import polyline, spline
 
     poses = points.poses
     if points.dependent is not None:
-        poses = tuple(mechanism.complete_pose(design, pose, mode) for pose in poses)
-    length = mechanism.characteristic_length(design)
-    axes = mechanism.pose_coordinates(design)
+        poses = tuple(machine.complete_pose(pose, mode) for pose in poses)
+    length = machine.length
+    axes = machine.coordinates
     scale = [length if axis.unit == "rad" else 1.0 for axis in axes]
     if points.times is not None:
         if arguments.through == "lines":
@@ -285,8 +285,7 @@ def _limits(arguments: argparse.Namespace, joints: Sequence[Coordinate]) -> Limi
 
 def _answer(
     arguments: argparse.Namespace,
-    design: Design,
-    mechanism: Mechanism,
+    machine: Machine[Any],
     way: _Asked,
     found: Trajectory,
     fits: Fits | None,
@@ -294,14 +293,14 @@ def _answer(
 ) -> dict[str, Any]:
     from app.features.trajectory.files import columns_of
 
-    axes, joints = mechanism.pose_coordinates(design), mechanism.joint_coordinates(design)
+    axes, joints = machine.coordinates, machine.joints
     columns = columns_of(found, axes, joints)
     flags = columns.pop("within_stroke")
     return {
-        "design": design.name,
-        "mechanism": design.mechanism,
+        "design": machine.design.name,
+        "mechanism": machine.design.mechanism,
         "path": way.name,
-        **common.mode_entry(mechanism, found.mode),
+        **common.mode_entry(machine, found.mode),
         "law": way.law.kind,
         "duration_s": way.law.duration,
         "length_mm": found.length,

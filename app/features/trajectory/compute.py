@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +24,8 @@ from app.features.trajectory.state import (
 )
 from app.review.state import Review
 from kinematics.errors import InputError
-from kinematics.mechanism import Design, Mechanism, mechanism
+from kinematics.machine import Machine, machine_of
+from kinematics.mechanism import Design
 from kinematics.screws.spatial import Array
 from kinematics.trajectories import (
     Event,
@@ -57,8 +59,8 @@ class Asked:
     follows: int | None
 
     @property
-    def kind(self) -> Mechanism:
-        return mechanism(self.design.mechanism)
+    def machine(self) -> Machine[Any]:
+        return machine_of(self.design)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -128,12 +130,11 @@ def asked(review: Review) -> Asked | None:
 
 def compute(of: Asked) -> Computed:
     """The trajectory without distances to singularities."""
-    kind, design, plan = of.kind, of.design, of.plan
-    path, law = path_of(plan, kind, design)
-    follows = giving_way(path, kind, design, of.mode, of.follows)
+    machine, plan = of.machine, of.plan
+    path, law = path_of(plan, machine)
+    follows = giving_way(path, machine, of.mode, of.follows)
     found = trajectory(
-        kind,
-        design,
+        machine,
         path,
         law,
         of.mode,
@@ -143,8 +144,8 @@ def compute(of: Asked) -> Computed:
         distances=False,
         dependent=follows,
     )
-    path = constrained(path, kind, design, of.mode, follows)
-    spots = kind.transform(design, found.poses, of.mode)[:, :3, 3]
+    path = constrained(path, machine, of.mode, follows)
+    spots = machine.transform(found.poses, of.mode)[:, :3, 3]
     knots = _knots(of, spots, follows)
     return Computed(of, path, law, found, spots, _marks(of, found.events), knots)
 
@@ -155,22 +156,22 @@ def _knots(of: Asked, spots: Array, follows: int | None) -> Array:
     if follows is not None or not 2 < len(points) <= MOST_KNOTS:
         return spots[[0, -1]]
     poses = np.array(points)
-    places: Array = of.kind.transform(of.design, poses, of.mode)[:, :3, 3]
+    places: Array = of.machine.transform(poses, of.mode)[:, :3, 3]
     return places
 
 
 def distances(of: Asked, poses: Array) -> Array:
     """mm (N,) to the nearest parallel or constraint singularity of poses (N, P); inf: none."""
-    path, law = path_of(of.plan, of.kind, of.design)
-    along = Along(of.kind, of.design, path, law, of.mode)
+    path, law = path_of(of.plan, of.machine)
+    along = Along(of.machine, path, law, of.mode)
     return np.array([along.distance(pose) for pose in poses.tolist()])
 
 
 def judged(computed: Computed) -> Computed:
     """The same with the events that the distances show, too."""
     of, found = computed.asked, computed.found
-    along = Along(of.kind, of.design, computed.path, computed.law, of.mode)
-    near = NEAR * of.kind.characteristic_length(of.design)
+    along = Along(of.machine, computed.path, computed.law, of.mode)
+    near = NEAR * of.machine.length
     events = events_of(along, found, of.plan.limits, near)
     return replace(computed, found=replace(found, events=events), marks=_marks(of, events))
 
@@ -190,19 +191,19 @@ def known_distances(found: Trajectory) -> tuple[Array, Array]:
 def fitted(computed: Computed, degree: int) -> Fits:
     """Polynomials for the joints, with their true error."""
     of = computed.asked
-    return fit(of.kind, of.design, computed.found, degree)
+    return fit(of.machine, computed.found, degree)
 
 
 def reach(
     design: Design, pose: tuple[float, ...], mode: str, plane: tuple[int, int], follows: int | None
 ) -> Reach:
     """Where the machine can be in a plane, drawn close around."""
-    kind = mechanism(design.mechanism)
-    axes = kind.pose_coordinates(design)
+    machine = machine_of(design)
+    axes = machine.coordinates
     whole = tuple((axes[n].lower, axes[n].upper) for n in plane)
     # Coordinates that follow are solved for one by one.
-    cells = COARSE if set(kind.dependent_coordinates(design)) - set(plane) else CELLS
-    seen = _inside(kind, design, pose, mode, plane, follows, whole, cells)
+    cells = COARSE if set(machine.dependent) - set(plane) else CELLS
+    seen = _inside(machine, pose, mode, plane, follows, whole, cells)
     if not seen.any():
         return Reach(plane, (whole[0], whole[1]), seen)
     close = []
@@ -217,31 +218,29 @@ def reach(
         (float(close[0][0]), float(close[0][1])),
         (float(close[1][0]), float(close[1][1])),
     )
-    inside = _inside(kind, design, pose, mode, plane, follows, bounds, cells)
-    return Reach(plane, bounds, inside, _lost(kind, design, pose, mode, plane))
+    inside = _inside(machine, pose, mode, plane, follows, bounds, cells)
+    return Reach(plane, bounds, inside, _lost(machine, pose, mode, plane))
 
 
 def _lost(
-    kind: Mechanism,
-    design: Design,
+    machine: Machine[Any],
     pose: Sequence[float],
     mode: str,
     plane: tuple[int, int],
 ) -> tuple[Array, ...]:
     """Curves in a plane where control is lost, if the mechanism has a chart of it."""
-    symbols = [kind.pose_coordinates(design)[n].symbol for n in plane]
-    for chart in kind.locus_specs(design):
+    symbols = [machine.coordinates[n].symbol for n in plane]
+    for chart in machine.singularities.loci:
         if sorted(chart.axes) != sorted(symbols):
             continue
-        found = kind.locus(design, chart.key, pose, mode)
+        found = machine.singularities.locus(chart.key, pose, mode)
         turn = 1 if list(chart.axes) == symbols else -1
         return tuple(curve[:, ::turn] for curve in found.lost())
     return ()
 
 
 def _inside(
-    kind: Mechanism,
-    design: Design,
+    machine: Machine[Any],
     pose: Sequence[float],
     mode: str,
     plane: tuple[int, int],
@@ -253,20 +252,20 @@ def _inside(
     u, v = (low + middles * (high - low) for low, high in bounds)
     poses = np.tile(np.asarray(pose, dtype=float), (cells * cells, 1))
     poses[:, plane[0]], poses[:, plane[1]] = (a.ravel() for a in np.meshgrid(u, v, indexing="ij"))
-    free = [n for n in kind.dependent_coordinates(design) if n not in plane]
+    free = [n for n in machine.dependent if n not in plane]
     possible = np.ones(len(poses), dtype=bool)
     if free:
         gives_way = follows if follows in free else None
         for n, each in enumerate(poses.tolist()):
             for way in [gives_way] if gives_way is not None else free:
                 try:
-                    poses[n] = kind.complete_pose(design, tuple(each), mode, dependent=way)
+                    poses[n] = machine.complete_pose(tuple(each), mode, dependent=way)
                     break
                 except InputError:
                     continue
             else:
                 possible[n] = False
-    answer = kind.inverse(design, poses)
+    answer = machine.inverse(poses)
     inside: np.ndarray = answer.within_stroke[:, answer.modes.index(mode)] & possible
     return inside.reshape(cells, cells)
 
@@ -275,7 +274,7 @@ def _marks(of: Asked, events: Sequence[Event]) -> Array:
     if not events:
         return np.empty((0, 3))
     poses = np.array([event.pose for event in events])
-    marks: Array = of.kind.transform(of.design, poses, of.mode)[:, :3, 3]
+    marks: Array = of.machine.transform(poses, of.mode)[:, :3, 3]
     return marks
 
 

@@ -42,7 +42,7 @@ from app.widgets.desk import (
 from app.widgets.plots import Plot
 from app.widgets.pose_boxes import LimitsBox
 from kinematics.errors import InputError
-from kinematics.mechanism import Design, Mechanism
+from kinematics.machine import Machine
 from kinematics.trajectories.fits import HIGHEST
 
 KINDS = ("CSV", "SVG")
@@ -92,7 +92,7 @@ class TrajectoryPanel(Panel):
         self._desk = desk
         self._sheet = sheet
         self._axes = axes_of(review)
-        self._joints = review.mechanism.joint_coordinates(review.design)
+        self._joints = review.machine.joints
         plan = review.plan
         self._on = gui.add_checkbox(
             "Show the trajectory", plan.on, hint="In the scene and as plots (hotkey T)"
@@ -119,7 +119,7 @@ class TrajectoryPanel(Panel):
             self._fits = gui.add_html("")
         self._save = gui.add_button_group("Save as", KINDS)
         clicked(desk, self._save, self._saved)
-        explain(gui, review.mechanism.about("trajectory"), HELP)
+        explain(gui, review.machine.text("trajectory"), HELP)
         self._add_window(sheet)
         self._computed: Computed | None = None
         self._measuring = False
@@ -217,8 +217,8 @@ class TrajectoryPanel(Panel):
         answer(desk, self._shown, lambda title, client: self._do(client, plot=PLOTS[title]))
 
     @staticmethod
-    def serves(kind: Mechanism, design: Design) -> bool:
-        return bool(kind.joint_coordinates(design))
+    def serves(machine: Machine[Any]) -> bool:
+        return bool(machine.joints)
 
     # --- what a person does
 

@@ -234,8 +234,8 @@ class Moving:
         except InputError as error:
             self._stage.complain(str(error), client)
             return False
-        kind = computed.law.kind
-        values: tuple[tuple[str, object], ...] = (("duration", duration), ("law", kind))
+        machine = computed.law.kind
+        values: tuple[tuple[str, object], ...] = (("duration", duration), ("law", machine))
         if plan.law == "trapezoidal":
             length, old = computed.path.length, computed.law
             top = length / duration / (1.0 - old.ramp)
@@ -322,8 +322,8 @@ class Moving:
             self._stage.complain("There is no trajectory to save yet.", client)
             return
         of, review = computed.asked, self._stage.view.review
-        axes = of.kind.pose_coordinates(of.design)
-        joints = of.kind.joint_coordinates(of.design)
+        axes = of.machine.coordinates
+        joints = of.machine.joints
         found = replace(computed.found, distance=self._distance)
         if kind == "csv":
             data = trajectory_csv(found, axes, joints)

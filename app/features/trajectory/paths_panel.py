@@ -58,7 +58,7 @@ class WayFolder:
         self._desk = desk
         self._sheet = sheet
         self._axes = axes = axes_of(review)
-        named = review.mechanism.trajectories(review.design)
+        named = review.machine.paths.named()
         self._named = {each.name: each for each in named}
         self._titles = {**{t.title: name for name, t in self._named.items()}} | {
             title: way for way, title in OWN_TITLES.items()
@@ -170,16 +170,16 @@ class WayFolder:
                     f"{file.name}: not a text file in UTF-8, so not a list of points"
                 ) from None
             review = self._sheet.view.review
-            kind, design = review.mechanism, review.design
+            machine = review.machine
             points = read_points(
                 text,
                 self._axes,
                 origin=file.name,
-                dependent=kind.dependent_coordinates(design),
+                dependent=machine.dependent,
             )
             poses, left = points.poses, points.dependent
             if left is not None:
-                poses = tuple(kind.complete_pose(design, pose, review.mode) for pose in poses)
+                poses = tuple(machine.complete_pose(pose, review.mode) for pose in poses)
             self._do(
                 event.client,
                 way=FILE,
@@ -257,7 +257,7 @@ class WayFolder:
         if named is not None:
             mode = self._sheet.view.review.mode
             other = (
-                f" Given for {self._sheet.view.review.mechanism.mode_noun} {esc(named.mode)}; "
+                f" Given for {self._sheet.view.review.machine.mode_noun} {esc(named.mode)}; "
                 "it runs in the present one."
                 if named.mode != mode
                 else ""

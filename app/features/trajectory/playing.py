@@ -156,7 +156,7 @@ class Playing:
         now = time.monotonic()
         self.player = self.player.pause(now)
         pose = computed.pose_at(self.player.at(now))
-        axes = review.mechanism.pose_coordinates(review.design)
+        axes = review.machine.coordinates
         notes = [within(c, v)[1] for c, v in zip(axes, pose, strict=True)]
         if any(notes):  # elsewhere than on the way it would be of no use
             if asked:
@@ -215,14 +215,14 @@ class Playing:
 def on_the_way(view: View, pose: tuple[float, ...], at: float, duration: float) -> View:
     """The view with the machine at a pose of its trajectory; the review stays."""
     review = view.review
-    kind, design = review.mechanism, review.design
-    posture = kind.posture(design, pose, review.mode)
+    machine = review.machine
+    posture = machine.inverse.posture(pose, review.mode)
     status = compute.status(replace(review, pose=pose), posture)
     return replace(
         view,
         posture=posture,
-        drawing=kind.drawing(design, posture),
-        platform=kind.transform(design, pose, review.mode),
-        joints=compute.joint_rows(kind, design, posture),
+        drawing=machine.drawing(posture),
+        platform=machine.transform(pose, review.mode),
+        joints=compute.joint_rows(machine, posture),
         status=replace(status, text=f"At {at:.2f} of {duration:.2f} s · {status.text}"),
     )

@@ -54,7 +54,7 @@ class Strip:
 def strips(computed: Computed, plot: str) -> tuple[Strip, ...]:
     """What is plotted; ``plot`` is one of `ORDER`, or "all"."""
     of, found = computed.asked, computed.found
-    joints = of.kind.joint_coordinates(of.design)
+    joints = of.machine.joints
     unit = "°" if joints[0].unit == "rad" else "mm"
     plan = of.plan
     torque = joints[0].unit == "rad"

@@ -22,7 +22,7 @@ _TURNING = ("rates", "accelerations")  # limits that are of angles where a joint
 def plan_table(review: Review) -> dict[str, Any]:
     """What `plan_from_table` reads; a pose is one line of numbers, so that paths stay short."""
     plan, axes = review.plan, axes_of(review)
-    joints = review.mechanism.joint_coordinates(review.design)
+    joints = review.machine.joints
     table: dict[str, Any] = {f.name: getattr(plan, f.name) for f in fields(Plan)}
     for name in _ENDS:
         table[name] = _written(table[name], axes)
@@ -43,7 +43,7 @@ def plan_from_table(given: Any, review: Review, origin: str) -> Plan:
     if not isinstance(given, dict):
         raise InputError(f"{origin}: 'trajectory' is not of the right kind")
     axes = axes_of(review)
-    joints = review.mechanism.joint_coordinates(review.design)
+    joints = review.machine.joints
     values: dict[str, Any] = {}
     for f in fields(Plan):
         if f.name not in given:

@@ -8,10 +8,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from kinematics.errors import InputError
-from kinematics.mechanism import Coordinate, Mechanism
+from kinematics.machine import Machine
+from kinematics.mechanism import Coordinate
 from kinematics.trajectories import (
     LAWS,
     Law,
@@ -110,8 +111,8 @@ NO_PLAN = Plan()
 
 def fresh_plan(review: Review) -> Plan:
     """Of a machine that nobody gave one: its own first trajectory, else one from its home."""
-    named = review.mechanism.trajectories(review.design)
-    home = review.mechanism.home(review.design).pose
+    named = review.machine.paths.named()
+    home = review.machine.home.pose
     return Plan(way=named[0].name if named else STRAIGHT, start=home)
 
 
@@ -134,7 +135,7 @@ def plan_for(review: Review, plan: Plan) -> Plan:
             )
         },
     )
-    named = {each.name for each in review.mechanism.trajectories(review.design)}
+    named = {each.name for each in review.machine.paths.named()}
     if not set(plan.plane) <= {"", *(c.key for c in axes_of(review))}:
         return kept
     if plan.way not in (*OWN, *named):
@@ -147,7 +148,7 @@ def plan_for(review: Review, plan: Plan) -> Plan:
 
 def axes_of(review: Review) -> tuple[Coordinate, ...]:
     """The pose coordinates of a review."""
-    return review.mechanism.pose_coordinates(review.design)
+    return review.machine.coordinates
 
 
 def plane_of(plan: Plan, axes: Sequence[Coordinate]) -> tuple[int, int]:
@@ -163,9 +164,9 @@ def checked_plan(plan: Plan, review: Review) -> Plan:
     Raises:
         InputError: a name that is none, points that are no poses, or numbers that cannot be.
     """
-    named = [each.name for each in review.mechanism.trajectories(review.design)]
+    named = [each.name for each in review.machine.paths.named()]
     axes = axes_of(review)
-    joints = review.mechanism.joint_coordinates(review.design)
+    joints = review.machine.joints
     for name, known, what in (
         (plan.way, (*OWN, *named), "a way"),
         (plan.through, ("spline", "lines"), "how points are joined"),
@@ -245,7 +246,7 @@ def missing(plan: Plan) -> str:
     return ""
 
 
-def path_of(plan: Plan, kind: Mechanism, design: object) -> tuple[Path, Law]:
+def path_of(plan: Plan, machine: Machine[Any]) -> tuple[Path, Law]:
     """The path of a plan, and its time law.
 
     Raises:
@@ -253,9 +254,9 @@ def path_of(plan: Plan, kind: Mechanism, design: object) -> tuple[Path, Law]:
     """
     if missing(plan):
         raise InputError(missing(plan))
-    length = kind.characteristic_length(design)
-    scale = [length if c.unit == "rad" else 1.0 for c in kind.pose_coordinates(design)]
-    named = next((t for t in kind.trajectories(design) if t.name == plan.way), None)
+    length = machine.length
+    scale = [length if c.unit == "rad" else 1.0 for c in machine.coordinates]
+    named = next((t for t in machine.paths.named() if t.name == plan.way), None)
     if named is not None:
         return named.path, _law(plan, named.path, named.law)
     if plan.way == STRAIGHT:
@@ -275,11 +276,11 @@ def path_of(plan: Plan, kind: Mechanism, design: object) -> tuple[Path, Law]:
 
 
 def _law(plan: Plan, path: Path, own: Law) -> Law:
-    kind = plan.law or own.kind
+    machine = plan.law or own.kind
     if plan.law == "trapezoidal":
         return trapezoidal(path.length, plan.speed, plan.acceleration)
     duration = plan.duration or own.duration
-    return law(kind, duration, ramp=own.ramp)
+    return law(machine, duration, ramp=own.ramp)
 
 
 def trimmed(points: Sequence[Pose]) -> tuple[Pose, ...]:

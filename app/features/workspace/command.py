@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from app.features.workspace import regions_command
 from app.terminal import common, tables
 from kinematics.errors import ComputationError, InputError
 
 if TYPE_CHECKING:
-    from kinematics.mechanism import Design, Mechanism, SurfaceKind
+    from kinematics.facets.solids import SurfaceKind
+    from kinematics.machine import Machine
 
 WORKSPACE = "workspace"
 
@@ -73,28 +74,29 @@ def _add_solid(parser: argparse.ArgumentParser) -> None:
 
 
 def _workspace(arguments: argparse.Namespace) -> None:
-    design, mechanism = common.load(arguments.design)
-    modes = common.chosen_modes(arguments.modes, mechanism.modes)
-    turned = common.orientation(arguments, design, mechanism)
+    machine = common.load(arguments.design)
+    modes = common.chosen_modes(arguments.modes, machine.modes)
+    turned = common.orientation(arguments, machine)
     key = WORKSPACE
     if turned.open is not None:
-        specs = mechanism.solids(design)
+        specs = machine.solid_specs
         key = next((spec.key for spec in specs if spec.follows == turned.open), WORKSPACE)
-    elif regions_command.offered(mechanism, design):
-        regions_command.workspace(arguments, design, mechanism, turned, modes)
+    elif regions_command.offered(machine):
+        regions_command.workspace(arguments, machine, turned, modes)
         return
-    _solid(arguments, design, mechanism, key, turned, modes, arguments.surface)
+    _solid(arguments, machine, key, turned, modes, arguments.surface)
 
 
 def _vertex_space(arguments: argparse.Namespace) -> None:
-    design, mechanism = common.load(arguments.design)
+    machine = common.load(arguments.design)
+    design = machine.design
     limbs: dict[str, dict[str, str]] = {}
-    for spec in mechanism.solids(design):
+    for spec in machine.solid_specs:
         if spec.limb is not None:
             part = spec.key.partition("/")[2]
             limbs.setdefault(str(spec.limb), {})[part.lower()] = spec.key
     if not limbs:
-        raise InputError(f"{design.name}: a {mechanism.title} has no vertex spaces")
+        raise InputError(f"{design.name}: a {machine.title} has no vertex spaces")
     parts = limbs.get(arguments.limb.strip())
     if parts is None:
         raise InputError(f"--limb must be one of {', '.join(limbs)}, got {arguments.limb!r}")
@@ -102,14 +104,13 @@ def _vertex_space(arguments: argparse.Namespace) -> None:
     if key is None:
         known = ", ".join(key.partition("/")[2] for key in parts.values())
         raise InputError(f"--part must be one of {known}, got {arguments.part!r}")
-    turned = common.orientation(arguments, design, mechanism)
-    _solid(arguments, design, mechanism, key, turned, None)
+    turned = common.orientation(arguments, machine)
+    _solid(arguments, machine, key, turned, None)
 
 
 def _solid(
     arguments: argparse.Namespace,
-    design: Design,
-    mechanism: Mechanism,
+    machine: Machine[Any],
     key: str,
     turned: common.Orientation,
     modes: tuple[str, ...] | None,
@@ -118,33 +119,40 @@ def _solid(
     """Build one solid, write it if a file is wanted, and print what it is."""
     from app.features.review import files
 
-    spec = next((spec for spec in mechanism.solids(design) if spec.key == key), None)
+    spec = next((spec for spec in machine.solid_specs if spec.key == key), None)
     if spec is None:
-        raise InputError(f"{design.name}: a {mechanism.title} has no {key} solid")
+        raise InputError(f"{machine.design.name}: a {machine.title} has no {key} solid")
     path: Path | None = arguments.output
     kind = None if path is None else common.checked(path, files.format_of(path))
     pose = turned.pose
     if surface not in spec.surfaces:
         raise InputError(f"--surface: {spec.title} is built as {' or '.join(spec.surfaces)} only")
-    request = mechanism.solid_request(design, key, pose, modes, arguments.resolution, surface)
+    from kinematics.facets.solids import build_solid
+    from kinematics.machine import required
+
+    request = required(machine.solids, "solids").request(
+        key, pose, modes, arguments.resolution, surface
+    )
     with common.progress(f"{spec.title}, {arguments.resolution}"):
-        built = mechanism.build_solid(request)
-    common.warn(design, mechanism)
+        built = build_solid(request)
+    common.warn(machine)
     if path is not None and kind is not None:
         if built.triangles == 0:
             raise ComputationError(f"{spec.title} is empty, so {str(path)!r} was not written")
-        data = files.solid_bytes(built, mechanism.solid_placement(design, key, pose), kind)
+        data = files.solid_bytes(
+            built, required(machine.solids, "solids").placement(key, pose), kind
+        )
         common.write(path, data)
     if not arguments.json:
-        common.print_head(design)
+        common.print_head(machine.design)
         where = f"at {turned.text()}, {arguments.resolution}"
         file = None if path is None else str(path)
         print(tables.solid_text(built, spec.title, where, modes if spec.uses_modes else (), file))
         return
     common.print_json(
         {
-            "design": design.name,
-            "mechanism": design.mechanism,
+            "design": machine.design.name,
+            "mechanism": machine.design.mechanism,
             "solid": key,
             **turned.entries(),
             **({"modes": "all" if modes is None else modes} if spec.uses_modes else {}),

@@ -11,7 +11,8 @@ from app.features.section.compute import edges, segments
 from app.review.state import Review
 from kinematics.answers.sections import Region, RegionSpec, Section
 from kinematics.answers.singularities import LocusCurves
-from kinematics.mechanism import Design, mechanism
+from kinematics.machine import machine_of, required
+from kinematics.mechanism import Design
 from kinematics.screws.spatial import Array
 
 STEP = 4.0  # mm, the longest chord of an arc in the scene
@@ -63,10 +64,10 @@ def wish(review: Review) -> Wish | None:
 
     The position does not count, as the regions are of all positions.
     """
-    kind, design, flat = review.mechanism, review.design, review.flat
-    if not flat.on or not kind.region_specs(design):
+    machine, design, flat = review.machine, review.design, review.flat
+    if not flat.on or not machine.region_specs:
         return None
-    axes = kind.pose_coordinates(design)
+    axes = machine.coordinates
     pose = tuple(0.0 if c.unit == "mm" else v for c, v in zip(axes, review.pose, strict=True))
     return Wish(design, pose, review.solver_modes, review.mode, flat.key, flat.locus)
 
@@ -75,11 +76,11 @@ def lay(wanted: Wish) -> Laid:
     """The regions, filled, with their edges and singular curves."""
     from kinematics.solids.csg import flat_mesh
 
-    kind = mechanism(wanted.design.mechanism)
-    spec = next(s for s in kind.region_specs(wanted.design) if s.key == wanted.key)
+    machine = machine_of(wanted.design)
+    spec = next(s for s in machine.region_specs if s.key == wanted.key)
     modes = wanted.modes if spec.uses_modes else None
-    found = kind.regions(wanted.design, spec.key, wanted.pose, modes)
-    frame = kind.region_frame(wanted.design, wanted.pose)
+    found = required(machine.regions, "plane workspace").of(spec.key, wanted.pose, modes)
+    frame = required(machine.regions, "plane workspace").frame(wanted.pose)
     fills, lines, limbs = [], [], []
     drawn = _drawn([region.mode for region in found], wanted.mode)
     for region in found:
@@ -109,11 +110,11 @@ def _drawn(modes: list[str], present: str) -> str:
 
 
 def _locus(wanted: Wish, spec: RegionSpec, frame: Array) -> Array:
-    kind, design = mechanism(wanted.design.mechanism), wanted.design
-    chart = next((s for s in kind.locus_specs(design) if s.axes == spec.axes), None)
+    machine = machine_of(wanted.design)
+    chart = next((s for s in machine.singularities.loci if s.axes == spec.axes), None)
     if not wanted.locus or chart is None:
         return np.empty((0, 2, 3))
-    found: LocusCurves = kind.locus(design, chart.key, wanted.pose, wanted.mode)
+    found: LocusCurves = machine.singularities.locus(chart.key, wanted.pose, wanted.mode)
     return _raised(segments(found.lost()), frame)
 
 

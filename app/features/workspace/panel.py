@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import Any
 
 import viser
 
@@ -34,7 +35,8 @@ from app.widgets.desk import (
     volume_text,
 )
 from kinematics.answers.sections import Volume
-from kinematics.mechanism import Design, Mechanism, SolidSpec, SurfaceKind
+from kinematics.facets.solids import SolidSpec, SurfaceKind
+from kinematics.machine import Machine
 
 ALL, CURRENT, CHOSEN = "All working modes together", "The current working mode", "A chosen set"
 MADE_OF: dict[SurfaceKind, str] = {"facets": "Facets", "true": "The true surface"}
@@ -59,13 +61,11 @@ class WorkspacePanel(Panel):
     def __init__(self, desk: Desk, sheet: Sheet) -> None:
         gui, review = desk.gui, sheet.view.review
         self._desk = desk
-        self._known = review.mechanism.modes
+        self._known = review.machine.modes
         self._switches: dict[str, viser.GuiCheckboxHandle] = {}
         self._opacities: list[tuple[tuple[str, ...], viser.GuiSliderHandle[float]]] = []
-        self._regions = (
-            RegionsFolder(desk, sheet) if review.mechanism.region_specs(review.design) else None
-        )
-        specs = review.mechanism.solids(review.design)
+        self._regions = RegionsFolder(desk, sheet) if review.machine.region_specs else None
+        specs = review.machine.solid_specs
         alone = [s for s in specs if s.limb is None and s.key != ASPECTS]
         for spec in alone:
             gui.add_html(box(f"<b>{esc(spec.title)}</b>"))
@@ -73,7 +73,7 @@ class WorkspacePanel(Panel):
         if alone:
             self._opacity(tuple(s.key for s in alone), "Opacity", 0.35)
         of_modes = any(spec.uses_modes for spec in alone) or any(
-            spec.uses_modes for spec in review.mechanism.region_specs(review.design)
+            spec.uses_modes for spec in review.machine.region_specs
         )
         self._choice = gui.add_dropdown(
             "Of",
@@ -102,7 +102,7 @@ class WorkspacePanel(Panel):
         self._report = gui.add_html(_report(sheet))
         self._measured: Sections | None = None
         self._exact = gui.add_html("")
-        if review.mechanism.section_spec(review.design) is not None:
+        if review.machine.section_spec is not None:
             self._usable(desk)
         self._whole = [s.key for s in specs if s.key.endswith("/whole")]
         self._all: viser.GuiCheckboxHandle | None = None
@@ -119,11 +119,11 @@ class WorkspacePanel(Panel):
                     self._switch(spec, title[:1].upper() + title[1:] + figure, sheet)
                 self._opacity(tuple(s.key for s in own), "Opacity", 0.25)
         self._parts = gui.add_html(_parts(sheet))
-        explain(gui, review.mechanism.about("workspace"), HELP)
+        explain(gui, review.machine.text("workspace"), HELP)
 
     @staticmethod
-    def serves(kind: Mechanism, design: Design) -> bool:
-        return bool(kind.solids(design) or kind.region_specs(design))
+    def serves(machine: Machine[Any]) -> bool:
+        return bool(machine.solid_specs or machine.region_specs)
 
     def draw(self, sheet: Sheet) -> None:
         review = sheet.view.review

@@ -62,7 +62,7 @@ class Regioning:
 
     def prepare(self) -> None:
         review = self._stage.view.review
-        self._nodes.prepare(bool(review.mechanism.region_specs(review.design)))
+        self._nodes.prepare(bool(review.machine.region_specs))
         self._laid = None
 
     def applied(self, change: Change, before: Review, note: str) -> None:

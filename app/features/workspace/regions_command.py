@@ -12,13 +12,12 @@ from kinematics.errors import ComputationError, InputError
 
 if TYPE_CHECKING:
     from kinematics.answers.sections import Region, RegionSpec, Section
-    from kinematics.mechanism import Design, Mechanism
+    from kinematics.machine import Machine
 
 
 def workspace(
     arguments: argparse.Namespace,
-    design: Design,
-    mechanism: Mechanism,
+    machine: Machine[Any],
     turned: common.Orientation,
     modes: tuple[str, ...] | None,
 ) -> None:
@@ -26,30 +25,34 @@ def workspace(
     from app.features.section.files import FORMATS, section_bytes, section_loops
     from kinematics.answers.sections import SectionSpec, together
 
-    specs = {spec.key: spec for spec in mechanism.region_specs(design)}
+    specs = {spec.key: spec for spec in machine.region_specs}
     spec = specs.get(arguments.regions)
     if spec is None:
         raise InputError(f"--regions must be one of {', '.join(specs)}, got {arguments.regions!r}")
     path: Path | None = arguments.output
     kind = None if path is None else common.ending(path, FORMATS, "a plane workspace")
+    from kinematics.machine import required
+
     with common.progress(spec.title):
-        found = mechanism.regions(design, spec.key, turned.pose, modes)
-    common.warn(design, mechanism)
+        found = required(machine.regions, "plane workspace").of(spec.key, turned.pose, modes)
+    common.warn(machine)
     if path is not None and kind is not None:
         if not any(region.section.loops for region in found):
             raise ComputationError(f"the workspace is empty, so {str(path)!r} was not written")
         plane = SectionSpec(spec.title, "normal", spec.axes, spec.figure)
         sections = [region.section for region in found]
-        title = ", ".join(filter(None, (design.title or design.name, turned.text())))
+        title = ", ".join(
+            filter(None, (machine.design.title or machine.design.name, turned.text()))
+        )
         common.write(path, section_bytes(together(sections), plane, kind, title=title))
     if not arguments.json:
-        common.print_head(design, ", ".join(filter(None, (spec.title, turned.text()))))
+        common.print_head(machine.design, ", ".join(filter(None, (spec.title, turned.text()))))
         print("\n".join(_lines(found, path)))
         return
     common.print_json(
         {
-            "design": design.name,
-            "mechanism": design.mechanism,
+            "design": machine.design.name,
+            "mechanism": machine.design.mechanism,
             "region": spec.key,
             **turned.entries(),
             "modes": "all" if modes is None else modes,
@@ -61,7 +64,7 @@ def workspace(
             "triangles": 0,
             "watertight": False,
             "axes": list(spec.axes),
-            "transform": mechanism.region_frame(design, turned.pose).tolist(),
+            "transform": required(machine.regions, "plane workspace").frame(turned.pose).tolist(),
             "loops": [loop for region in found for loop in section_loops(region.section)],
             "regions": [
                 {**_entry(region), "loops": section_loops(region.section)} for region in found
@@ -123,8 +126,8 @@ def _lines(found: Sequence[Region], path: Path | None) -> list[str]:
     return lines
 
 
-def offered(mechanism: Mechanism, design: Design) -> tuple[RegionSpec, ...]:
+def offered(machine: Machine[Any]) -> tuple[RegionSpec, ...]:
     """The regions that a mechanism has instead of a solid workspace; () where it has a solid."""
-    if any(spec.key == "workspace" for spec in mechanism.solids(design)):
+    if any(spec.key == "workspace" for spec in machine.solid_specs):
         return ()
-    return mechanism.region_specs(design)
+    return machine.region_specs

@@ -33,7 +33,7 @@ class RegionsFolder:
     def __init__(self, desk: Desk, sheet: Sheet) -> None:
         gui, review = desk.gui, sheet.view.review
         self._desk = desk
-        self._titles = {s.title: s.key for s in review.mechanism.region_specs(review.design)}
+        self._titles = {s.title: s.key for s in review.machine.region_specs}
         with gui.add_folder("In its plane"):
             self._on = gui.add_checkbox("Show", review.flat.on)
             answer(desk, self._on, lambda on, client: desk.send(SetFlat("on", on), client))

@@ -1,6 +1,6 @@
 """The planar five-bar (5R) of Sosa-López, Arias-Montiel and Lugo-González (2017)."""
 
-from kinematics.mechanisms.five_bar.design import FiveBarDesign, Limb
-from kinematics.mechanisms.five_bar.mechanism import MECHANISM
+from __future__ import annotations
 
-__all__ = ["MECHANISM", "FiveBarDesign", "Limb"]
+KINDS = {"five_bar": "FiveBar"}
+"""The class of each kind, in `mechanism`."""

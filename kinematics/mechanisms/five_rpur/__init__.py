@@ -1,6 +1,6 @@
 """The 5-RPUR (3T2R) parallel mechanism of Tale Masouleh et al., Meccanica 46 (2011)."""
 
-from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
-from kinematics.mechanisms.five_rpur.mechanism import MECHANISM
+from __future__ import annotations
 
-__all__ = ["MECHANISM", "FiveRPURDesign", "Limb"]
+KINDS = {"five_rpur": "FiveRPUR"}
+"""The class of each kind, in `mechanism`."""

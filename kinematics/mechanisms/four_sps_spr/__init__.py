@@ -1,6 +1,6 @@
 """The 4-SPS + 1-SPR parallel mechanism (5 DOF) of Wang et al. (2017)."""
 
-from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign, Limb
-from kinematics.mechanisms.four_sps_spr.mechanism import MECHANISM
+from __future__ import annotations
 
-__all__ = ["MECHANISM", "FourSPSSPRDesign", "Limb"]
+KINDS = {"four_sps_spr": "FourSPSSPR"}
+"""The class of each kind, in `mechanism`."""

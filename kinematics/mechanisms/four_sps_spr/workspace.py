@@ -23,7 +23,7 @@ import numpy as np
 from scipy.integrate import quad
 from scipy.ndimage import binary_dilation
 
-from kinematics.mechanism import Resolution
+from kinematics.facets.solids import Resolution
 from kinematics.mechanisms.four_sps_spr import home
 from kinematics.mechanisms.four_sps_spr.constraint import angle_terms, dependent_values
 from kinematics.mechanisms.four_sps_spr.design import LIMBS, SPR, FourSPSSPRDesign

@@ -1,6 +1,6 @@
 """The 3-RPS and 3-SPR parallel mechanisms, compared by Nayak et al. (2017)."""
 
-from kinematics.mechanisms.tripods.design import TripodDesign
-from kinematics.mechanisms.tripods.mechanism import THREE_RPS, THREE_SPR
+from __future__ import annotations
 
-__all__ = ["THREE_RPS", "THREE_SPR", "TripodDesign"]
+KINDS = {"three_rps": "ThreeRPS", "three_spr": "ThreeSPR"}
+"""The class of each kind, in `mechanism`."""

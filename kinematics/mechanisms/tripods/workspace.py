@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinematics.mechanism import Resolution
+from kinematics.facets.solids import Resolution
 from kinematics.mechanisms.tripods import polynomial, posing
 from kinematics.mechanisms.tripods.chart import from_chart
 from kinematics.mechanisms.tripods.design import TripodDesign, mode_sign

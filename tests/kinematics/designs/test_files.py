@@ -12,14 +12,13 @@ from hypothesis import strategies as st
 
 from kinematics.designs import assets, files
 from kinematics.designs.files import (
-    design_fields,
     load_design,
     presets,
     read_design,
-    with_field,
     write_design,
 )
 from kinematics.errors import DesignError, InputError
+from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 
 LIMB = """
@@ -287,15 +286,15 @@ def test_an_unknown_name_lists_what_there_is(name: str, fragment: str) -> None:
 
 def test_fields_are_all_numbers_of_a_design_and_each_can_be_changed() -> None:
     design = load_design("rpur-table1")
-    fields = design_fields(design)
+    fields = machine_of(design).fields
     assert len({field.path for field in fields}) == len(fields) == 45
     for field in fields:
-        changed = with_field(design, field.path, field.value + 0.5)
-        values = {f.path: f.value for f in design_fields(changed)}
+        changed = machine_of(design).edited(field.path, field.value + 0.5).design
+        values = {f.path: f.value for f in machine_of(changed).fields}
         assert values.pop(field.path) == field.value + 0.5
         assert values == {f.path: f.value for f in fields if f.path != field.path}
         assert (changed.name, changed.title) == (design.name, design.title)
-        assert with_field(changed, field.path, field.value) == design
+        assert machine_of(changed).edited(field.path, field.value).design == design
 
 
 @pytest.mark.parametrize(
@@ -312,4 +311,4 @@ def test_fields_are_all_numbers_of_a_design_and_each_can_be_changed() -> None:
 )
 def test_a_wrong_edit_is_refused(path: tuple[str | int, ...], value: float, said: str) -> None:
     with pytest.raises(InputError, match=said):
-        with_field(load_design("rpur-table1"), path, value)
+        machine_of(load_design("rpur-table1")).edited(path, value)

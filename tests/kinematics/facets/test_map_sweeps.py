@@ -15,7 +15,7 @@ from kinematics.answers.sections import MapCells
 from kinematics.designs.files import load_design
 from kinematics.errors import BohemiaError, ComputationError, InputError
 from kinematics.facets.map_sweeps import ATTEMPTS, MapRequest, coarse_first, map_request, sweep
-from kinematics.mechanisms.five_rpur import MECHANISM
+from kinematics.mechanisms.five_rpur.facets import RPURMaps
 
 DESIGN = load_design("rpur-table1")
 FIRST = np.linspace(-1.0, 1.0, 7)
@@ -32,13 +32,11 @@ def formula(poses: Any, quantities: int) -> Any:
 def known(monkeypatch: pytest.MonkeyPatch) -> None:
     """The mechanism answers by the formula; its errors are the tolerance."""
 
-    def map_cells(
-        self: Any, design: Any, poses: Any, modes: Any, quantities: Any, *, relative: float
-    ) -> MapCells:
+    def cells(self: Any, poses: Any, modes: Any, quantities: Any, *, relative: float) -> MapCells:
         values = formula(poses, len(quantities))
         return MapCells(values, np.full_like(values, relative))
 
-    monkeypatch.setattr(type(MECHANISM), "map_cells", map_cells)
+    monkeypatch.setattr(RPURMaps, "cells", cells)
 
 
 @pytest.fixture
@@ -222,10 +220,10 @@ def test_an_executor_that_takes_no_more_ends_the_map() -> None:
 def test_a_points_own_failure_is_not_tried_again(
     monkeypatch: pytest.MonkeyPatch, error: Exception, kind: type[Exception], said: str
 ) -> None:
-    def map_cells(*_: Any, **__: Any) -> MapCells:
+    def cells(*_: Any, **__: Any) -> MapCells:
         raise error
 
-    monkeypatch.setattr(type(MECHANISM), "map_cells", map_cells)
+    monkeypatch.setattr(RPURMaps, "cells", cells)
     executor = Direct()
     with pytest.raises(kind, match=said):
         sweep(asked(), executor, in_flight=1)

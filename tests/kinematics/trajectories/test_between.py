@@ -12,12 +12,13 @@ from hypothesis import strategies as st
 from kinematics import trajectories as t
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of
+from kinematics.mechanism import mechanism_class
 from kinematics.trajectories.along import Along
 from kinematics.trajectories.results import Quantity
 
 FIVE = load_design("five-bar")
-M = mechanism("five_bar")
+M = mechanism_class("five_bar")
 UNIT = (1.0, 1.0)
 BENT = ((0.0, 804.0), (100.0, 700.0), (-100.0, 600.0))
 
@@ -44,7 +45,7 @@ def _lissajous(points: int = 5000) -> t.Path:
 
 @pytest.mark.parametrize("samples", [2, 3, 17, 101])
 def test_the_largest_values_are_those_of_the_trajectory(samples: int) -> None:
-    (way,) = [each for each in M.trajectories(FIVE) if each.name == "rest-to-rest"]
+    (way,) = [each for each in machine_of(FIVE).paths.named() if each.name == "rest-to-rest"]
     found = _run(way.path, way.law, samples)
     along = Along(M, FIVE, way.path, way.law, way.mode)
     for n, what in enumerate(("rate", "acceleration")):
@@ -79,7 +80,7 @@ def test_a_path_that_is_finer_than_its_samples() -> None:
 
 
 def test_a_limit_is_exceeded_from_when_to_when() -> None:
-    (way,) = [each for each in M.trajectories(FIVE) if each.name == "rest-to-rest"]
+    (way,) = [each for each in machine_of(FIVE).paths.named() if each.name == "rest-to-rest"]
     limit = radians(39.0)
     found = _run(way.path, way.law, 4, limits=t.Limits(rates=(9.0, limit)))
     (event,) = found.events
@@ -144,7 +145,7 @@ def test_the_ends_of_a_law_s_phases_count() -> None:
 
 
 def test_constant_velocity_begins_and_ends_at_speed_and_that_is_no_event() -> None:
-    (way,) = [each for each in M.trajectories(FIVE) if each.name == "line"]
+    (way,) = [each for each in machine_of(FIVE).paths.named() if each.name == "line"]
     found = _run(way.path, way.law)
     assert found.events == ()
     assert found.sound
@@ -175,14 +176,19 @@ def test_what_grows_without_end_is_infinite(samples: int) -> None:
 
 
 def test_where_nothing_moves_no_duration_is_the_shortest() -> None:
-    design, kind = load_design("rps-3"), mechanism("three_rps")
-    length = kind.characteristic_length(design)
+    design = load_design("rps-3")
+    machine = machine_of(design)
+    length = machine.length
     path = t.line((283.0, 0.0, 0.0), (283.0, 0.0, pi / 2.0), (1.0, length, length))
     for samples in (2, 101):
         found = t.trajectory(
-            kind, design, path, t.law("quintic", 2.0), kind.home(design).mode, samples=samples,
+            machine,
+            path,
+            t.law("quintic", 2.0),
+            machine.home.mode,
+            samples=samples,
             distances=False,
-        )  # fmt: skip
+        )
         with pytest.raises(InputError, match="no actuator moves"):
             t.duration_within(found, t.Limits(rates=(10.0,) * 3))
     high = _run(t.line((0.0, 700.0), (0.0, 600.0), UNIT), t.law("cubic", 1.0), 2)

@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 from kinematics import trajectories as t
 from kinematics.designs.files import load_design
-from kinematics.mechanism import Design, Mechanism, mechanism
+from kinematics.machine import Machine, machine_of
+from kinematics.mechanism import Design, mechanism_class
 from kinematics.trajectories.digits import FEWEST, MOST, rounded
 
 FIVE = load_design("five-bar")
-M = mechanism("five_bar")
+M = mechanism_class("five_bar")
 
 
 def _named(name: str, samples: int, duration: float | None = None) -> t.Trajectory:
-    (way,) = [each for each in M.trajectories(FIVE) if each.name == name]
+    (way,) = [each for each in machine_of(FIVE).paths.named() if each.name == name]
     law = way.law if duration is None else t.law(way.law.kind, duration)
     return t.trajectory(M, FIVE, way.path, law, way.mode, samples=samples, distances=False)
 
 
 def _true_deviation(
-    kind: Mechanism, design: Design, found: t.Trajectory, coefficients: np.ndarray
+    kind: Machine[Any], design: Design, found: t.Trajectory, coefficients: np.ndarray
 ) -> np.ndarray:
     """σ of FK(polynomial) − path, by Horner's rule on the numbers as they are."""
     joints = np.zeros_like(found.joints)
@@ -29,8 +32,12 @@ def _true_deviation(
         joints = joints * found.times[:, None] + column
     error = []
     for pose, row in zip(found.poses, joints, strict=True):
-        posture = kind.posture(design, tuple(pose.tolist()), found.mode)
-        error.append(np.subtract(kind.follow(design, posture, row.tolist()).posture.pose, pose))
+        posture = machine_of(design).inverse.posture(tuple(pose.tolist()), found.mode)
+        error.append(
+            np.subtract(
+                machine_of(design).following.follow(posture, row.tolist()).posture.pose, pose
+            )
+        )
     deviation: np.ndarray = np.std(error, axis=0, ddof=1)
     return deviation
 
@@ -67,18 +74,18 @@ def test_where_powers_of_t_cancel_the_error_is_of_what_is_printed(duration: floa
 
 
 def test_a_fit_of_nothing_needs_few_digits_and_angles_are_told_in_theirs() -> None:
-    design, kind = load_design("rpur-table1"), mechanism("five_rpur")
-    home = kind.home(design)
+    design = load_design("rpur-table1")
+    home = machine_of(design).home
     goal = np.add(home.pose, [15.0, -10.0, 12.0, 0.05, -0.04])
-    length = kind.characteristic_length(design)
+    length = machine_of(design).length
     path = t.line(home.pose, goal.tolist(), (1.0, 1.0, 1.0, length, length))
     found = t.trajectory(
-        kind, design, path, t.law("cubic", 1.0), home.mode, samples=31, distances=False
+        machine_of(design), path, t.law("cubic", 1.0), home.mode, samples=31, distances=False
     )
     for degree in (3, 6):
-        fits = t.fit(kind, design, found, degree)
+        fits = t.fit(machine_of(design), found, degree)
         assert FEWEST <= fits.digits < 14
-        true = _true_deviation(kind, design, found, rounded(fits.coefficients, fits.digits))
+        true = _true_deviation(machine_of(design), found, rounded(fits.coefficients, fits.digits))
         np.testing.assert_allclose(true, fits.deviation[0], rtol=0.0101)
 
 

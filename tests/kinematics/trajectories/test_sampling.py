@@ -11,11 +11,12 @@ import pytest
 from kinematics import trajectories as t
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of
+from kinematics.mechanism import mechanism_class
 from tests.conftest import ROOT
 
 FIVE = load_design("five-bar")
-M = mechanism("five_bar")
+M = mechanism_class("five_bar")
 UNIT = (1.0, 1.0)
 
 
@@ -26,7 +27,7 @@ def reference() -> dict[str, Any]:
 
 
 def _named(name: str, samples: int) -> t.Trajectory:
-    (way,) = [each for each in M.trajectories(FIVE) if each.name == name]
+    (way,) = [each for each in machine_of(FIVE).paths.named() if each.name == name]
     return t.trajectory(M, FIVE, way.path, way.law, way.mode, samples=samples, distances=False)
 
 
@@ -71,8 +72,8 @@ def test_the_true_errors_of_the_fits(
     # Without a fit, FK(IK) closes but for rounding.
     exact = _named(name, samples)
     for pose, joints in zip(exact.poses[::10], exact.joints[::10], strict=True):
-        posture = M.posture(FIVE, tuple(pose.tolist()), "+-")
-        reached = M.follow(FIVE, posture, joints.tolist()).posture
+        posture = machine_of(FIVE).inverse.posture(tuple(pose.tolist()), "+-")
+        reached = machine_of(FIVE).following.follow(posture, joints.tolist()).posture
         assert np.abs(np.subtract(reached.pose, pose)).max() < 1e-11
 
 
@@ -89,7 +90,7 @@ def test_rates_and_accelerations_are_those_of_the_joints() -> None:
 
 
 def test_forces_hold_the_load_and_distances_are_told() -> None:
-    (way,) = [each for each in M.trajectories(FIVE) if each.name == "rest-to-rest"]
+    (way,) = [each for each in machine_of(FIVE).paths.named() if each.name == "rest-to-rest"]
     load = [3.0, -100.0, 0, 0, 0, 0]
     found = t.trajectory(M, FIVE, way.path, way.law, way.mode, samples=21, load=load)
     power = (found.forces * found.joint_rates).sum(axis=1) + found.pose_rates @ load[:2]
@@ -119,7 +120,7 @@ def test_the_line_leaves_the_workspace_at_the_known_time() -> None:
 
 def test_an_excursion_between_two_samples_is_found() -> None:
     path = t.line((-150.0, 937.0), (150.0, 937.0), UNIT)  # beyond both limbs' reach near the middle
-    edge = M.posture(FIVE, (0.0, 937.0), "+-")
+    edge = machine_of(FIVE).inverse.posture((0.0, 937.0), "+-")
     assert not edge.reachable
     found = t.trajectory(M, FIVE, path, t.law("linear", 1.0), "+-", samples=2)
     assert [event.kind for event in found.events] == ["outside"]
@@ -156,7 +157,7 @@ def test_near_ones_are_told_but_stop_nothing() -> None:
 
 
 def test_limits_and_the_duration_that_keeps_them() -> None:
-    (way,) = [each for each in M.trajectories(FIVE) if each.name == "rest-to-rest"]
+    (way,) = [each for each in machine_of(FIVE).paths.named() if each.name == "rest-to-rest"]
     limits = t.Limits(rates=(0.3, 0.3), accelerations=(1.0, 1.0), forces=(1e4, 1e9))
     load = [0, -100.0, 0, 0, 0, 0]
     found = t.trajectory(
@@ -223,14 +224,13 @@ def test_mistakes() -> None:
 
 def test_another_mechanism_runs_the_same_room() -> None:
     design = load_design("rpur-table1")
-    kind = mechanism("five_rpur")
-    home = kind.home(design)
+    home = machine_of(design).home
     goal = np.add(home.pose, [15.0, -10.0, 12.0, 0.05, -0.04])
-    length = kind.characteristic_length(design)
+    length = machine_of(design).length
     scale = (1.0, 1.0, 1.0, length, length)
     path = t.line(home.pose, goal.tolist(), scale)
     found = t.trajectory(
-        kind, design, path, t.law("cubic", 1.0), home.mode, samples=41, distances=False,
+        machine_of(design), path, t.law("cubic", 1.0), home.mode, samples=41, distances=False,
         load=[0, 0, -100.0, 0, 0, 0],
     )  # fmt: skip
     assert found.sound
@@ -238,26 +238,25 @@ def test_another_mechanism_runs_the_same_room() -> None:
     rates = (found.joints[2:] - found.joints[:-2]) / (2 * step)
     np.testing.assert_allclose(found.joint_rates[1:-1], rates, rtol=2e-2, atol=0.2)
     power = (found.forces[:, :5] * found.joint_rates).sum(axis=1)
-    power = power + np.einsum("nk,k->n", kind.inverse_motion(
-        design, found.poses, home.mode, found.pose_rates).twist[:, 3:], [0, 0, -100.0])  # fmt: skip
+    power = power + np.einsum("nk,k->n", machine_of(design).motion.inverse(
+        found.poses, home.mode, found.pose_rates).twist[:, 3:], [0, 0, -100.0])  # fmt: skip
     np.testing.assert_allclose(power, 0.0, atol=1e-5)
-    fits = t.fit(kind, design, found, 6)
+    fits = t.fit(machine_of(design), found, 6)
     assert fits.largest[0].max() < 0.05
 
 
 def test_a_dependent_coordinate_follows_the_constraint() -> None:
     design = load_design("sps-spr")
-    kind = mechanism("four_sps_spr")
-    home = kind.home(design)
+    home = machine_of(design).home
     # From home to a place off the straight way, with the angles turned.
-    goal = kind.complete_pose(
-        design, tuple(np.add(home.pose, [20.0, 15.0, 10.0, 0.05, -0.04, 0.1])), home.mode
+    goal = machine_of(design).complete_pose(
+        tuple(np.add(home.pose, [20.0, 15.0, 10.0, 0.05, -0.04, 0.1])), home.mode
     )
-    length = kind.characteristic_length(design)
+    length = machine_of(design).length
     path = t.line(home.pose, goal, (1.0, 1.0, 1.0, length, length, length))
     for dependent in (None, 5):
         found = t.trajectory(
-            kind, design, path, t.law("quintic", 1.0), home.mode, samples=41, distances=False,
+            machine_of(design), path, t.law("quintic", 1.0), home.mode, samples=41, distances=False,
             dependent=dependent,
         )  # fmt: skip
         assert found.reachable.all(), found.events

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from kinematics.errors import ComputationError
-from kinematics.mechanism import Resolution
+from kinematics.facets.solids import Resolution
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.singularities.cells import CELLS, Cells, Field
 from kinematics.mechanisms.five_rpur.singularities.determinant import Determinant

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinematics.mechanism import Resolution
+from kinematics.facets.solids import Resolution
 from kinematics.mechanisms.five_rpur.singularities.determinant import Determinant
 from kinematics.screws.spatial import Array
 from kinematics.solids.isosurfaces import positive_part

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_banded
 
 from kinematics.errors import InputError
-from kinematics.mechanism import RESOLUTIONS, Resolution
+from kinematics.facets.solids import RESOLUTIONS, Resolution
 from kinematics.screws.spatial import Array
 from kinematics.solids.csg import Solid
 

@@ -15,7 +15,7 @@ from itertools import product
 import numpy as np
 
 from kinematics.errors import InputError
-from kinematics.mechanism import SURFACES, Resolution, SurfaceKind
+from kinematics.facets.solids import SURFACES, Resolution, SurfaceKind
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.offsets import SAME_SOLIDS, aligned_offsets
 from kinematics.mechanisms.five_rpur.workspace.true_surface import true_surface

@@ -9,11 +9,12 @@ import pytest
 
 from kinematics.designs.files import load_design, read_design, write_design
 from kinematics.errors import DesignError, InputError
-from kinematics.mechanism import mechanism
-from kinematics.mechanisms.five_bar.design import FiveBarDesign, design_fields, with_field
+from kinematics.machine import machine_of
+from kinematics.mechanism import mechanism_class
+from kinematics.mechanisms.five_bar.design import FiveBarDesign
 
 PLAIN = 'mechanism = "five_bar"\nproximal = 480\ndistal = [300.0, 350.0]\nhalf_base = 240.0\n'
-M = mechanism("five_bar")
+M = mechanism_class("five_bar")
 
 
 def read(text: str) -> FiveBarDesign:
@@ -55,20 +56,20 @@ def test_the_preset_is_the_paper_s_and_reads_back() -> None:
 
 def test_fields_change_one_number() -> None:
     design = read(f"{PLAIN}joint_range_deg = [[-30, 210], [0, 90]]\n")
-    fields = M.design_fields(design)
+    fields = machine_of(design).fields
     assert len(fields) == 9
     assert len({field.path for field in fields}) == 9
     for field in fields:
         value = field.value + (0.1 if field.unit == "rad" else 1.0)
-        changed = M.with_field(design, field.path, value)
-        (now,) = (f.value for f in M.design_fields(changed) if f.path == field.path)
+        changed = machine_of(design).edited(field.path, value).design
+        (now,) = (f.value for f in machine_of(changed).fields if f.path == field.path)
         assert now == pytest.approx(value, abs=1e-13)
-        others = [f for f in M.design_fields(changed) if f.path != field.path]
+        others = [f for f in machine_of(changed).fields if f.path != field.path]
         assert others == [f for f in fields if f.path != field.path]
     with pytest.raises(InputError, match="no number"):
-        M.with_field(design, ("distal", 2), 1.0)
+        machine_of(design).edited(("distal", 2), 1.0)
     with pytest.raises(DesignError, match="full turn"):
-        M.with_field(design, ("joint_range_deg", 1, 1), radians(-1.0))
+        machine_of(design).edited(("joint_range_deg", 1, 1), radians(-1.0))
 
 
 @pytest.mark.parametrize(
@@ -95,10 +96,12 @@ def test_mistakes_are_one_sentence(change: tuple[str, str], said: str) -> None:
 
 def test_findings() -> None:
     (empty,) = (
-        f for f in M.findings(read(PLAIN.replace("240.0", "900"))) if f.severity == "warning"
+        f
+        for f in machine_of(read(PLAIN.replace("240.0", "900"))).findings
+        if f.severity == "warning"
     )
     assert "no common place" in empty.text
-    titles = {finding.title for finding in M.findings(load_design("five-bar"))}
+    titles = {finding.title for finding in machine_of(load_design("five-bar")).findings}
     assert titles == {
         "Limb 1 folds onto its base",
         "Limb 2 folds onto its base",
@@ -108,10 +111,10 @@ def test_findings() -> None:
 
 def test_a_joint_range_can_be_given_narrowed_and_taken_away() -> None:
     free = load_design("five-bar")
-    fields = {f.path: f.value for f in design_fields(free)}
+    fields = {f.path: f.value for f in machine_of(free).fields}
     assert fields["joint_range_deg", 0, 0] == pytest.approx(-np.pi)
     assert fields["joint_range_deg", 1, 1] == pytest.approx(np.pi)
-    held = with_field(free, ("joint_range_deg", 0, 1), np.radians(150.0))
+    held = machine_of(free).edited(("joint_range_deg", 0, 1), np.radians(150.0)).design
     assert held.limbs[0].joint_range_deg == (-180.0, 150.0)
     assert held.limbs[1].joint_range_deg is None
-    assert with_field(held, ("joint_range_deg", 0, 1), np.pi) == free
+    assert machine_of(held).edited(("joint_range_deg", 0, 1), np.pi).design == free

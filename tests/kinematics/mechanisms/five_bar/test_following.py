@@ -7,13 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of
+from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.five_bar import following, forward, inverse, paths
 from kinematics.mechanisms.five_bar.joints_line import first_crossing
 from kinematics.mechanisms.five_bar.motion import sines
 from tests.kinematics.mechanisms.five_bar.conftest import BOTH, MACHINES, PAPER, UNLIKE
 
-M = mechanism("five_bar")
+M = mechanism_class("five_bar")
 angles = st.floats(-3.1, 3.1)
 
 
@@ -43,8 +44,8 @@ def test_the_first_crossing_is_where_dense_samples_lose_the_solutions(
 
 
 def test_a_way_that_is_free_keeps_its_side() -> None:
-    start = M.posture(PAPER, (0.0, 738.644), "+-")
-    goal = M.posture(PAPER, (240.0, 450.0), "+-")
+    start = machine_of(PAPER).inverse.posture((0.0, 738.644), "+-")
+    goal = machine_of(PAPER).inverse.posture((240.0, 450.0), "+-")
     moved = following.follow(PAPER, start, goal.joints)
     assert moved.stop == "target"
     assert moved.fraction == 1.0
@@ -54,7 +55,7 @@ def test_a_way_that_is_free_keeps_its_side() -> None:
 
 
 def test_it_stops_before_a_parallel_singularity_and_says_where() -> None:
-    start = M.home(PAPER)
+    start = machine_of(PAPER).home
     wanted = (start.joints[0] + 2.0, start.joints[1])
     moved = following.follow(PAPER, start, wanted)
     assert moved.stop == "singularity"
@@ -72,7 +73,7 @@ def test_it_stops_before_a_parallel_singularity_and_says_where() -> None:
 
 
 def test_serial_singularities_are_passed_and_told() -> None:
-    start = M.posture(PAPER, (600.0, 0.0), "++")
+    start = machine_of(PAPER).inverse.posture((600.0, 0.0), "++")
     moved = following.follow(PAPER, start, (start.joints[0] - 1.2, start.joints[1] - 0.5))
     assert moved.stop == "target"
     assert moved.posture.mode[0] == "-"
@@ -82,7 +83,7 @@ def test_serial_singularities_are_passed_and_told() -> None:
 
 
 def test_free_joints_take_the_shorter_way_round() -> None:
-    start = M.posture(PAPER, (-600.0, 200.0), "-+")
+    start = machine_of(PAPER).inverse.posture((-600.0, 200.0), "-+")
     start = following.follow(PAPER, start, (3.0, start.joints[1])).posture
     assert start.joints[0] == pytest.approx(3.0)
     moved = following.follow(PAPER, start, (-3.1, start.joints[1]))
@@ -91,7 +92,7 @@ def test_free_joints_take_the_shorter_way_round() -> None:
 
 
 def test_ranges_stop_a_joint() -> None:
-    start = M.posture(BOTH, (0.0, 738.644), "+-")
+    start = machine_of(BOTH).inverse.posture((0.0, 738.644), "+-")
     moved = following.follow(BOTH, start, (start.joints[0], np.radians(-80.0)))
     assert moved.stop in ("stroke", "singularity")
     if moved.stop == "stroke":
@@ -102,7 +103,7 @@ def test_ranges_stop_a_joint() -> None:
 
 
 def test_a_machine_that_is_not_assembled_stays() -> None:
-    apart = M.posture(PAPER, (0.0, 2000.0), "+-")
+    apart = machine_of(PAPER).inverse.posture((0.0, 2000.0), "+-")
     assert following.follow(PAPER, apart, (0.0, 0.0)).stop == "stalled"
     assert following.fold_ahead(PAPER, apart, (0.0, 0.0)) is None
 
@@ -150,20 +151,22 @@ def test_what_a_way_passes_is_what_dense_samples_see(
 
 
 def test_paths_stop_before_a_singularity() -> None:
-    start = M.home(PAPER)
+    start = machine_of(PAPER).home
     moved = paths.path(PAPER, start, [(0.0, 600.0), (0.0, 200.0), (0.0, 0.0)])
     assert moved.stop == "singularity"
     assert moved.posture.pose[1] == pytest.approx(415.692193816, abs=1e-5)
     assert moved.posture.pose[1] > 415.69219381
     assert paths.path(PAPER, start, [(0.0, 600.0)]).stop == "target"
-    outside = paths.path(UNLIKE, M.home(UNLIKE), [(0.0, 2000.0)])
+    outside = paths.path(UNLIKE, machine_of(UNLIKE).home, [(0.0, 2000.0)])
     assert outside.stop == "singularity"
     assert outside.posture.reachable
 
 
 def test_a_change_of_mode_is_no_way() -> None:
     (event,) = paths.passed(
-        PAPER, M.posture(PAPER, (0.0, 700.0), "+-"), M.posture(PAPER, (0.0, 700.0), "++")
+        PAPER,
+        machine_of(PAPER).inverse.posture((0.0, 700.0), "+-"),
+        machine_of(PAPER).inverse.posture((0.0, 700.0), "++"),
     )
     assert event.limb == 2
     assert event.stops
@@ -175,7 +178,9 @@ def test_a_base_joint_is_passed() -> None:
 
 
 def test_ways_with_corners_are_told_as_one() -> None:
-    before, after = (M.posture(PAPER, pose, "+-") for pose in ((0.0, 700.0), (100.0, 500.0)))
+    before, after = (
+        machine_of(PAPER).inverse.posture(pose, "+-") for pose in ((0.0, 700.0), (100.0, 500.0))
+    )
     (one, two) = paths.passed(PAPER, before, after, [(0.0, 400.0), (100.0, 400.0)])
     assert one.pose[1] == pytest.approx(415.692193816, abs=1e-6)
     assert one.fraction == pytest.approx((700.0 - one.pose[1]) / 500.0)
@@ -188,9 +193,9 @@ def test_ways_with_corners_are_told_as_one() -> None:
 @pytest.mark.parametrize("name", MACHINES)
 def test_modes_meet_in_serial_singularities(name: str) -> None:
     design = MACHINES[name]
-    start = M.home(design)
+    start = machine_of(design).home
     for wanted in ("", *(mode for mode in inverse.MODES if mode != start.mode)):
-        way = M.mode_change(design, start, wanted)
+        way = machine_of(design).singularities.mode_change(start, wanted)
         assert way is not None
         assert not way.here
         assert way.text
@@ -201,13 +206,22 @@ def test_modes_meet_in_serial_singularities(name: str) -> None:
         turn = np.subtract(way.at.joints, way.other.joints)
         base = np.hypot(*np.subtract(way.at.pose, design.base[changed])) < 1e-9 * design.size
         assert base or np.abs(np.angle(np.exp(1j * turn))).max() < 1e-5
-        stops = [e for e in M.passed(design, start, way.at) if e.stops and e.fraction < 0.999]
+        stops = [
+            e
+            for e in machine_of(design).paths.passed(start, way.at)
+            if e.stops and e.fraction < 0.999
+        ]
         assert bool(stops) == way.blocked
-        there = M.mode_change(design, way.at, way.other.mode)
+        there = machine_of(design).singularities.mode_change(way.at, way.other.mode)
         assert there is not None
         assert there.here
         assert there.other.mode == way.other.mode
 
 
 def test_no_meeting_where_nothing_is_held() -> None:
-    assert M.mode_change(PAPER, M.posture(PAPER, (0.0, 2000.0), "+-")) is None
+    assert (
+        machine_of(PAPER).singularities.mode_change(
+            machine_of(PAPER).inverse.posture((0.0, 2000.0), "+-")
+        )
+        is None
+    )

@@ -11,13 +11,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinematics.errors import InputError
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of
+from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.five_bar import forward, inverse
 from kinematics.mechanisms.five_bar.design import FiveBarDesign, Limb
 from kinematics.mechanisms.five_bar.motion import determinants, sines
 from tests.kinematics.mechanisms.five_bar.conftest import EMPTY, MACHINES, PAPER, RANGED, UNLIKE
 
-M = mechanism("five_bar")
+M = mechanism_class("five_bar")
 lengths = st.floats(50.0, 500.0)
 
 
@@ -91,7 +92,7 @@ def test_every_solution_closes_and_there_are_two(
         assert np.abs(left).max() < 1e-6 * design.size**2
     assert (found.residual < 1e-7 * design.size).all()
     for n in range(len(found)):
-        posture = M.posture(design, found.poses[n], found.modes[n])
+        posture = machine_of(design).inverse.posture(found.poses[n], found.modes[n])
         if found.condition[n] < 1e3:
             turn = np.array(posture.joints) - [q1, q2]
             assert np.abs(np.sin(0.5 * turn)).max() < 1e-9
@@ -125,14 +126,14 @@ def test_a_point_on_a_base_joint_closes() -> None:
 
 
 def test_reasons_name_limb_bound_and_amount() -> None:
-    far = M.posture(PAPER, (0.0, 1000.0), "+-")
+    far = machine_of(PAPER).inverse.posture((0.0, 1000.0), "+-")
     assert [reason.limb for reason in far.reasons] == [1, 2]
     assert far.reasons[0].amount == pytest.approx(np.hypot(240.0, 1000.0) - 960.0)
     assert not far.closes
-    near = M.posture(UNLIKE, (-240.0, 100.0), "+-")
+    near = machine_of(UNLIKE).inverse.posture((-240.0, 100.0), "+-")
     assert near.reasons[0].bound == "link"
     assert "too near the base of limb 1" in near.reasons[0].text
-    turned = M.posture(RANGED, (-100.0, 300.0), "-+")
+    turned = machine_of(RANGED).inverse.posture((-100.0, 300.0), "-+")
     assert turned.closes
     (reason,) = turned.reasons
     assert reason.unit == "rad"
@@ -158,9 +159,9 @@ def test_broken_poses(pose: Any) -> None:
 
 
 def test_transforms_lie_in_the_plane() -> None:
-    matrix = M.transform(PAPER, [[3.0, 4.0], [5.0, 6.0]], "+-")
+    matrix = machine_of(PAPER).transform([[3.0, 4.0], [5.0, 6.0]], "+-")
     np.testing.assert_allclose(matrix[1][:3, 3], [5.0, 6.0, 0.0])
-    assert M.pose_from_transform(PAPER, matrix[0], "+-") == (3.0, 4.0)
+    assert machine_of(PAPER).pose_from_transform(matrix[0], "+-") == (3.0, 4.0)
 
 
 # --- identities ----------------------------------------------------------------------------

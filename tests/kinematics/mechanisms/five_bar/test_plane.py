@@ -13,7 +13,8 @@ from scipy import ndimage
 
 from kinematics.answers.sections import BOUNDS
 from kinematics.errors import InputError
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of
+from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.five_bar import aspects, curves, inverse, loci, regions, workspace
 from kinematics.mechanisms.five_bar.design import FiveBarDesign, Limb
 from kinematics.mechanisms.five_bar.motion import sines
@@ -27,7 +28,7 @@ from tests.kinematics.mechanisms.five_bar.conftest import (
     RANGED,
 )
 
-M = mechanism("five_bar")
+M = mechanism_class("five_bar")
 lengths = st.floats(60.0, 500.0)
 
 
@@ -268,10 +269,14 @@ def test_groups_join_by_following() -> None:
 
     told = 0
     for _ in range(60):
-        start = M.posture(PAPER, rng.uniform(-700, 700, 2), inverse.MODES[rng.integers(4)])
+        start = machine_of(PAPER).inverse.posture(
+            rng.uniform(-700, 700, 2), inverse.MODES[rng.integers(4)]
+        )
         if not start.reachable or not group(start):
             continue
-        moved = M.follow(PAPER, start, np.array(start.joints) + rng.normal(size=2))
+        moved = machine_of(PAPER).following.follow(
+            start, np.array(start.joints) + rng.normal(size=2)
+        )
         if group(moved.posture):
             told += 1
             assert group(moved.posture) == group(start)
@@ -289,25 +294,29 @@ def test_change_points_do_not_lose_an_area() -> None:
 
 
 def test_regions_are_told_by_key() -> None:
-    assert [spec.key for spec in M.region_specs(PAPER)] == ["workspace", "modes", "aspects"]
-    pose = M.home(PAPER).pose
-    each = M.regions(PAPER, "modes", pose, ("+-", "--"))
+    assert [spec.key for spec in machine_of(PAPER).region_specs] == [
+        "workspace",
+        "modes",
+        "aspects",
+    ]
+    pose = machine_of(PAPER).home.pose
+    each = machine_of(PAPER).regions.of("modes", pose, ("+-", "--"))
     assert [region.mode for region in each] == ["+-", "--"]
-    for region in M.regions(PAPER, "aspects", pose, None):
+    for region in machine_of(PAPER).regions.of("aspects", pose, None):
         assert region.deviation < 2e-6 * PAPER.size
         assert region.group > 0
         shown = region.section
         assert not np.isnan(shown.area)
         assert (shown.limb[shown.bound == BOUNDS.index("parallel")] == 0).all()
     with pytest.raises(InputError, match="no regions"):
-        M.regions(PAPER, "solid", pose, None)
-    np.testing.assert_array_equal(M.region_frame(PAPER, pose), np.eye(4))
+        machine_of(PAPER).regions.of("solid", pose, None)
+    np.testing.assert_array_equal(machine_of(PAPER).regions.frame(pose), np.eye(4))
 
 
 @pytest.mark.parametrize("key", ["plane", "plane-all", "joints"])
 def test_charts(key: str) -> None:
     for design in MACHINES.values():
-        found = M.locus(design, key, (0.0, 0.0), "+-")
+        found = machine_of(design).singularities.locus(key, (0.0, 0.0), "+-")
         assert found.start[-1] == len(found.points)
         assert len(found.kinds) == len(found.limb) == len(found.start) - 1
         assert found.residual.max() < 1e-9 * design.size
@@ -321,4 +330,4 @@ def test_charts(key: str) -> None:
             elif kind == "parallel":
                 assert np.hypot(*np.diff(part, axis=0).T).max() < design.size / loci.FINE * 1.01
     with pytest.raises(InputError, match="no loci"):
-        M.locus(PAPER, "section", (0.0, 0.0), "+-")
+        machine_of(PAPER).singularities.locus("section", (0.0, 0.0), "+-")

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of
+from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.five_bar import curves, inverse, singularities, workspace
 from tests.kinematics.mechanisms.five_bar.conftest import (
     BOTH,
@@ -16,31 +17,37 @@ from tests.kinematics.mechanisms.five_bar.conftest import (
     UNLIKE,
 )
 
-M = mechanism("five_bar")
+M = mechanism_class("five_bar")
 
 
 def test_a_parallel_singularity_is_named_with_its_free_motion() -> None:
-    at = M.posture(PAPER, (0.0, 415.69219381653056), "+-")
-    (found,) = M.singularities(PAPER, at)
+    at = machine_of(PAPER).inverse.posture((0.0, 415.69219381653056), "+-")
+    (found,) = machine_of(PAPER).singularities.at(at)
     assert found.kind == "parallel"
     assert found.cause == "B₁, P and B₂ are in line"
     np.testing.assert_allclose(np.abs(found.motion), [0.0, 1.0], atol=1e-6)
-    assert not M.singularities(PAPER, M.posture(PAPER, (0.0, 700.0), "+-"))
-    near = M.posture(PAPER, (0.0, 416.0), "+-")
-    assert not M.singularities(PAPER, near)
-    assert M.singularities(PAPER, near, 0.02)
+    assert not machine_of(PAPER).singularities.at(
+        machine_of(PAPER).inverse.posture((0.0, 700.0), "+-")
+    )
+    near = machine_of(PAPER).inverse.posture((0.0, 416.0), "+-")
+    assert not machine_of(PAPER).singularities.at(near)
+    assert machine_of(PAPER).singularities.at(near, 0.02)
 
 
 def test_serial_ones_and_a_self_motion() -> None:
-    (stretched,) = M.singularities(PAPER, M.posture(PAPER, (720.0, 0.0), "+-"))
+    (stretched,) = machine_of(PAPER).singularities.at(
+        machine_of(PAPER).inverse.posture((720.0, 0.0), "+-")
+    )
     assert stretched.kind == "serial"
     assert stretched.limbs == (1,)
-    folded = M.singularities(PAPER, M.posture(PAPER, (-240.0, 0.0), "++"))
+    folded = machine_of(PAPER).singularities.at(
+        machine_of(PAPER).inverse.posture((-240.0, 0.0), "++")
+    )
     assert folded[0].cause == "limb 1 is folded onto its base"
     (loop, *_) = [each for each in curves.loops(PAPER) if each.kind == "circle"]
     p, q = loop.points(0.4)
-    at = M.posture(PAPER, p.tolist(), inverse.mode_of(PAPER, p, q)[0])
-    assert [each.kind for each in M.singularities(PAPER, at)] == ["self-motion"]
+    at = machine_of(PAPER).inverse.posture(p.tolist(), inverse.mode_of(PAPER, p, q)[0])
+    assert [each.kind for each in machine_of(PAPER).singularities.at(at)] == ["self-motion"]
 
 
 @pytest.mark.parametrize("name", MACHINES)
@@ -50,8 +57,8 @@ def test_clearances_are_the_nearest_of_dense_samples(name: str) -> None:
     told = 0
     for _ in range(25):
         p = rng.uniform(-600.0, 600.0, 2)
-        at = M.posture(design, p.tolist(), inverse.MODES[rng.integers(4)])
-        found = M.clearances(design, at)
+        at = machine_of(design).inverse.posture(p.tolist(), inverse.MODES[rng.integers(4)])
+        found = machine_of(design).clearances.of(at)
         if not at.reachable:
             assert found == ()
             continue
@@ -79,12 +86,17 @@ def test_clearances_are_the_nearest_of_dense_samples(name: str) -> None:
         nearest = min(float(np.hypot(*(each - p))) for each in rim)
         assert nearest - 8.0 <= edge.distance <= nearest + 1e-9
     assert told > 3
-    quick = M.clearances(PAPER, M.home(PAPER), singular=False)
+    quick = machine_of(PAPER).clearances.of(machine_of(PAPER).home, singular=False)
     assert "parallel" not in {c.kind for c in quick}
 
 
 def test_ranges_have_clearances_of_their_own() -> None:
-    kinds = {(c.kind, c.limb) for c in M.clearances(BOTH, M.posture(BOTH, (0.0, 700.0), "+-"))}
+    kinds = {
+        (c.kind, c.limb)
+        for c in machine_of(BOTH).clearances.of(
+            machine_of(BOTH).inverse.posture((0.0, 700.0), "+-")
+        )
+    }
     assert ("stroke", 1) in kinds
     assert ("mode", 2) in kinds
 
@@ -101,8 +113,8 @@ def test_ranges_have_clearances_of_their_own() -> None:
     ],
 )
 def test_the_way_back_in(design: object, pose: tuple[float, float], mode: str) -> None:
-    at = M.posture(design, pose, mode)
-    found = M.remedy(design, at)
+    at = machine_of(design).inverse.posture(pose, mode)
+    found = machine_of(design).clearances.nearest_pose(at)
     assert found.nearest is not None
     assert found.nearest.reachable
     assert found.nearest.mode == mode
@@ -117,18 +129,20 @@ def test_the_way_back_in(design: object, pose: tuple[float, float], mode: str) -
     for changes in found.changes:
         changed = design
         for change in changes:
-            changed = M.with_field(changed, change.path, change.after)
+            changed = machine_of(changed).edited(change.path, change.after).design
             assert change.text
-        assert M.posture(changed, pose, mode).reachable
+        assert machine_of(changed).inverse.posture(pose, mode).reachable
     for other in found.modes:
-        assert M.posture(design, pose, other).reachable
+        assert machine_of(design).inverse.posture(pose, other).reachable
 
 
 def test_no_way_back_where_nothing_is_reached() -> None:
-    found = M.remedy(EMPTY, M.posture(EMPTY, (0.0, 0.0), "+-"))
+    found = machine_of(EMPTY).clearances.nearest_pose(
+        machine_of(EMPTY).inverse.posture((0.0, 0.0), "+-")
+    )
     assert found.nearest is None
     assert "common place" in found.text
-    fine = M.remedy(PAPER, M.home(PAPER))
+    fine = machine_of(PAPER).clearances.nearest_pose(machine_of(PAPER).home)
     assert fine.distance == 0.0
     assert not fine.changes
 
@@ -136,26 +150,26 @@ def test_no_way_back_where_nothing_is_reached() -> None:
 @pytest.mark.parametrize("name", MACHINES)
 def test_home_is_held_and_far_from_singularities(name: str) -> None:
     design = MACHINES[name]
-    home = M.home(design)
+    home = machine_of(design).home
     assert home.reachable
     assert home.mode == "+-"
-    assert float(M.measure(design, home.pose, home.mode, "transmission")) > 0.3
-    for value, c in zip(home.pose, M.pose_coordinates(design), strict=True):
+    assert float(machine_of(design).measures(home.pose, home.mode, "transmission")) > 0.3
+    for value, c in zip(home.pose, machine_of(design).coordinates, strict=True):
         assert c.lower <= value <= c.upper
 
 
 def test_home_of_nothing_is_still_a_posture() -> None:
-    home = M.home(EMPTY)
+    home = machine_of(EMPTY).home
     assert not home.reachable
-    assert M.drawing(EMPTY, home).bars
+    assert machine_of(EMPTY).drawing(home).bars
 
 
 @pytest.mark.parametrize("name", MACHINES)
 def test_drawings_have_links_of_their_lengths(name: str) -> None:
     design = MACHINES[name]
     for pose in ((0.0, 500.0), (100.0, 300.0), (0.0, 5000.0)):
-        at = M.posture(design, pose, "+-")
-        drawn = M.drawing(design, at)
+        at = machine_of(design).inverse.posture(pose, "+-")
+        drawn = machine_of(design).drawing(at)
         bars = {bar.name: bar for bar in drawn.bars}
         assert len(bars) == len(drawn.bars)
         for i, limb in enumerate(design.limbs):
@@ -180,9 +194,9 @@ def test_what_is_said_of_it() -> None:
         "trajectory",
         "design",
     ):
-        assert M.about(topic)
-    assert "cannot be reproduced" in M.about("trajectory")
-    assert M.about("map") == ""
+        assert M.text(topic)
+    assert "cannot be reproduced" in M.text("trajectory")
+    assert M.text("map") == ""
 
 
 def test_distances_of_many_points() -> None:

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from kinematics.errors import InputError
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of
+from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.five_bar import motion
 from kinematics.mechanisms.five_bar.inverse import MODES, joints_of
 from tests.kinematics.mechanisms.five_bar.conftest import MACHINES, PAPER
 
-M = mechanism("five_bar")
+M = mechanism_class("five_bar")
 
 
 def _regular(name: str, mode: str) -> tuple[np.ndarray, np.ndarray]:
@@ -119,24 +120,26 @@ def test_singular_answers_are_nan_and_what_was_given_stays() -> None:
 
 
 def test_measures() -> None:
-    keys = [measure.key for measure in M.measures(PAPER)]
+    keys = [measure.key for measure in machine_of(PAPER).measures.specs]
     assert keys == ["conditioning", "manipulability", "transmission", "force"]
     p, q = _regular("paper", "+-")
     jacobian = motion.inverse_jacobian(PAPER, p, q)
-    kappa = M.measure(PAPER, p, "+-", "conditioning")
+    kappa = machine_of(PAPER).measures(p, "+-", "conditioning")
     np.testing.assert_allclose(kappa, 1.0 / np.linalg.cond(jacobian), rtol=1e-9)
-    held = M.measure(PAPER, p, "+-", "manipulability")
-    np.testing.assert_allclose(held, np.abs(M.wrench_system(PAPER, p, "+-").determinant))
-    least = M.measure(PAPER, p, "+-", "transmission")
+    held = machine_of(PAPER).measures(p, "+-", "manipulability")
+    np.testing.assert_allclose(
+        held, np.abs(machine_of(PAPER).statics.wrenches(p, "+-").determinant)
+    )
+    least = machine_of(PAPER).measures(p, "+-", "transmission")
     assert (least <= held + 1e-15).all()
-    force = M.measure(PAPER, p, "+-", "force", [1.0, 2.0, 0, 0, 0, 0])
-    torques = M.statics(PAPER, p, "+-", [1.0, 2.0, 0, 0, 0, 0]).forces
+    force = machine_of(PAPER).measures(p, "+-", "force", [1.0, 2.0, 0, 0, 0, 0])
+    torques = machine_of(PAPER).statics.forces(p, "+-", [1.0, 2.0, 0, 0, 0, 0]).forces
     np.testing.assert_allclose(force, np.abs(torques).max(axis=-1))
     with pytest.raises(InputError, match="needs a load"):
-        M.measure(PAPER, p, "+-", "force")
+        machine_of(PAPER).measures(p, "+-", "force")
     with pytest.raises(InputError, match="no measure"):
-        M.measure(PAPER, p, "+-", "beauty")
-    assert np.isnan(M.measure(PAPER, [0.0, 5000.0], "+-", "conditioning"))
+        machine_of(PAPER).measures(p, "+-", "beauty")
+    assert np.isnan(machine_of(PAPER).measures([0.0, 5000.0], "+-", "conditioning"))
     assert np.isinf(
-        M.measure(PAPER, [0.0, 415.69219381653056], "+-", "force", [0, 1.0, 0, 0, 0, 0])
+        machine_of(PAPER).measures([0.0, 415.69219381653056], "+-", "force", [0, 1.0, 0, 0, 0, 0])
     )

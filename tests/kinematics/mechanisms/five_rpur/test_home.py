@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from kinematics.designs.files import load_design, presets
-from kinematics.mechanisms.five_rpur import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.arrangements import arrangements
 from kinematics.mechanisms.five_rpur.continuation import following
+from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.home import home, reach
 from kinematics.mechanisms.five_rpur.inverse import inside
 

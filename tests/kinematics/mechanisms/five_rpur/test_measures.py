@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kinematics.errors import InputError
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur.measures import MEASURES, measure
 from kinematics.mechanisms.five_rpur.singularities.determinant import Determinant
 from kinematics.mechanisms.five_rpur.singularities.nearest import nearest_singularity
@@ -70,15 +70,14 @@ def test_conditioning_and_force_are_what_they_are_made_of() -> None:
 
 def test_the_output_index_is_a_cosine_of_the_locked_platform() -> None:
     """The index is no more than each limb's own, computed by moving one actuator alone."""
-    machine = mechanism("five_rpur")
     where = places(20)
     index = measure(DESIGN, where, MODE, "transmission")
-    system = machine.wrench_system(DESIGN, where, MODE)
+    system = machine_of(DESIGN).statics.wrenches(where, MODE)
     least = np.full(len(where), np.inf)
     for limb in range(5):
         rates = np.zeros((len(where), 5))
         rates[:, limb] = 1.0
-        twist = machine.forward_motion(DESIGN, where, MODE, rates).twist
+        twist = machine_of(DESIGN).motion.forward(where, MODE, rates).twist
         arm = system.point[:, limb] - where[:, :3]
         v = twist[:, 3:] + np.cross(twist[:, :3], arm)
         force = system.rows[:, limb, :3]

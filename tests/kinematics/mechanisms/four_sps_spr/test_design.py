@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from kinematics.designs.files import design_fields, read_design, with_field, write_design
+from kinematics.designs.files import read_design, write_design
 from kinematics.errors import DesignError
+from kinematics.machine import machine_of
 from tests.kinematics.mechanisms.four_sps_spr.machines import general, preset
 
 GOOD = write_design(preset())
@@ -60,9 +61,9 @@ def test_four_limbs_are_not_enough() -> None:
 
 def test_every_number_may_be_edited() -> None:
     design = preset()
-    fields = design_fields(design)
+    fields = machine_of(design).fields
     assert len(fields) == 43
     for field in fields:
-        changed = with_field(design, field.path, field.value + 1.0)
-        (now,) = (f.value for f in design_fields(changed) if f.path == field.path)
+        changed = machine_of(design).edited(field.path, field.value + 1.0).design
+        (now,) = (f.value for f in machine_of(changed).fields if f.path == field.path)
         assert now == field.value + 1.0

@@ -10,7 +10,8 @@ from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
 from kinematics.errors import InputError
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of
+from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.four_sps_spr import inverse
 from kinematics.mechanisms.four_sps_spr.constraint import complete_pose
 from kinematics.mechanisms.four_sps_spr.wrenches import condition, wrench_system
@@ -24,7 +25,7 @@ from tests.kinematics.mechanisms.four_sps_spr.machines import (
     preset,
 )
 
-KIND = mechanism("four_sps_spr")
+KIND = mechanism_class("four_sps_spr")
 
 
 # --- home and findings ---------------------------------------------------------------------
@@ -32,24 +33,24 @@ KIND = mechanism("four_sps_spr")
 
 def test_home_of_the_preset_is_level_on_the_axis_and_well_held() -> None:
     design = preset()
-    home = KIND.home(design)
+    home = machine_of(design).home
     assert home.pose[:2] == (0.0, 0.0)
     assert home.pose[3:] == (0.0, 0.0, 0.0)
     assert home.reachable
     assert min(margin.amount for margin in home.margins) > 100.0
     assert condition(design, home.pose) < 100.0
-    assert all(finding.severity == "info" for finding in KIND.findings(design))
+    assert all(finding.severity == "info" for finding in machine_of(design).findings)
 
 
 @pytest.mark.parametrize("design", [general(), general(5)])
 def test_home_of_a_general_machine_satisfies_the_constraint(design) -> None:
-    home = KIND.home(design)
+    home = machine_of(design).home
     assert home.reachable
     assert abs(float(inverse.violation(design, home.pose))) < 1e-8
 
 
 def test_two_pentagons_are_warned_of() -> None:
-    (warning,) = (f for f in KIND.findings(pentagons()) if f.severity == "warning")
+    (warning,) = (f for f in machine_of(pentagons()).findings if f.severity == "warning")
     assert warning.title == "Singular at home"
     assert "rank 4" in warning.text
     assert "two regular pentagons" in warning.text
@@ -61,20 +62,22 @@ def test_two_pentagons_have_rank_four_whenever_they_are_level(pose) -> None:
     rows[:, 3:] /= 100.0
     sizes = np.linalg.svd(rows, compute_uv=False)
     assert (sizes > 1e-12 * sizes[0]).sum() == 4
-    (one, two) = KIND.singularities(pentagons(), KIND.posture(pentagons(), pose, ""))
+    (one, two) = machine_of(pentagons()).singularities.at(
+        machine_of(pentagons()).inverse.posture(pose, "")
+    )
     assert one.kind == two.kind == "parallel"
 
 
 def test_a_machine_that_is_singular_everywhere_is_warned_of() -> None:
     base = np.zeros((5, 3))  # all legs from one point: they cannot hold a turn about it
     design = machine(base, pentagon(100.0), (0.0, 1.0, 0.0))
-    assert KIND.findings(design)[0].title == "Architecturally singular"
+    assert machine_of(design).findings[0].title == "Architecturally singular"
 
 
 def test_an_empty_workspace_is_warned_of() -> None:
     design = machine(pentagon(4000.0), pentagon(100.0), (1.0, 0.3, 0.1), stroke=(10.0, 20.0))
-    assert any(finding.title == "Out of reach" for finding in KIND.findings(design))
-    assert not KIND.home(design).reachable
+    assert any(finding.title == "Out of reach" for finding in machine_of(design).findings)
+    assert not machine_of(design).home.reachable
 
 
 # --- following -----------------------------------------------------------------------------
@@ -82,28 +85,28 @@ def test_an_empty_workspace_is_warned_of() -> None:
 
 @pytest.mark.parametrize("design", [preset(), general()])
 def test_legs_lead_the_platform_along_its_assembly_mode(design) -> None:
-    home = KIND.home(design)
+    home = machine_of(design).home
     side = np.sign(wrench_system(design, home.pose).determinant)
     rng = np.random.default_rng(0)
     for _ in range(6):
         goal = np.array(home.joints) + rng.uniform(-15.0, 15.0, 5)
-        reached = KIND.follow(design, home, goal)
+        reached = machine_of(design).following.follow(home, goal)
         posture = reached.posture
         if reached.stop == "target":
             assert posture.joints == tuple(goal.tolist())
             assert posture.residual < 1e-10
         assert inverse.leg_lengths(design, posture.pose) == pytest.approx(posture.joints, abs=1e-9)
         assert np.sign(wrench_system(design, posture.pose).determinant) == side
-        back = KIND.follow(design, posture, home.joints)
+        back = machine_of(design).following.follow(posture, home.joints)
         assert back.posture.pose == pytest.approx(home.pose, abs=1e-6)
 
 
 def test_a_stroke_end_stops_the_way() -> None:
     design = preset()
-    home = KIND.home(design)
+    home = machine_of(design).home
     goal = list(home.joints)
     goal[2] = design.stroke[2, 1] + 300.0
-    reached = KIND.follow(design, home, goal)
+    reached = machine_of(design).following.follow(home, goal)
     assert reached.stop == "stroke"
     assert reached.limb == 3
     assert reached.posture.joints[2] == design.stroke[2, 1]
@@ -113,10 +116,10 @@ def test_a_stroke_end_stops_the_way() -> None:
 
 def test_a_singularity_stops_the_way_shortly_before_it() -> None:
     design = preset()
-    home = KIND.home(design)
+    home = machine_of(design).home
     goal = np.full(5, 600.0)
-    reached = KIND.follow(design, home, goal)
-    fold = KIND.fold_ahead(design, home, goal)
+    reached = machine_of(design).following.follow(home, goal)
+    fold = machine_of(design).following.fold_ahead(home, goal)
     assert reached.stop == "singularity"
     assert "parallel singularity" in reached.text
     assert fold is not None
@@ -130,38 +133,40 @@ def test_a_singularity_stops_the_way_shortly_before_it() -> None:
     assert fold.partner.joints == pytest.approx(home.joints, abs=1e-9)
     sides = [np.sign(wrench_system(design, each.pose).determinant) for each in (home, fold.partner)]
     assert sides[0] == -sides[1]
-    left = KIND.follow(design, reached.posture, home.joints)  # and it can be left again
+    left = machine_of(design).following.follow(
+        reached.posture, home.joints
+    )  # and it can be left again
     assert left.posture.pose == pytest.approx(home.pose, abs=1e-5)
 
 
 def test_a_machine_in_a_singularity_is_not_led_anywhere() -> None:
     design = pentagons()
-    level = KIND.posture(design, (0.0, 0.0, 605.0, 0.0, 0.0, 0.0), "")
-    reached = KIND.follow(design, level, np.array(level.joints) + 5.0)
+    level = machine_of(design).inverse.posture((0.0, 0.0, 605.0, 0.0, 0.0, 0.0), "")
+    reached = machine_of(design).following.follow(level, np.array(level.joints) + 5.0)
     assert reached.stop == "singularity"
     assert reached.posture == level
     assert "move the platform out of it first" in reached.text
 
 
 def test_a_pose_off_the_constraint_is_not_followed() -> None:
-    posture = KIND.posture(preset(), (10.0, 10.0, 560.0, 0.0, 0.0, 0.0), "")
-    reached = KIND.follow(preset(), posture, np.full(5, 600.0))
+    posture = machine_of(preset()).inverse.posture((10.0, 10.0, 560.0, 0.0, 0.0, 0.0), "")
+    reached = machine_of(preset()).following.follow(posture, np.full(5, 600.0))
     assert reached.stop == "stalled"
     assert "limb 5 cannot close" in reached.text
 
 
 def test_what_a_move_passes() -> None:
     design = preset()
-    home = KIND.home(design)
-    up = KIND.posture(design, (0.0, 0.0, 760.0, 0.0, 0.0, 0.0), "")
-    events = KIND.passed(design, home, up)
+    home = machine_of(design).home
+    up = machine_of(design).inverse.posture((0.0, 0.0, 760.0, 0.0, 0.0, 0.0), "")
+    events = machine_of(design).paths.passed(home, up)
     assert {event.kind for event in events} == {"stroke"}
     assert [e.fraction for e in events] == sorted(e.fraction for e in events)
     for event in events:
         length = inverse.leg_lengths(design, event.pose)[event.limb - 1]
         assert length == pytest.approx(design.stroke[event.limb - 1, 1], abs=1e-6)
-    down = KIND.posture(design, (0.0, 0.0, -600.0, 0.0, 0.0, 0.0), "")
-    (crossed,) = (e for e in KIND.passed(design, home, down) if e.kind == "parallel")
+    down = machine_of(design).inverse.posture((0.0, 0.0, -600.0, 0.0, 0.0, 0.0), "")
+    (crossed,) = (e for e in machine_of(design).paths.passed(home, down) if e.kind == "parallel")
     assert crossed.pose[2] == pytest.approx(0.0, abs=1e-6)  # in the base plane
     assert crossed.stops
 
@@ -175,7 +180,7 @@ def test_a_dragged_platform_takes_the_nearest_pose(design) -> None:
     for pose in poses(design, 4, seed=5):
         turned = Rotation.from_rotvec(rng.normal(size=3) * 0.1).as_matrix()
         hand = homogeneous(turned @ inverse.rotation(pose), pose[:3] + rng.normal(size=3) * 20.0)
-        found = np.array(KIND.pose_from_transform(design, hand, ""))
+        found = np.array(machine_of(design).pose_from_transform(hand, ""))
         assert abs(float(inverse.violation(design, found))) < 1e-10
 
         def far(p, hand=hand):
@@ -197,10 +202,10 @@ def test_a_dragged_platform_takes_the_nearest_pose(design) -> None:
 def test_a_pose_that_is_allowed_stays_where_it_is() -> None:
     design = preset()
     for pose in poses(design, 10):
-        again = KIND.pose_from_transform(design, KIND.transform(design, pose, ""), "")
+        again = machine_of(design).pose_from_transform(machine_of(design).transform(pose, ""), "")
         assert again == pytest.approx(pose, abs=1e-9)
     with pytest.raises(InputError, match="rotation"):
-        KIND.pose_from_transform(design, np.diag([2.0, 1.0, 1.0, 1.0]), "")
+        machine_of(design).pose_from_transform(np.diag([2.0, 1.0, 1.0, 1.0]), "")
 
 
 # --- drawing -------------------------------------------------------------------------------
@@ -208,8 +213,8 @@ def test_a_pose_that_is_allowed_stays_where_it_is() -> None:
 
 def test_the_drawing_has_every_part_where_the_posture_says() -> None:
     design = preset()
-    posture = KIND.home(design)
-    drawn = KIND.drawing(design, posture)
+    posture = machine_of(design).home
+    drawn = machine_of(design).drawing(posture)
     names = {bar.name for bar in drawn.bars}
     assert len(names) == len(drawn.bars)
     for i in range(1, 6):
@@ -221,22 +226,22 @@ def test_the_drawing_has_every_part_where_the_posture_says() -> None:
     assert "limb5/R_B" in names
     assert "limb5/S_B" not in names
     assert {body.role for body in drawn.bodies} == {"base", "platform"}
-    off = KIND.posture(design, (10.0, 10.0, 560.0, 0.0, 0.0, 0.0), "")
-    gap = next(bar for bar in KIND.drawing(design, off).bars if bar.role == "gap")
+    off = machine_of(design).inverse.posture((10.0, 10.0, 560.0, 0.0, 0.0, 0.0), "")
+    gap = next(bar for bar in machine_of(design).drawing(off).bars if bar.role == "gap")
     assert np.linalg.norm(np.subtract(gap.end, gap.start)) == pytest.approx(np.sqrt(200.0))
 
 
 def test_a_path_is_followed_up_to_what_stops_the_machine() -> None:
     design = preset()
-    home = KIND.home(design)
+    home = machine_of(design).home
     near = (*home.pose[:2], home.pose[2] + 40.0, 0.1, 0.05, -0.1)
-    reached = KIND.path(design, home, [near, home.pose])
+    reached = machine_of(design).paths.drive(home, [near, home.pose])
     assert reached.stop == "target"
     assert reached.fraction == 1.0
     assert reached.posture.pose == pytest.approx(home.pose, abs=1e-9)
     # Downwards a leg comes to its end first, and the machine can be held there.
     down = (home.pose[0], home.pose[1], 0.3 * home.pose[2], 0.0, 0.0, 0.0)
-    reached = KIND.path(design, home, [near, down])
+    reached = machine_of(design).paths.drive(home, [near, down])
     assert reached.stop == "stroke"
     assert reached.limb is not None
     assert reached.posture.reachable
@@ -246,10 +251,12 @@ def test_a_path_is_followed_up_to_what_stops_the_machine() -> None:
     free = replace(
         design, limbs=tuple(replace(limb, stroke=(1.0, 2000.0)) for limb in design.limbs)
     )
-    home = KIND.posture(free, home.pose, "")
-    reached = KIND.path(free, home, [(home.pose[0], home.pose[1], -200.0, 0.0, 0.0, 0.0)])
+    home = machine_of(free).inverse.posture(home.pose, "")
+    reached = machine_of(free).paths.drive(
+        home, [(home.pose[0], home.pose[1], -200.0, 0.0, 0.0, 0.0)]
+    )
     assert reached.stop == "singularity"
     assert abs(reached.posture.pose[2]) < 0.01
     assert reached.fraction == pytest.approx(home.pose[2] / (home.pose[2] + 200.0), rel=1e-4)
     with pytest.raises(InputError, match="a path must be a list of poses of 6 numbers"):
-        KIND.path(design, home, home.pose)
+        machine_of(design).paths.drive(home, home.pose)

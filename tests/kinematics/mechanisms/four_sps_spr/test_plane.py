@@ -8,7 +8,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from kinematics.errors import InputError
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of
+from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.four_sps_spr import inverse, singularities
 from kinematics.mechanisms.four_sps_spr.plane import plane, rings
 from kinematics.mechanisms.four_sps_spr.singular_curve import cubic, nearest_singular
@@ -16,7 +17,7 @@ from kinematics.mechanisms.four_sps_spr.wrenches import wrench_system
 from kinematics.plane import annuli
 from tests.kinematics.mechanisms.four_sps_spr.machines import general, pentagons, poses, preset
 
-KIND = mechanism("four_sps_spr")
+KIND = mechanism_class("four_sps_spr")
 ANGLES = st.tuples(*(st.floats(-0.9, 0.9) for _ in range(3)))
 MACHINES = [preset(), general()]
 
@@ -32,8 +33,8 @@ def at(design, angles, uv):
 @given(angles=ANGLES)
 def test_the_region_is_what_strokes_and_constraint_leave(design, angles) -> None:
     pose = (0.0, 0.0, 560.0, *angles)
-    (region,) = KIND.regions(design, "workspace", pose, None)
-    section, frame = region.section, KIND.region_frame(design, pose)
+    (region,) = machine_of(design).regions.of("workspace", pose, None)
+    section, frame = region.section, machine_of(design).regions.frame(pose)
     rng = np.random.default_rng(0)
     uv = rng.uniform(-700.0, 700.0, (400, 2))
     places = (frame @ np.column_stack([uv, np.zeros(400), np.ones(400)]).T).T[:, :3]
@@ -55,7 +56,7 @@ def test_the_region_is_what_strokes_and_constraint_leave(design, angles) -> None
 @pytest.mark.parametrize("design", MACHINES)
 def test_the_area_is_that_of_a_fine_grid(design) -> None:
     angles = (0.2, -0.1, 0.15)
-    (region,) = KIND.regions(design, "workspace", (0.0, 0.0, 560.0, *angles), None)
+    (region,) = machine_of(design).regions.of("workspace", (0.0, 0.0, 560.0, *angles), None)
     steps = np.linspace(-900.0, 900.0, 1200, endpoint=False) + 0.75
     uv = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
     held = annuli.inside(rings(design, plane(design, angles)), uv)
@@ -66,7 +67,7 @@ def test_the_area_is_that_of_a_fine_grid(design) -> None:
 
 def test_there_is_one_kind_of_region() -> None:
     with pytest.raises(InputError, match="'workspace'"):
-        KIND.regions(preset(), "aspects", KIND.home(preset()).pose, None)
+        machine_of(preset()).regions.of("aspects", machine_of(preset()).home.pose, None)
 
 
 # --- singular places -----------------------------------------------------------------------
@@ -99,7 +100,7 @@ def test_the_determinant_is_a_cubic_in_the_plane(design, angles) -> None:
 @example(angles=(0.0, 0.0, 1.192092896e-07))
 def test_the_locus_is_singular_and_the_nearest_place_is_on_it(design, angles) -> None:
     pose = tuple(at(design, angles, np.array([30.0, 520.0]))[0].tolist())
-    found = KIND.locus(design, "plane", pose, "")
+    found = machine_of(design).singularities.locus("plane", pose, "")
     curve = cubic(design, angles)
     here = plane(design, angles).coordinates(np.array(pose[:3]))
     near = nearest_singular(curve, here)
@@ -109,7 +110,7 @@ def test_the_locus_is_singular_and_the_nearest_place_is_on_it(design, angles) ->
     close, exact = (1e-4, 1e-3) if beside else (1e-6, 1e-6)
     if len(found.points):
         assert found.residual.max() < exact
-        sizes = KIND.measure(design, at(design, angles, found.points), "", "conditioning")
+        sizes = machine_of(design).measures(at(design, angles, found.points), "", "conditioning")
         assert sizes.max() < close
         assert near is not None
         away = np.linalg.norm(found.points - here, axis=1).min()
@@ -117,15 +118,15 @@ def test_the_locus_is_singular_and_the_nearest_place_is_on_it(design, angles) ->
     if near is not None:
         assert np.linalg.norm(near.point - here) == pytest.approx(near.distance)
         there = at(design, angles, near.point)
-        assert KIND.measure(design, there, "", "conditioning")[0] < close
+        assert machine_of(design).measures(there, "", "conditioning")[0] < close
 
 
 def test_level_the_base_plane_is_a_threefold_line_of_singular_places() -> None:
     design = preset()
-    home = KIND.home(design)
-    (parallel,) = (c for c in KIND.clearances(design, home) if c.kind == "parallel")
+    home = machine_of(design).home
+    (parallel,) = (c for c in machine_of(design).clearances.of(home) if c.kind == "parallel")
     assert parallel.distance == pytest.approx(home.pose[2], abs=1e-6)
-    found = KIND.locus(design, "plane", home.pose, "")
+    found = machine_of(design).singularities.locus("plane", home.pose, "")
     assert np.abs(at(design, home.pose[3:], found.points)[:, 2]).max() < 1e-6
 
 
@@ -133,9 +134,11 @@ def test_a_level_pentagon_is_singular_wherever_it_is() -> None:
     design = pentagons()
     pose = (0.0, 0.0, 600.0, 0.0, 0.0, 0.0)
     assert cubic(design, (0.0, 0.0, 0.0)).everywhere
-    assert not len(KIND.locus(design, "plane", pose, "").points)
+    assert not len(machine_of(design).singularities.locus("plane", pose, "").points)
     (parallel,) = (
-        c for c in KIND.clearances(design, KIND.posture(design, pose, "")) if c.kind == "parallel"
+        c
+        for c in machine_of(design).clearances.of(machine_of(design).inverse.posture(pose, ""))
+        if c.kind == "parallel"
     )
     assert parallel.distance == 0.0
 
@@ -146,8 +149,8 @@ def test_a_level_pentagon_is_singular_wherever_it_is() -> None:
 @pytest.mark.parametrize("design", MACHINES)
 def test_clearances_are_met_where_they_say(design) -> None:
     for pose in poses(design, 8, seed=3):
-        posture = KIND.posture(design, pose, "")
-        found = KIND.clearances(design, posture)
+        posture = machine_of(design).inverse.posture(pose, "")
+        found = machine_of(design).clearances.of(posture)
         assert [c.distance for c in found] == sorted(c.distance for c in found)
         for clearance in found:
             there = np.append(clearance.point, pose[3:])
@@ -160,7 +163,7 @@ def test_clearances_are_met_where_they_say(design) -> None:
                 assert length == pytest.approx(design.stroke[clearance.limb - 1, end], abs=1e-8)
         kinds = {c.kind for c in found}
         assert ("boundary" in kinds) == posture.reachable
-        fast = KIND.clearances(design, posture, singular=False)
+        fast = machine_of(design).clearances.of(posture, singular=False)
         assert all(c.kind != "parallel" for c in fast)
 
 
@@ -170,8 +173,8 @@ def test_a_remedy_is_reachable_and_none_is_nearer(design) -> None:
     for pose in poses(design, 6, seed=4):
         pose[2] += 260.0
         pose[:3] += inverse.violation(design, pose) * (inverse.rotation(pose) @ design.axis)
-        wanted = KIND.posture(design, pose, "")
-        found = KIND.remedy(design, wanted)
+        wanted = machine_of(design).inverse.posture(pose, "")
+        found = machine_of(design).clearances.nearest_pose(wanted)
         if wanted.reachable or found.nearest is None:
             continue
         assert found.nearest.reachable
@@ -187,16 +190,16 @@ def test_a_remedy_is_reachable_and_none_is_nearer(design) -> None:
         (change,) = found.changes
         changed = design
         for each in change:
-            changed = KIND.with_field(changed, each.path, each.after)
-        assert KIND.posture(changed, pose, "").reachable
+            changed = machine_of(changed).edited(each.path, each.after).design
+        assert machine_of(changed).inverse.posture(pose, "").reachable
 
 
 def test_a_pose_off_the_constraint_is_led_back_onto_it() -> None:
     design = preset()
-    home = KIND.home(design)
+    home = machine_of(design).home
     off = np.array(home.pose)
     off[:3] += 4.0 * design.axis
-    found = KIND.remedy(design, KIND.posture(design, off, ""))
+    found = machine_of(design).clearances.nearest_pose(machine_of(design).inverse.posture(off, ""))
     assert found.nearest is not None
     assert found.nearest.pose == pytest.approx(home.pose, abs=1e-9)
     assert found.distance == pytest.approx(4.0)
@@ -205,16 +208,18 @@ def test_a_pose_off_the_constraint_is_led_back_onto_it() -> None:
 
 def test_at_an_orientation_without_any_place_another_is_offered() -> None:
     design = preset()
-    pose = (*KIND.home(design).pose[:5], 1.5)
-    wanted = KIND.posture(design, KIND.complete_pose(design, pose, "", dependent=0), "")
-    region = KIND.regions(design, "workspace", wanted.pose, None)[0]
-    found = KIND.remedy(design, wanted)
+    pose = (*machine_of(design).home.pose[:5], 1.5)
+    wanted = machine_of(design).inverse.posture(
+        machine_of(design).complete_pose(pose, "", dependent=0), ""
+    )
+    region = machine_of(design).regions.of("workspace", wanted.pose, None)[0]
+    found = machine_of(design).clearances.nearest_pose(wanted)
     assert found.nearest is not None
     assert found.nearest.reachable
     assert (found.error == float("inf")) == (region.section.area == 0.0)
 
 
 def test_there_is_one_chart() -> None:
-    assert [spec.key for spec in KIND.locus_specs(preset())] == ["plane"]
+    assert [spec.key for spec in machine_of(preset()).singularities.loci] == ["plane"]
     with pytest.raises(InputError):
-        singularities.locus(preset(), "globe", KIND.home(preset()).pose)
+        singularities.locus(preset(), "globe", machine_of(preset()).home.pose)

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from kinematics.errors import InputError
-from kinematics.mechanism import mechanism
+from kinematics.facets.solids import build_solid
+from kinematics.machine import machine_of
+from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.four_sps_spr import home, inverse, workspace
 from tests.kinematics.mechanisms.four_sps_spr.machines import general, preset
 
-KIND = mechanism("four_sps_spr")
+KIND = mechanism_class("four_sps_spr")
 
 
 def sampled(design, request, count: int = 200_000):
@@ -32,7 +34,7 @@ def sampled(design, request, count: int = 200_000):
     ],
 )
 def test_the_exact_volume_is_that_of_random_points(design, index: int, angles) -> None:
-    request = workspace.request_at(design, (*KIND.home(design).pose[:3], *angles), index)
+    request = workspace.request_at(design, (*machine_of(design).home.pose[:3], *angles), index)
     exact, error = workspace.exact_volume(design, request, 1e-3)
     counted, doubt = sampled(design, request)
     assert abs(exact - counted) < 4.0 * doubt + error
@@ -41,7 +43,7 @@ def test_the_exact_volume_is_that_of_random_points(design, index: int, angles) -
 
 def test_the_two_branches_are_told_apart_by_the_pose() -> None:
     design = preset()
-    pose = KIND.home(design).pose
+    pose = machine_of(design).home.pose
     up = workspace.request_at(design, pose, 5)
     over = workspace.request_at(design, (*pose[:5], np.pi), 5)
     assert {up.side, over.side} == {-1, 1}
@@ -56,9 +58,11 @@ def test_the_two_branches_are_told_apart_by_the_pose() -> None:
 @pytest.mark.parametrize("which", range(11))
 def test_gradients_of_the_margins_are_finite_differences(which: int) -> None:
     design = general()
-    request = workspace.request_at(design, KIND.home(design).pose, 5)
+    request = workspace.request_at(design, machine_of(design).home.pose, 5)
     branch = workspace._Branch(design, request)
-    points = np.array(KIND.home(design).pose[:3]) + np.random.default_rng(1).normal(size=(5, 3)) * (
+    points = np.array(machine_of(design).home.pose[:3]) + np.random.default_rng(1).normal(
+        size=(5, 3)
+    ) * (
         20.0,
         20.0,
         20.0,
@@ -74,26 +78,28 @@ def test_gradients_of_the_margins_are_finite_differences(which: int) -> None:
 
 def test_the_solid_is_closed_and_states_an_error_that_holds() -> None:
     design = preset()
-    pose = KIND.home(design).pose
+    pose = machine_of(design).home.pose
     exact, doubt = workspace.exact_volume(design, workspace.request_at(design, pose, 5), 1e-4)
     for resolution, most in (("preview", 1.01e-2), ("normal", 2e-3)):
-        request = KIND.solid_request(design, "workspace/gamma", pose, None, resolution)
-        built = KIND.build_solid(request)
+        request = machine_of(design).solids.request("workspace/gamma", pose, None, resolution)
+        built = build_solid(request)
         assert built.watertight
         assert len(built.pieces) == 2  # above the base and below
         assert abs(built.volume - exact) <= built.volume_error + doubt
         assert built.volume_error < most * built.volume
-    assert KIND.solid_placement(design, "workspace/gamma", pose).tolist() == np.eye(4).tolist()
+    assert (
+        machine_of(design).solids.placement("workspace/gamma", pose).tolist() == np.eye(4).tolist()
+    )
 
 
 def test_requests_depend_on_what_matters_only() -> None:
     design = preset()
-    pose = np.array(KIND.home(design).pose)
-    one = KIND.solid_request(design, "workspace/gamma", pose, None, "normal")
+    pose = np.array(machine_of(design).home.pose)
+    one = machine_of(design).solids.request("workspace/gamma", pose, None, "normal")
     pose[2] += 20.0
     pose[5] = 0.3
-    assert KIND.solid_request(design, "workspace/gamma", pose, None, "normal") == one
+    assert machine_of(design).solids.request("workspace/gamma", pose, None, "normal") == one
     pose[3] = 0.1
-    assert KIND.solid_request(design, "workspace/gamma", pose, None, "normal") != one
+    assert machine_of(design).solids.request("workspace/gamma", pose, None, "normal") != one
     with pytest.raises(InputError, match="workspace/alpha"):
-        KIND.solid_request(design, "workspace", pose, None, "normal")
+        machine_of(design).solids.request("workspace", pose, None, "normal")

@@ -13,8 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from kinematics.mechanisms.tripods import TripodDesign
-from kinematics.mechanisms.tripods.design import KINDS, Kind
+from kinematics.mechanisms.tripods.design import KINDS, Kind, TripodDesign
 from kinematics.screws.spatial import Array
 
 REFERENCE = Path(__file__).parents[3] / "reference"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from kinematics.designs.files import load_design
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of
 from kinematics.mechanisms.tripods import circles, clearances, inverse, posing, wrenches
 from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind
 from tests.kinematics.mechanisms.tripods.machines import machine, some_machines
@@ -57,17 +57,18 @@ def test_circle_points_are_turned_by_the_radius(kind: Kind) -> None:
 @pytest.mark.parametrize("name", ["rps-3", "spr-3"])
 def test_the_stroke_circle_stays_within_the_strokes(name: str) -> None:
     design = load_design(name)
-    kind = mechanism(design.mechanism)
-    home = kind.home(design)
-    stroke = next(c for c in kind.circles(design, home.pose, home.mode) if c.limit == "stroke")
+    home = machine_of(design).home
+    stroke = next(
+        c for c in machine_of(design).circles.about(home.pose, home.mode) if c.limit == "stroke"
+    )
     assert stroke.limb is not None
     for tilt, azimuth in stroke.contacts:
-        there = kind.posture(design, (home.pose[0], tilt, azimuth), home.mode)
+        there = machine_of(design).inverse.posture((home.pose[0], tilt, azimuth), home.mode)
         assert abs(there.nearest.amount) < 1e-6
     for part, held in ((0.999, True), (1.001, False)):
         ring = circles.circle_points(home.pose[1], home.pose[2], part * stroke.radius, 721)
         poses = [(home.pose[0], *point) for point in ring]
-        assert all(kind.inside(design, pose, (home.mode,)) for pose in poses) is held
+        assert all(machine_of(design).inverse.inside(pose, (home.mode,)) for pose in poses) is held
 
 
 def test_beyond_a_stroke_the_circle_is_a_point() -> None:
@@ -105,22 +106,21 @@ def test_clearances_are_where_they_say(kind: Kind, mode: str) -> None:
 @pytest.mark.parametrize("name", ["rps-3", "spr-3"])
 def test_ways_out(name: str) -> None:
     design = load_design(name)
-    kind = mechanism(design.mechanism)
-    z, *_ = kind.home(design).pose
-    high = kind.posture(design, (z + 300.0, 0.2, 0.4), "2")
-    remedy = kind.remedy(design, high)
+    z, *_ = machine_of(design).home.pose
+    high = machine_of(design).inverse.posture((z + 300.0, 0.2, 0.4), "2")
+    remedy = machine_of(design).clearances.nearest_pose(high)
     assert remedy.nearest is not None
     assert remedy.nearest.reachable
     assert remedy.nearest.pose[1:] == high.pose[1:]
     # Between there and the pose nothing can be held.
     for part in np.linspace(0.001, 1.0, 50):
         between = remedy.nearest.pose[0] + part * (high.pose[0] - remedy.nearest.pose[0])
-        assert not kind.posture(design, (between, 0.2, 0.4), "2").reachable
+        assert not machine_of(design).inverse.posture((between, 0.2, 0.4), "2").reachable
     wider = design
     for change in remedy.changes[0]:
-        wider = kind.with_field(wider, change.path, change.after)
-    assert kind.posture(wider, high.pose, "2").reachable
-    flat = kind.posture(design, (z, 1.45, 0.2), "2")
-    turned = kind.remedy(design, flat)
+        wider = machine_of(wider).edited(change.path, change.after).design
+    assert machine_of(wider).inverse.posture(high.pose, "2").reachable
+    flat = machine_of(design).inverse.posture((z, 1.45, 0.2), "2")
+    turned = machine_of(design).clearances.nearest_pose(flat)
     assert turned.nearest is not None
     assert turned.nearest.reachable

@@ -5,15 +5,13 @@ from __future__ import annotations
 import pytest
 
 from kinematics.designs.files import (
-    design_fields,
     load_design,
     read_design,
-    with_field,
     write_design,
 )
 from kinematics.errors import DesignError
-from kinematics.mechanisms.tripods import TripodDesign
-from kinematics.mechanisms.tripods.design import KINDS
+from kinematics.machine import machine_of
+from kinematics.mechanisms.tripods.design import KINDS, TripodDesign
 
 GOOD = 'mechanism = "three_rps"\nbase_radius = 100\nplatform_radius = 50.0\nstroke = [80, 200]\n'
 
@@ -25,8 +23,8 @@ def test_a_design_reads_back(kind: str) -> None:
     again = read_design(write_design(design), origin="x.toml", name="x")
     assert again == design
     assert hash(again) == hash(design)
-    assert len(design_fields(design)) == 4
-    assert with_field(design, ("stroke", 1), 250.0).stroke == (80.0, 250.0)  # type: ignore[attr-defined]
+    assert len(machine_of(design).fields) == 4
+    assert machine_of(design).edited(("stroke", 1), 250.0).design.stroke == (80.0, 250.0)  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kinematics.errors import InputError
-from kinematics.mechanisms.tripods import TripodDesign, forward, posing, refreshing, study
-from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind
+from kinematics.mechanisms.tripods import forward, posing, refreshing, study
+from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind, TripodDesign
 from tests.kinematics.mechanisms.tripods.machines import machine, some_machines, some_poses, stored
 
 CASES = stored("rps_spr_forward.json")["cases"]

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from kinematics.answers.singularities import LocusCurves
+from kinematics.designs.files import load_design
 from kinematics.errors import InputError
-from kinematics.mechanism import mechanism
-from kinematics.mechanisms.tripods import TripodDesign, loci, micr, polynomial
-from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind, mode_sign
+from kinematics.machine import machine_of
+from kinematics.mechanisms.tripods import loci, micr, polynomial
+from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind, TripodDesign, mode_sign
 from tests.kinematics.mechanisms.tripods.machines import machine
 
 MACHINES = [
@@ -89,5 +90,5 @@ def test_what_is_refused() -> None:
         loci.locus(machine("three_rps"), "plane", 1.0, "1")
     with pytest.raises(InputError, match="finite"):
         loci.locus(machine("three_rps"), loci.ORIENTATION, np.inf, "1")
-    (spec,) = mechanism("three_rps").locus_specs(machine("three_rps"))
+    (spec,) = machine_of(load_design("rps-3")).singularities.loci
     assert spec.polar

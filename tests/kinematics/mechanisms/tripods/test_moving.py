@@ -6,17 +6,10 @@ import numpy as np
 import pytest
 
 from kinematics.designs.files import load_design
-from kinematics.mechanism import mechanism
-from kinematics.mechanisms.tripods import (
-    TripodDesign,
-    following,
-    forward,
-    inverse,
-    paths,
-    posing,
-    refreshing,
-)
-from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind
+from kinematics.machine import machine_of
+from kinematics.mechanism import mechanism_class
+from kinematics.mechanisms.tripods import following, forward, inverse, paths, posing, refreshing
+from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind, TripodDesign
 from tests.kinematics.mechanisms.tripods.machines import machine, some_machines, some_poses
 
 
@@ -58,7 +51,7 @@ def test_a_motion_stops_where_the_operation_modes_meet(kind: Kind) -> None:
     assert "constraint singularity" in found.text
     assert found.posture.pose[1] == np.pi
     assert found.fraction == pytest.approx(0.5, abs=0.05)
-    change = mechanism(kind).mode_change(design, found.posture)
+    change = mechanism_class(kind).singularities.mode_change(found.posture)
     assert change is not None
     assert change.here
     for start in (change.at, change.other):
@@ -72,7 +65,7 @@ def test_a_motion_stops_where_the_operation_modes_meet(kind: Kind) -> None:
 
 def test_a_motion_stops_at_a_fold_and_at_a_stroke() -> None:
     design = load_design("spr-3")
-    home = mechanism("three_spr").home(design)
+    home = mechanism_class("three_spr").home
     low, high = design.stroke
     stroke = following.follow(design, home, [high + 50.0] * 3)
     assert stroke.stop == "stroke"
@@ -99,7 +92,7 @@ def test_what_a_move_of_the_pose_passes() -> None:
     assert reached.stop == "singularity"
     assert reached.posture.pose[1] == pytest.approx(np.pi / 6, abs=1e-5)
     design = load_design("spr-3")
-    home = mechanism("three_spr").home(design)
+    home = mechanism_class("three_spr").home
     up = inverse.posture(design, (200.0, 0.0, 0.0), "2")
     events = paths.passed(design, home, up)
     assert {event.limb for event in events} == {1, 2, 3}
@@ -113,11 +106,10 @@ def test_what_a_move_of_the_pose_passes() -> None:
 @pytest.mark.parametrize("name", ["rps-3", "spr-3"])
 def test_home_is_level_and_the_machine_is_drawn(name: str) -> None:
     design = load_design(name)
-    kind = mechanism(design.mechanism)
-    home = kind.home(design)
+    home = machine_of(design).home
     assert home.reachable
     assert home.pose[1] == 0.0
-    drawn = kind.drawing(design, home)
+    drawn = machine_of(design).drawing(home)
     roles = {bar.role for bar in drawn.bars}
     assert roles == {"base", "cylinder", "rod", "rail", "stop", "joint"}
     for limb in (1, 2, 3):
@@ -126,17 +118,16 @@ def test_home_is_level_and_the_machine_is_drawn(name: str) -> None:
         a, b = posing.joint_points(design, np.array(home.pose), home.mode)
         np.testing.assert_allclose(cylinder.start, a[limb - 1], atol=1e-12)
         np.testing.assert_allclose(rod.end, b[limb - 1], atol=1e-12)
-    (other,) = kind.counterparts(design)
+    (other,) = machine_of(design).counterparts
     assert other.mechanism != design.mechanism
     assert other.base_radius == design.base_radius
-    for axis, value in zip(kind.pose_coordinates(design), home.pose, strict=True):
+    for axis, value in zip(machine_of(design).coordinates, home.pose, strict=True):
         assert axis.lower <= value <= axis.upper
 
 
 def test_a_design_out_of_reach_has_a_home_with_reasons() -> None:
     design = machine("three_rps", 300.0, 100.0)
     short = TripodDesign("three_rps", 300.0, 100.0, (10.0, 30.0))
-    kind = mechanism("three_rps")
-    assert kind.home(design).reachable
-    assert not kind.home(short).reachable
-    assert any(f.severity == "warning" for f in kind.findings(short))
+    assert machine_of(design).home.reachable
+    assert not machine_of(short).home.reachable
+    assert any(f.severity == "warning" for f in machine_of(short).findings)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of
+from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.tripods import (
     forward,
     inverse,
@@ -100,7 +101,7 @@ def test_both_modes_meet_at_180_degrees(kind: Kind) -> None:
         np.testing.assert_allclose(change.at.joints, change.other.joints, atol=1e-10)
         back = singularities.in_other_mode(design, change.other)
         np.testing.assert_allclose(back.pose, change.at.pose, atol=1e-12)
-        (lost,) = mechanism(kind).singularities(design, there)
+        (lost,) = mechanism_class(kind).singularities.at(there)
         assert lost.kind == "constraint"
         assert lost.limbs == (1, 2, 3)
         assert lost.measure < 1e-12
@@ -124,7 +125,7 @@ def test_modes_meet_nowhere_else(kind: Kind, mode: str, rng: np.random.Generator
 def test_an_actuation_singularity_is_named_with_its_free_motion() -> None:
     design = machine("three_spr", 100.0, 200.0)
     there = inverse.posture(design, (100.0, np.pi / 6, -np.pi / 6), "2")
-    (lost,) = mechanism("three_spr").singularities(design, there)
+    (lost,) = machine_of(design).singularities.at(there)
     assert lost.kind == "parallel"
     assert lost.motion is not None
     step = 1e-5 * np.array(lost.motion)
@@ -135,7 +136,7 @@ def test_an_actuation_singularity_is_named_with_its_free_motion() -> None:
 def test_a_limb_without_length_is_a_serial_singularity() -> None:
     design = machine("three_rps", 100.0, 100.0)
     there = inverse.posture(design, (0.0, 0.0, 0.0), "2")
-    (lost,) = mechanism("three_rps").singularities(design, there)
+    (lost,) = machine_of(design).singularities.at(there)
     assert lost.kind == "serial"
     assert lost.limbs == (1, 2, 3)
 

@@ -7,7 +7,8 @@ import pytest
 
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
-from kinematics.mechanism import mechanism
+from kinematics.facets.solids import build_solid
+from kinematics.machine import machine_of
 from kinematics.mechanisms.tripods import chart, inverse, polynomial, workspace
 from kinematics.mechanisms.tripods.design import mode_sign
 
@@ -17,8 +18,7 @@ HOME = (0.0, 0.0, 0.0)
 @pytest.mark.parametrize("name", ["rps-3", "spr-3"])
 def test_the_solid_is_what_the_strokes_allow(name: str, rng: np.random.Generator) -> None:
     design = load_design(name)
-    kind = mechanism(design.mechanism)
-    built = kind.build_solid(kind.solid_request(design, "workspace", HOME, ("2",), "preview"))
+    built = build_solid(machine_of(design).solids.request("workspace", HOME, ("2",), "preview"))
     assert built.watertight
     low, high = built.mesh.vertices.min(axis=0) - 1.0, built.mesh.vertices.max(axis=0) + 1.0
     points = rng.uniform(low, high, (200_000, 3))
@@ -39,9 +39,8 @@ def test_the_solid_is_what_the_strokes_allow(name: str, rng: np.random.Generator
 @pytest.mark.parametrize("name", ["rps-3", "spr-3"])
 def test_aspects_are_the_workspace_in_pieces_of_one_sign(name: str) -> None:
     design = load_design(name)
-    kind = mechanism(design.mechanism)
     whole, parted = (
-        kind.build_solid(kind.solid_request(design, key, HOME, ("2",), "preview"))
+        build_solid(machine_of(design).solids.request(key, HOME, ("2",), "preview"))
         for key in ("workspace", "aspects")
     )
     assert parted.watertight
@@ -56,7 +55,7 @@ def test_aspects_are_the_workspace_in_pieces_of_one_sign(name: str) -> None:
             design.mechanism, design.base_radius, k, z, tilt, np.sin(3.0 * azimuth)
         )
         assert np.sign(value) == piece.sign
-    home = chart.to_chart(design, np.array(kind.home(design).pose))
+    home = chart.to_chart(design, np.array(machine_of(design).home.pose))
     assert parted.piece_at(home) is not None
 
 
@@ -78,11 +77,10 @@ def test_the_locus_over_the_altitude() -> None:
 
 def test_an_empty_workspace_and_what_is_refused() -> None:
     design = load_design("spr-3")
-    kind = mechanism("three_spr")
-    empty = kind.build_solid(kind.solid_request(design, "workspace", HOME, ("1",), "preview"))
+    empty = build_solid(machine_of(design).solids.request("workspace", HOME, ("1",), "preview"))
     assert empty.volume == 0.0
     assert not empty.pieces
     with pytest.raises(InputError, match="one operation mode"):
-        kind.solid_request(design, "workspace", HOME, None, "preview")
+        machine_of(design).solids.request("workspace", HOME, None, "preview")
     with pytest.raises(InputError, match="there is no solid"):
-        kind.solid_request(design, "limb1/whole", HOME, ("1",), "preview")
+        machine_of(design).solids.request("limb1/whole", HOME, ("1",), "preview")

@@ -11,7 +11,7 @@ import pytest
 
 from kinematics.answers.solutions import Posture
 from kinematics.errors import InputError
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur.continuation.following import fold_ahead, follow, polish
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.forward.assembly import forward
@@ -171,7 +171,6 @@ def start_in(design: FiveRPURDesign, seed: int) -> Posture:
 def test_it_is_where_following_stops(name: str) -> None:
     """Of every actuator, both ways; and the partner comes back to the same fold."""
     design = preset(name)
-    kind = mechanism(design.mechanism)
     seen = {"free": 0, "partner": 0, "alone": 0}
     for seed in range(2):
         start = start_in(design, seed)
@@ -180,7 +179,7 @@ def test_it_is_where_following_stops(name: str) -> None:
                 joints = list(start.joints)
                 joints[i] = end
                 moved = follow(design, start, joints)
-                fold = kind.fold_ahead(design, start, joints)
+                fold = machine_of(design).following.fold_ahead(start, joints)
                 if fold is None:
                     seen["free"] += 1
                     assert moved.stop == "target"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import product
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 
 from kinematics.answers.sections import Box, Sphere
 from kinematics.errors import InputError
-from kinematics.mechanism import Mechanism
+from kinematics.machine import Machine
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.inscribed.contacts import Region
@@ -444,7 +445,7 @@ def test_boxes_in_thin_vertex_spaces(link, stroke, theta):
 def test_through_the_mechanism():
     from kinematics.mechanisms.five_rpur.mechanism import MECHANISM
 
-    mechanism: Mechanism = MECHANISM
+    mechanism: Machine[Any] = MECHANISM
     design = preset("rpur-table1")
     pose = (0.0, 0.0, 0.0, -0.3, 0.5)
     ball, found = mechanism.sphere(design, pose, None), mechanism.box(design, pose, None)

@@ -11,12 +11,13 @@ from kinematics.answers.singularities import DesignChange
 from kinematics.answers.solutions import Posture
 from kinematics.designs.files import load_design
 from kinematics.errors import DesignError
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of
+from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.nearest_pose.projection import nearest
 
-MECHANISM = mechanism("five_rpur")
+MECHANISM = mechanism_class("five_rpur")
 TABLES = ("rpur-table1", "rpur-table2", "rpur-a1a1")
 
 
@@ -24,10 +25,10 @@ def allows(design, wanted: Posture, way, share: float = 1.0) -> bool:
     try:
         for c in way:
             value = c.after if share == 1.0 else c.before + share * (c.after - c.before)
-            design = MECHANISM.with_field(design, c.path, value)
+            design = machine_of(design).edited(c.path, value).design
     except DesignError:
         return False
-    return MECHANISM.posture(design, wanted.pose, wanted.mode).reachable
+    return machine_of(design).inverse.posture(wanted.pose, wanted.mode).reachable
 
 
 def beyond(seed: int):
@@ -35,7 +36,7 @@ def beyond(seed: int):
     design = load_design(TABLES[seed % 3])
     while True:
         pose = (*rng.uniform(-450, 450, 3).tolist(), *rng.uniform(-1, 1, 2).tolist())
-        posture = MECHANISM.posture(design, pose, str(rng.choice(inverse.MODES)))
+        posture = machine_of(design).inverse.posture(pose, str(rng.choice(inverse.MODES)))
         if not posture.reachable and len(posture.reasons) <= 1 + seed % 3:
             return design, posture
 
@@ -44,7 +45,7 @@ def beyond(seed: int):
 @given(st.integers(0, 10_000))
 def test_every_way_works_and_half_of_it_does_not(seed):
     design, wanted = beyond(seed)
-    remedy = MECHANISM.remedy(design, wanted)
+    remedy = machine_of(design).clearances.nearest_pose(wanted)
     assert remedy.changes
     at_fault = {r.limb for r in wanted.reasons}
     sums = []
@@ -65,7 +66,7 @@ def test_every_way_works_and_half_of_it_does_not(seed):
         float(np.linalg.norm(np.subtract(there.pose[:3], wanted.pose[:3]))), abs=1e-9
     )
     for mode in remedy.modes:
-        assert MECHANISM.posture(design, wanted.pose, mode).reachable
+        assert machine_of(design).inverse.posture(wanted.pose, mode).reachable
 
 
 @settings(max_examples=8)
@@ -83,8 +84,8 @@ def test_any_design_at_any_pose_has_an_answer(seed, far):
     )
     design = FiveRPURDesign(limbs)
     pose = (*(far * rng.normal(size=3)).tolist(), *rng.uniform(-3.1, 3.1, 2).tolist())
-    wanted = MECHANISM.posture(design, pose, str(rng.choice(inverse.MODES)))
-    remedy = MECHANISM.remedy(design, wanted)
+    wanted = machine_of(design).inverse.posture(pose, str(rng.choice(inverse.MODES)))
+    remedy = machine_of(design).clearances.nearest_pose(wanted)
     if remedy.nearest is None:
         assert remedy.distance == np.inf
     else:
@@ -101,9 +102,13 @@ def test_no_smaller_change_of_any_number_does(seed):
     design, wanted = beyond(seed)
     assert len(wanted.reasons) == 1
     limb = wanted.reasons[0].limb - 1
-    changes = [way[0] for way in MECHANISM.remedy(design, wanted).changes if len(way) == 1]
+    changes = [
+        way[0]
+        for way in machine_of(design).clearances.nearest_pose(wanted).changes
+        if len(way) == 1
+    ]
     told = {c.path: abs(c.after - c.before) for c in changes}
-    for field in MECHANISM.design_fields(design):
+    for field in machine_of(design).fields:
         if field.path[1] == limb:
             below = told.get(field.path, 500.0)
             for step in np.linspace(-below, below, 42)[1:-1]:
@@ -115,11 +120,11 @@ def test_the_text_names_a_value_that_does():
     seen = 0
     for seed in (0, 9, 18):
         design, wanted = beyond(seed)
-        for way in MECHANISM.remedy(design, wanted).changes:
+        for way in machine_of(design).clearances.nearest_pose(wanted).changes:
             if "stroke" in way[0].path:
                 shown = float(way[0].text.split(" to ")[1].removesuffix(" mm"))
-                changed = MECHANISM.with_field(design, way[0].path, shown)
-                assert MECHANISM.posture(changed, wanted.pose, wanted.mode).reachable
+                changed = machine_of(design).edited(way[0].path, shown).design
+                assert machine_of(changed).inverse.posture(wanted.pose, wanted.mode).reachable
                 seen += 1
     assert seen
 
@@ -132,7 +137,9 @@ def test_another_mode_where_this_one_has_no_place():
     held = [f for f in found.values() if f is not None]
     assert len(empty) == 5  # one of the other 27 is too thin for a grid of 40³
     assert all(f.posture.reachable for f in held)
-    remedy = MECHANISM.remedy(design, MECHANISM.posture(design, far, empty[0]))
+    remedy = machine_of(design).clearances.nearest_pose(
+        machine_of(design).inverse.posture(far, empty[0])
+    )
     assert remedy.nearest is not None
     assert remedy.nearest.mode not in empty
     assert remedy.nearest.pose[3:] == (0.0, 0.0)
@@ -142,8 +149,8 @@ def test_another_mode_where_this_one_has_no_place():
 
 def test_another_orientation_where_no_mode_has_a_place():
     design = load_design("rpur-table1")
-    wanted = MECHANISM.posture(design, (50.0, 50.0, 300.0, np.pi, np.pi), "+-+-+")
-    remedy = MECHANISM.remedy(design, wanted)
+    wanted = machine_of(design).inverse.posture((50.0, 50.0, 300.0, np.pi, np.pi), "+-+-+")
+    remedy = machine_of(design).clearances.nearest_pose(wanted)
     assert remedy.nearest is not None
     assert remedy.nearest.reachable
     assert remedy.nearest.mode == "+-+-+"
@@ -158,8 +165,8 @@ def test_another_orientation_where_no_mode_has_a_place():
 
 def test_a_pose_that_can_be_held_needs_nothing():
     design = load_design("rpur-table2")
-    home = MECHANISM.home(design)
-    remedy = MECHANISM.remedy(design, home)
+    home = machine_of(design).home
+    remedy = machine_of(design).clearances.nearest_pose(home)
     assert remedy.nearest == home
     assert remedy.distance == 0.0
     assert remedy.changes == ()
@@ -168,10 +175,14 @@ def test_a_pose_that_can_be_held_needs_nothing():
 def test_a_mode_that_comes_nearer_is_told():
     design = load_design("rpur-table1")
     pose = (300.0, 73.0, 500.0, 0.0, 0.0)
-    found = MECHANISM.remedy(design, MECHANISM.posture(design, pose, "+-+-+"))
+    found = machine_of(design).clearances.nearest_pose(
+        machine_of(design).inverse.posture(pose, "+-+-+")
+    )
     assert found.nearest.mode == "+-+-+"
     assert "working mode +++++ comes as near as 62.1 mm" in found.text
-    nearer = MECHANISM.remedy(design, MECHANISM.posture(design, pose, "+++++"))
+    nearer = machine_of(design).clearances.nearest_pose(
+        machine_of(design).inverse.posture(pose, "+++++")
+    )
     assert nearer.distance == pytest.approx(62.1, abs=0.05)
     assert "comes as near" not in nearer.text
     # No posture of any mode is nearer, as far as a shell of points about the pose tells.
@@ -184,4 +195,4 @@ def test_a_mode_that_comes_nearer_is_told():
         / np.linalg.norm(ray, axis=1, keepdims=True)
     )
     about = np.column_stack([np.array(pose[:3]) + ray, np.zeros((4000, 2))])
-    assert not MECHANISM.inverse(design, about).within_stroke.any()
+    assert not machine_of(design).inverse(about).within_stroke.any()

@@ -7,15 +7,16 @@ import pytest
 from scipy.optimize import brentq, minimize_scalar
 
 from kinematics.designs.files import load_design
-from kinematics.facets.bare import Bare
-from kinematics.mechanism import mechanism
+from kinematics.facets.paths import PathsFacet
+from kinematics.machine import machine_of
+from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.five_rpur import inverse, velocity
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.paths.events import passed
 from kinematics.mechanisms.five_rpur.paths.straight import Way
 from tests.kinematics.references import read
 
-MECHANISM = mechanism("five_rpur")
+MECHANISM = mechanism_class("five_rpur")
 TABLES = ("rpur-table1", "rpur-table2", "rpur-a1a1")
 
 
@@ -30,13 +31,17 @@ def a_way(seed: int):
     move = rng.choice([5.0, 50.0, 200.0]) * rng.normal(size=3)
     b = a + np.concatenate([move, rng.choice([0.0, 0.1, 1.0]) * rng.normal(size=2)])
     mode = inverse.MODES[rng.choice(held)]
-    return design, MECHANISM.posture(design, a, mode), MECHANISM.posture(design, b, mode)
+    return (
+        design,
+        machine_of(design).inverse.posture(a, mode),
+        machine_of(design).inverse.posture(b, mode),
+    )
 
 
 @pytest.mark.parametrize("seed", range(40))
 def test_events_are_those_of_dense_samples(seed):
     design, before, after = a_way(seed)
-    events = MECHANISM.passed(design, before, after)
+    events = machine_of(design).paths.passed(before, after)
     assert [e.fraction for e in events] == sorted(e.fraction for e in events)
     way = Way.between(design, before.pose, after.pose, before.mode)
     s = np.linspace(0.0, 1.0, 4001)
@@ -82,8 +87,8 @@ def assert_same(sampled, events, near: float) -> None:
 @pytest.mark.parametrize("seed", range(12))
 def test_at_each_event_its_bound_is_met(seed):
     design, before, after = a_way(seed)
-    for event in MECHANISM.passed(design, before, after):
-        there = MECHANISM.posture(design, event.pose, before.mode)
+    for event in machine_of(design).paths.passed(before, after):
+        there = machine_of(design).inverse.posture(event.pose, before.mode)
         if event.kind == "stroke":
             ends = design.limbs[event.limb - 1].stroke
             assert min(abs(there.joints[event.limb - 1] - end) for end in ends) < 1e-8
@@ -118,13 +123,15 @@ def folds():
 def test_the_way_through_a_fold_crosses_there(case):
     design, mode, pose, normal, way = case
     normal = normal / np.linalg.norm(normal * way.metric)
-    before, after = (MECHANISM.posture(design, pose + d * normal, mode) for d in (-0.4, 0.6))
-    events = [e for e in MECHANISM.passed(design, before, after) if e.kind == "parallel"]
+    before, after = (
+        machine_of(design).inverse.posture(pose + d * normal, mode) for d in (-0.4, 0.6)
+    )
+    events = [e for e in machine_of(design).paths.passed(before, after) if e.kind == "parallel"]
     assert [e.stops for e in events] == [True]
     assert events[0].fraction == pytest.approx(0.4, abs=1e-6)
     assert events[0].pose == pytest.approx(pose.tolist(), abs=1e-6)
     assert "another aspect" in events[0].text
-    back = [e for e in MECHANISM.passed(design, after, before) if e.kind == "parallel"]
+    back = [e for e in machine_of(design).paths.passed(after, before) if e.kind == "parallel"]
     assert back[0].fraction == pytest.approx(0.6, abs=1e-6)
 
 
@@ -155,9 +162,10 @@ def test_ways_that_touch_come_near_or_cut_twice(case):
 
     def events(shift: float):
         ends = [
-            MECHANISM.posture(design, pose + shift * normal + u * along, mode) for u in (-1.0, 1.0)
+            machine_of(design).inverse.posture(pose + shift * normal + u * along, mode)
+            for u in (-1.0, 1.0)
         ]
-        return [e for e in MECHANISM.passed(design, *ends) if e.kind == "parallel"]
+        return [e for e in machine_of(design).paths.passed(*ends) if e.kind == "parallel"]
 
     at_both_sides = [events(touching - 1e-2), events(touching + 1e-2)]
     at_both_sides.sort(key=len)
@@ -176,15 +184,15 @@ def test_ways_that_touch_come_near_or_cut_twice(case):
 
 def test_nothing_is_passed_where_nothing_moves():
     design = load_design("rpur-table1")
-    home = MECHANISM.home(design)
-    assert MECHANISM.passed(design, home, home) == ()
+    home = machine_of(design).home
+    assert machine_of(design).paths.passed(home, home) == ()
 
 
 def test_another_mode_is_told():
     design = load_design("rpur-table1")
-    home = MECHANISM.home(design)
-    other = MECHANISM.posture(design, home.pose, "++-++")
-    (event,) = MECHANISM.passed(design, home, other)
+    home = machine_of(design).home
+    other = machine_of(design).inverse.posture(home.pose, "++-++")
+    (event,) = machine_of(design).paths.passed(home, other)
     assert event.stops
     assert "another working mode of limbs 2, 4" in event.text or "limb" in event.text
 
@@ -200,8 +208,10 @@ def test_angles_go_the_shorter_way():
 def test_a_design_that_is_always_singular_says_so():
     limb = Limb((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 150.0, (50.0, 400.0))
     design = FiveRPURDesign((limb,) * 5)
-    ends = [MECHANISM.posture(design, (x, 20.0, 250.0, 0.0, 0.0), "+++++") for x in (0.0, 50.0)]
-    (event,) = MECHANISM.passed(design, *ends)
+    ends = [
+        machine_of(design).inverse.posture((x, 20.0, 250.0, 0.0, 0.0), "+++++") for x in (0.0, 50.0)
+    ]
+    (event,) = machine_of(design).paths.passed(*ends)
     assert event.kind == "parallel"
     assert "all along the way" in event.text
 
@@ -216,11 +226,11 @@ def test_a_motion_of_the_whole_leaves_the_events(seed):
     )
     moved = FiveRPURDesign(limbs)
     ends = [
-        MECHANISM.posture(moved, (*np.add(p.pose[:3], shift), *p.pose[3:]), p.mode)
+        machine_of(moved).inverse.posture((*np.add(p.pose[:3], shift), *p.pose[3:]), p.mode)
         for p in (before, after)
     ]
-    there = MECHANISM.passed(moved, *ends)
-    here = MECHANISM.passed(design, before, after)
+    there = machine_of(moved).paths.passed(*ends)
+    here = machine_of(design).paths.passed(before, after)
     assert [(e.kind, e.limb, e.stops) for e in there] == [(e.kind, e.limb, e.stops) for e in here]
     assert [e.fraction for e in there] == pytest.approx([e.fraction for e in here], abs=1e-7)
 
@@ -229,7 +239,7 @@ def test_a_motion_of_the_whole_leaves_the_events(seed):
 def test_a_way_in_parts_passes_the_same(seed):
     design, before, after = a_way(seed)
     way = Way.between(design, before.pose, after.pose, before.mode)
-    whole = MECHANISM.passed(design, before, after)
+    whole = machine_of(design).paths.passed(before, after)
     parts = passed(design, before, after, way.poses(np.array([0.211, 0.658])))
     assert [(e.kind, e.limb, e.stops, e.text) for e in parts] == [
         (e.kind, e.limb, e.stops, e.text) for e in whole
@@ -240,21 +250,22 @@ def test_a_way_in_parts_passes_the_same(seed):
 def test_two_parallel_links_at_their_reach_are_singular_in_both_ways():
     """Limbs 1 and 2 of Table 1 hold their links in parallel: there both are along e₁."""
     design = load_design("rpur-table1")
-    home = MECHANISM.home(design)
-    goal = MECHANISM.posture(
-        design, (*home.pose[:1], home.pose[1] + 200.0, *home.pose[2:]), home.mode
+    home = machine_of(design).home
+    goal = machine_of(design).inverse.posture(
+        (*home.pose[:1], home.pose[1] + 200.0, *home.pose[2:]), home.mode
     )
-    told = {e.limb: e.text for e in MECHANISM.passed(design, home, goal) if e.kind == "serial"}
+    told = {
+        e.limb: e.text for e in machine_of(design).paths.passed(home, goal) if e.kind == "serial"
+    }
     assert "a serial and a parallel singularity at once" in told[1]
     assert "a serial and a parallel singularity at once" in told[2]
-    back = MECHANISM.posture(
-        design, (*home.pose[:1], home.pose[1] - 90.0, *home.pose[2:]), home.mode
+    back = machine_of(design).inverse.posture(
+        (*home.pose[:1], home.pose[1] - 90.0, *home.pose[2:]), home.mode
     )
-    (alone,) = [e for e in MECHANISM.passed(design, home, back) if e.kind == "serial"]
+    (alone,) = [e for e in machine_of(design).paths.passed(home, back) if e.kind == "serial"]
     assert "a serial singularity" in alone.text
 
 
-def test_a_mechanism_without_it_passes_nothing():
-    bare = Bare()
-    home = MECHANISM.home(load_design("rpur-table1"))
-    assert bare.passed(None, home, home) == ()
+def test_a_mechanism_without_it_passes_nothing() -> None:
+    machine = machine_of(load_design("rpur-table1"))
+    assert PathsFacet.passed(machine.paths, machine.home, machine.home) == ()

@@ -7,13 +7,14 @@ import pytest
 
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of
+from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.five_rpur import inverse, velocity
 from kinematics.mechanisms.five_rpur.paths.driving import GAP
 from kinematics.mechanisms.five_rpur.paths.nearness import WARNED
 from kinematics.mechanisms.five_rpur.paths.straight import Way
 
-MECHANISM = mechanism("five_rpur")
+MECHANISM = mechanism_class("five_rpur")
 
 
 def sign_of(design, posture) -> float:
@@ -25,9 +26,9 @@ def sign_of(design, posture) -> float:
 def test_a_path_stops_before_what_it_would_pass(seed):
     rng = np.random.default_rng(seed)
     design = load_design(("rpur-table1", "rpur-table2")[seed % 2])
-    start = MECHANISM.home(design)
+    start = machine_of(design).home
     corners = np.cumsum(rng.normal(size=(4, 5)) * [60, 60, 60, 0.2, 0.2], axis=0) + start.pose
-    reached = MECHANISM.path(design, start, corners)
+    reached = machine_of(design).paths.drive(start, corners)
     assert reached.posture.reachable
     assert reached.posture.mode == start.mode
     assert 0.0 <= reached.fraction <= 1.0
@@ -63,20 +64,20 @@ def test_a_path_stops_before_what_it_would_pass(seed):
 def test_some_paths_meet_each_kind_of_stop():
     stops = set()
     design = load_design("rpur-table1")
-    start = MECHANISM.home(design)
+    start = machine_of(design).home
     for way in np.eye(5)[[0, 1, 2, 3, 4]]:
         for side in (1.0, -1.0):
             goal = start.pose + side * way * [300, 300, 300, 1.5, 1.5]
-            stops.add(MECHANISM.path(design, start, [goal]).stop)
+            stops.add(machine_of(design).paths.drive(start, [goal]).stop)
     near = start.pose + np.array([1.0, 1.0, 1.0, 0.01, 0.01])
-    stops.add(MECHANISM.path(design, start, [near, start.pose]).stop)
+    stops.add(machine_of(design).paths.drive(start, [near, start.pose]).stop)
     assert stops == {"stroke", "singularity", "target"}
 
 
 def test_a_path_from_where_nothing_holds_the_machine():
     design = load_design("rpur-table1")
-    start = MECHANISM.posture(design, (900.0, 0.0, 0.0, 0.0, 0.0), "+++++")
-    reached = MECHANISM.path(design, start, [(0.0, 0.0, 300.0, 0.0, 0.0)])
+    start = machine_of(design).inverse.posture((900.0, 0.0, 0.0, 0.0, 0.0), "+++++")
+    reached = machine_of(design).paths.drive(start, [(0.0, 0.0, 300.0, 0.0, 0.0)])
     assert reached.stop == "stalled"
     assert reached.posture == start
     assert start.reasons[0].text in reached.text
@@ -86,13 +87,13 @@ def test_a_path_from_where_nothing_holds_the_machine():
 def test_paths_that_are_none(poses):
     design = load_design("rpur-table1")
     with pytest.raises(InputError):
-        MECHANISM.path(design, MECHANISM.home(design), poses)
+        machine_of(design).paths.drive(machine_of(design).home, poses)
 
 
 def test_a_path_that_does_not_move():
     design = load_design("rpur-table1")
-    home = MECHANISM.home(design)
-    reached = MECHANISM.path(design, home, [home.pose, home.pose])
+    home = machine_of(design).home
+    reached = machine_of(design).paths.drive(home, [home.pose, home.pose])
     assert (reached.stop, reached.fraction, reached.text) == ("target", 1.0, "")
 
 
@@ -101,18 +102,18 @@ def test_a_path_that_does_not_move():
 
 def test_actuators_driven_towards_a_fold_warn_before_they_stop():
     design = load_design("rpur-table1")
-    home = MECHANISM.home(design)
-    assert MECHANISM.follow(design, home, home.joints).warning == ""
+    home = machine_of(design).home
+    assert machine_of(design).following.follow(home, home.joints).warning == ""
     met = 0
     for limb in range(5):
         for side in (-1.0, 1.0):
             joints = np.array(home.joints)
             joints[limb] += side * 120.0
-            end = MECHANISM.follow(design, home, joints)
+            end = machine_of(design).following.follow(home, joints)
             if end.stop != "singularity":
                 continue
             way = np.subtract(end.posture.joints, home.joints)
-            nearly = MECHANISM.follow(design, home, home.joints + 0.9999 * way)
+            nearly = machine_of(design).following.follow(home, home.joints + 0.9999 * way)
             assert nearly.stop == "target"
             assert "parallel singularity" in nearly.warning
             assert "parallel" not in end.warning  # the text says so already
@@ -122,18 +123,18 @@ def test_actuators_driven_towards_a_fold_warn_before_they_stop():
 
 def test_next_to_the_reach_of_a_link_there_is_a_warning():
     design = load_design("rpur-table1")
-    home = MECHANISM.home(design)
+    home = machine_of(design).home
     mode_change = min(
-        (c for c in MECHANISM.clearances(design, home, singular=False) if c.kind == "mode"),
+        (c for c in machine_of(design).clearances.of(home, singular=False) if c.kind == "mode"),
         key=lambda c: c.distance,
     )
     to = np.array([*mode_change.point, *home.pose[3:]])
     step = (to - home.pose) / mode_change.distance
-    near = MECHANISM.posture(design, to - 0.9 * WARNED * step, home.mode)
-    far = MECHANISM.posture(design, to - 1.1 * WARNED * step, home.mode)
+    near = machine_of(design).inverse.posture(to - 0.9 * WARNED * step, home.mode)
+    far = machine_of(design).inverse.posture(to - 1.1 * WARNED * step, home.mode)
     wanted = f"4.5 mm from a serial singularity of limb {mode_change.limb}"
-    assert wanted in MECHANISM.path(design, near, [near.pose]).warning or not near.reachable
-    assert "serial" not in MECHANISM.path(design, far, [far.pose]).warning
+    assert wanted in machine_of(design).paths.drive(near, [near.pose]).warning or not near.reachable
+    assert "serial" not in machine_of(design).paths.drive(far, [far.pose]).warning
 
 
 # --- room to parallel singularities --------------------------------------------------------------
@@ -146,8 +147,8 @@ def test_within_the_room_no_way_crosses(seed):
     poses = np.column_stack([rng.uniform(-400, 400, (3000, 3)), rng.uniform(-1, 1, (3000, 2))])
     held = np.argwhere(inverse.inverse(design, poses).within_stroke)
     at, mode = held[rng.integers(0, len(held))]
-    posture = MECHANISM.posture(design, poses[at], inverse.MODES[mode])
-    found = MECHANISM.clearances(design, posture)
+    posture = machine_of(design).inverse.posture(poses[at], inverse.MODES[mode])
+    found = machine_of(design).clearances.of(posture)
     singular = [c for c in found if c.kind == "parallel"]
     assert [c.distance for c in found] == sorted(c.distance for c in found)
     assert len(singular) == 1
@@ -158,8 +159,8 @@ def test_within_the_room_no_way_crosses(seed):
 
     def crossings(direction, share, kind="parallel"):
         goal = (*(posture.pose[:3] + share * direction), *posture.pose[3:])
-        after = MECHANISM.posture(design, goal, posture.mode)
-        events = MECHANISM.passed(design, posture, after)
+        after = machine_of(design).inverse.posture(goal, posture.mode)
+        events = machine_of(design).paths.passed(posture, after)
         return [e.fraction for e in events if e.kind == kind and e.stops]
 
     # Where two links that are always parallel come to their reach at once, it is of both kinds.

@@ -8,7 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinematics.errors import ComputationError, InputError
-from kinematics.mechanism import mechanism
+from kinematics.facets.solids import build_solid
+from kinematics.machine import machine_of
+from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.five_rpur.inverse import MODES, limb_lengths
 from kinematics.mechanisms.five_rpur.singularities.aspects import aspects
 from kinematics.mechanisms.five_rpur.singularities.determinant import Determinant
@@ -25,7 +27,7 @@ from tests.kinematics.mechanisms.five_rpur.singularities.cases import (
     turned,
 )
 
-MACHINE = mechanism("five_rpur")
+MACHINE = mechanism_class("five_rpur")
 
 
 def samples(built, rng, count):
@@ -193,16 +195,16 @@ def test_an_empty_workspace_has_no_pieces() -> None:
 def test_behind_the_shared_interface() -> None:
     design = preset("rpur-table1")
     pose = [50.0, 100.0, 300.0, 0.2, 0.1]
-    spec = next(s for s in MACHINE.solids(design) if s.key == "aspects")
+    spec = next(s for s in machine_of(design).solid_specs if s.key == "aspects")
     assert spec.of_present_mode
-    request = MACHINE.solid_request(design, "aspects", pose, ("+++++",), "preview")
+    request = machine_of(design).solids.request("aspects", pose, ("+++++",), "preview")
     elsewhere = [0.0, 0.0, 0.0, 0.2, 0.1]
-    assert request == MACHINE.solid_request(design, "aspects", elsewhere, ("+++++",), "preview")
-    built = MACHINE.build_solid(request)
+    assert request == machine_of(design).solids.request("aspects", elsewhere, ("+++++",), "preview")
+    built = build_solid(request)
     assert len(built.pieces) == 4
-    placement = MACHINE.solid_placement(design, "aspects", pose)
+    placement = machine_of(design).solids.placement("aspects", pose)
     assert placement[:3, 3].tolist() == [0.0, 0.0, 0.0]
     with pytest.raises(InputError, match="one working mode"):
-        MACHINE.solid_request(design, "aspects", pose, None, "preview")
+        machine_of(design).solids.request("aspects", pose, None, "preview")
     with pytest.raises(InputError):
         aspects(design, 0.0, 0.0, "++", "preview")

@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kinematics.designs.files import load_design
 from kinematics.errors import InputError
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur.inscribed.largest import sphere
 from kinematics.mechanisms.five_rpur.singularities.aspects import aspects
 from kinematics.mechanisms.five_rpur.singularities.ball import singularity_free_ball
@@ -100,5 +101,7 @@ def test_where_there_is_none() -> None:
 def test_behind_the_shared_interface() -> None:
     center = [80.0, 100.0, 450.0]
     pose = [0.0, 0.0, 0.0, PHI, THETA]
-    found = mechanism("five_rpur").singularity_free_ball(TABLE_1, pose, MODE, center)
+    sections = machine_of(load_design("rpur-table1")).sections
+    assert sections is not None
+    found = sections.singularity_free_ball(pose, MODE, center)
     assert found.radius == singularity_free_ball(TABLE_1, PHI, THETA, MODE, center).radius > 0.0

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinematics.errors import ComputationError, InputError
-from kinematics.mechanism import mechanism
+from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur.inverse import joint_points
 from kinematics.mechanisms.five_rpur.singularities.curves import SPECS, locus
 from kinematics.mechanisms.five_rpur.singularities.determinant import Determinant
@@ -143,8 +143,7 @@ def test_what_cannot_be_drawn_is_told() -> None:
 
 
 def test_behind_the_shared_interface() -> None:
-    machine = mechanism("five_rpur")
     pose = [50.0, 90.0, -200.0, 0.3, -0.4]
-    for spec in machine.locus_specs(TABLE_1):
-        found = machine.locus(TABLE_1, spec.key, pose, "+++++")
+    for spec in machine_of(TABLE_1).singularities.loci:
+        found = machine_of(TABLE_1).singularities.locus(spec.key, pose, "+++++")
         assert "parallel" in found.kinds

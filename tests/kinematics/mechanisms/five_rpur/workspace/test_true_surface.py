@@ -11,7 +11,8 @@ from scipy.spatial import cKDTree
 
 from kinematics.designs.files import load_design, presets
 from kinematics.errors import InputError
-from kinematics.mechanism import mechanism
+from kinematics.facets.solids import build_solid
+from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.workspace.true_surface import true_surface
@@ -270,14 +271,14 @@ def test_a_preview_is_of_facets():
 
 
 def test_the_same_request_gives_the_same_solid():
-    design, machine = load_design("rpur-a1a2"), mechanism("five_rpur")
+    design = load_design("rpur-a1a2")
     pose = (0.0, 0.0, 0.0, 0.2, 0.1)
-    request = machine.solid_request(design, "workspace", pose, None, "normal", "true")
-    first, second = machine.build_solid(request), machine.build_solid(request)
+    request = machine_of(design).solids.request("workspace", pose, None, "normal", "true")
+    first, second = build_solid(request), build_solid(request)
     np.testing.assert_array_equal(first.mesh.vertices, second.mesh.vertices)
     np.testing.assert_array_equal(first.mesh.faces, second.mesh.faces)
     assert first.residual == second.residual is not None
-    assert request != machine.solid_request(design, "workspace", pose, None, "normal")
+    assert request != machine_of(design).solids.request("workspace", pose, None, "normal")
 
 
 def test_an_unknown_surface_is_refused():

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import quad
 
 from kinematics.errors import InputError
-from kinematics.mechanism import RESOLUTIONS
+from kinematics.facets.solids import RESOLUTIONS
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.workspace.vertex_space import (
     PARTS,

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinematics.errors import InputError
-from kinematics.mechanism import RESOLUTIONS
+from kinematics.facets.solids import RESOLUTIONS
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.offsets import offset_points

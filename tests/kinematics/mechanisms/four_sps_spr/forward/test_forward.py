@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from kinematics.errors import InputError
+from kinematics.machine import machine_of
 from kinematics.mechanisms.four_sps_spr import inverse
 from kinematics.mechanisms.four_sps_spr.forward import monodromy
 from kinematics.mechanisms.four_sps_spr.forward.assembly import forward, pose_distances
@@ -120,12 +121,10 @@ def test_a_level_pentagon_is_a_fourfold_solution() -> None:
 
 def test_two_solutions_near_a_fold_are_both_there() -> None:
     """Shortly before legs of a home posture reach a fold, it has its partner next to it."""
-    from kinematics.mechanism import mechanism
 
     design, start = preset(), home(preset())
-    kind = mechanism("four_sps_spr")
     goal = np.full(5, 600.0)
-    fold = kind.fold_ahead(design, start, goal)
+    fold = machine_of(design).following.fold_ahead(start, goal)
     assert fold is not None
     now = np.array(start.joints)
     before = now + (np.array(fold.joints) - now) * (1.0 - 1e-6)

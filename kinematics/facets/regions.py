@@ -1,0 +1,31 @@
+"""Workspaces that lie in a plane: regions bounded by exact curves."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Sequence
+
+from kinematics.answers.sections import Region, RegionSpec
+from kinematics.facets.facet import Facet
+from kinematics.mechanism import D
+from kinematics.screws.spatial import Array
+
+
+class RegionsFacet(Facet[D]):
+    """Regions of the plane in which O′ moves at a constant orientation."""
+
+    specs: tuple[RegionSpec, ...]
+
+    @abstractmethod
+    def frame(self, pose: Sequence[float]) -> Array:
+        """(4, 4) from (u, v, normal) of the plane to the base frame."""
+
+    @abstractmethod
+    def of(
+        self, key: str, pose: Sequence[float], modes: tuple[str, ...] | None
+    ) -> tuple[Region, ...]:
+        """The regions ``key`` at a pose's orientation for a set of modes; None: of all together.
+
+        Raises:
+            InputError: there are no such regions.
+        """

@@ -1,0 +1,110 @@
+"""Solids that a mechanism can show: workspaces, aspects, vertex spaces and their parts."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kinematics.facets.facet import Facet
+from kinematics.mechanism import D, mechanism_class
+from kinematics.screws.spatial import Array
+
+if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
+    from kinematics.solids.csg import BuiltSolid
+
+Resolution = Literal["preview", "normal", "fine"]
+RESOLUTIONS: tuple[Resolution, ...] = ("preview", "normal", "fine")
+SurfaceKind = Literal["facets", "true"]
+SURFACES: tuple[SurfaceKind, ...] = ("facets", "true")
+"""Of a solid's mesh: right on the average, or with every vertex on the exact surfaces."""
+
+
+@dataclass(frozen=True, slots=True)
+class SolidSpec:
+    """A solid that a mechanism can show: "workspace", "aspects", "limb1/whole", "limb1/H2", …
+
+    It may depend on the chosen set of modes (``uses_modes``), or on the present mode alone
+    (``of_present_mode``), which is then all that `SolidsFacet.request` is handed. ``follows``: the
+    pose coordinate that is not held but follows from the others (`dependent_coordinates`).
+    """
+
+    key: str
+    title: str
+    group: str
+    limb: int | None = None
+    figure: str = ""
+    uses_modes: bool = False
+    of_present_mode: bool = False
+    surfaces: tuple[SurfaceKind, ...] = ("facets",)
+    follows: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class SolidRequest:
+    """Everything a solid depends on and nothing else, so equal requests are equal solids.
+
+    ``arguments`` is hashable, picklable and understood by the mechanism alone.
+    """
+
+    mechanism: str
+    arguments: tuple[Any, ...]
+    resolution: Resolution
+
+
+class SolidsFacet(Facet[D]):
+    """Solids, asked for by a request that other processes can build."""
+
+    @property
+    @abstractmethod
+    def specs(self) -> tuple[SolidSpec, ...]:
+        """What there is."""
+
+    @abstractmethod
+    def request(
+        self,
+        key: str,
+        pose: Sequence[float],
+        modes: tuple[str, ...] | None,
+        resolution: Resolution,
+        surface: SurfaceKind = "facets",
+    ) -> SolidRequest:
+        """The solid ``key`` at a pose's orientation for a set of modes; None: of all together.
+
+        Raises:
+            InputError: there is no such solid, or it is of one mode only and another set is given.
+        """
+
+    def placement(self, key: str, pose: Sequence[float]) -> Array:
+        """(4, 4) from the frame in which the solid is built to the base frame, mm."""
+        return np.eye(4)
+
+    build: ClassVar[Any]
+    """build(request) → BuiltSolid: static, as it needs nothing but the request."""
+
+    def point(self, key: str, pose: Sequence[float], mode: str) -> Array:
+        """Where a pose is in a solid as placed, (3,) mm: the place of O′, unless overridden."""
+        at: Array = self.mechanism.transform(pose, mode)[:3, 3]
+        return at
+
+    def poses(self, key: str, pose: Sequence[float], mode: str, points: ArrayLike) -> Array:
+        """The poses (N, P) that points (N, 3) mm of a solid as placed stand for, all else held.
+
+        NaN where there is none.
+        """
+        places = np.asarray(points, dtype=float)
+        poses = np.tile(np.asarray(pose, dtype=float), (len(places), 1))
+        for n, c in enumerate(self.mechanism.pose_coordinates()):
+            if c.key in ("x", "y", "z"):
+                poses[:, n] = places[:, "xyz".index(c.key)]
+        return poses
+
+
+def build_solid(request: SolidRequest) -> BuiltSolid:
+    """The solid of a request; a fraction of a second to some seconds."""
+    built: BuiltSolid = mechanism_class(request.mechanism).facets["solids"].build(request)
+    return built

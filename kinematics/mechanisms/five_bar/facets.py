@@ -1,0 +1,200 @@
+"""The facets of the mechanism, each a thin face of the rooms that compute."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from numpy.typing import ArrayLike
+
+from kinematics.answers.motion import Motion, Statics, WrenchSystem
+from kinematics.answers.sections import Region
+from kinematics.answers.singularities import (
+    AT,
+    Clearance,
+    Event,
+    LocusCurves,
+    ModeChange,
+    Remedy,
+    Singularity,
+)
+from kinematics.answers.solutions import (
+    Fold,
+    Followed,
+    ForwardSolutions,
+    InverseSolutions,
+    Posture,
+    Refreshed,
+)
+from kinematics.facets.clearances import ClearancesFacet
+from kinematics.facets.continuation import FollowingFacet
+from kinematics.facets.forward import ForwardFacet
+from kinematics.facets.inverse import InverseFacet
+from kinematics.facets.measures import MeasuresFacet
+from kinematics.facets.motion import MotionFacet
+from kinematics.facets.paths import PathsFacet
+from kinematics.facets.regions import RegionsFacet
+from kinematics.facets.singularities import SingularitiesFacet
+from kinematics.facets.statics import StaticsFacet
+from kinematics.mechanisms.five_bar import (
+    following,
+    forward,
+    inverse,
+    loci,
+    mode_changes,
+    motion,
+    named_paths,
+    paths,
+    regions,
+)
+from kinematics.mechanisms.five_bar import singularities as control
+from kinematics.mechanisms.five_bar.design import FiveBarDesign
+from kinematics.screws.spatial import Array
+from kinematics.trajectories import NamedTrajectory
+
+
+class FiveBarInverse(InverseFacet[FiveBarDesign]):
+    """TODO"""
+
+    def posture(self, pose: Sequence[float], mode: str) -> Posture:
+        return inverse.posture(self.design, pose, mode)
+
+    def __call__(self, poses: ArrayLike) -> InverseSolutions:
+        return inverse.inverse(self.design, poses)
+
+    def inside(self, pose: Sequence[float], modes: tuple[str, ...] | None) -> bool:
+        return bool(inverse.inside(self.design, pose, modes))
+
+
+class FiveBarFollowing(FollowingFacet[FiveBarDesign]):
+    """TODO"""
+
+    def follow(self, posture: Posture, joints: Sequence[float]) -> Followed:
+        return following.follow(self.design, posture, joints)
+
+    def fold_ahead(self, posture: Posture, joints: Sequence[float]) -> Fold | None:
+        return following.fold_ahead(self.design, posture, joints)
+
+
+class FiveBarForward(ForwardFacet[FiveBarDesign]):
+    """TODO"""
+
+    def __call__(
+        self, joints: ArrayLike, *, mixed_modes: bool = False
+    ) -> tuple[ForwardSolutions, ...]:
+        return forward.forward(self.design, joints)
+
+    def refresh(self, before: ForwardSolutions, joints: Sequence[float]) -> Refreshed:
+        return forward.refresh(self.design, before, joints)
+
+
+class FiveBarMotion(MotionFacet[FiveBarDesign]):
+    """TODO"""
+
+    def inverse(
+        self,
+        poses: ArrayLike,
+        mode: str,
+        pose_rates: ArrayLike,
+        pose_accelerations: ArrayLike | None = None,
+    ) -> Motion:
+        return motion.inverse_motion(self.design, poses, mode, pose_rates, pose_accelerations)
+
+    def forward(
+        self,
+        poses: ArrayLike,
+        mode: str,
+        joint_rates: ArrayLike,
+        joint_accelerations: ArrayLike | None = None,
+    ) -> Motion:
+        return motion.forward_motion(self.design, poses, mode, joint_rates, joint_accelerations)
+
+
+class FiveBarStatics(StaticsFacet[FiveBarDesign]):
+    """TODO"""
+
+    def wrenches(self, poses: ArrayLike, mode: str) -> WrenchSystem:
+        return motion.wrench_system(self.design, poses, mode)
+
+    def forces(self, poses: ArrayLike, mode: str, loads: ArrayLike) -> Statics:
+        return motion.statics(self.design, poses, mode, loads)
+
+
+class FiveBarMeasures(MeasuresFacet[FiveBarDesign]):
+    """TODO"""
+
+    specs = motion.MEASURES
+
+    def __call__(
+        self,
+        poses: ArrayLike,
+        mode: str,
+        key: str,
+        load: Sequence[float] | None = None,
+    ) -> Array:
+        return motion.measure(self.design, poses, mode, key, load)
+
+
+class FiveBarSingularities(SingularitiesFacet[FiveBarDesign]):
+    """TODO"""
+
+    def at(self, posture: Posture, tolerance: float = AT) -> tuple[Singularity, ...]:
+        return control.singularities(self.design, posture, tolerance)
+
+    def mode_change(self, posture: Posture, wanted: str = "") -> ModeChange | None:
+        return mode_changes.mode_change(self.design, posture, wanted)
+
+    loci = loci.SPECS
+
+    def locus(
+        self,
+        key: str,
+        pose: Sequence[float],
+        mode: str,
+        at: float | None = None,
+    ) -> LocusCurves:
+        return loci.locus(self.design, key, mode)
+
+
+class FiveBarClearances(ClearancesFacet[FiveBarDesign]):
+    """TODO"""
+
+    def of(self, posture: Posture, *, singular: bool = True) -> tuple[Clearance, ...]:
+        return control.clearances(self.design, posture, singular=singular)
+
+    def nearest_pose(self, posture: Posture) -> Remedy:
+        return control.remedy(self.design, posture)
+
+
+class FiveBarPaths(PathsFacet[FiveBarDesign]):
+    """TODO"""
+
+    def passed(
+        self,
+        before: Posture,
+        after: Posture,
+        through: ArrayLike = (),
+    ) -> tuple[Event, ...]:
+        return paths.passed(self.design, before, after, through)
+
+    def drive(self, posture: Posture, poses: ArrayLike) -> Followed:
+        return paths.path(self.design, posture, poses)
+
+    def named(self) -> tuple[NamedTrajectory, ...]:
+        return named_paths.named(self.design)
+
+
+class FiveBarRegions(RegionsFacet[FiveBarDesign]):
+    """TODO"""
+
+    specs = regions.SPECS
+
+    def frame(self, pose: Sequence[float]) -> Array:
+        return regions.frame()
+
+    def of(
+        self,
+        key: str,
+        pose: Sequence[float],
+        modes: tuple[str, ...] | None,
+    ) -> tuple[Region, ...]:
+        return regions.regions(self.design, key, modes)

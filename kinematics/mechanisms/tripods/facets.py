@@ -1,0 +1,266 @@
+"""The facets of the mechanism, each a thin face of the rooms that compute."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kinematics.answers.motion import Motion, Statics, WrenchSystem
+from kinematics.answers.singularities import (
+    AT,
+    Clearance,
+    Event,
+    LocusCurves,
+    MicrTable,
+    ModeChange,
+    OrientationCircle,
+    Profile,
+    Remedy,
+    Singularity,
+)
+from kinematics.answers.solutions import (
+    Fold,
+    Followed,
+    ForwardSolutions,
+    InverseSolutions,
+    Posture,
+    Refreshed,
+)
+from kinematics.errors import InputError
+from kinematics.facets.solids import (
+    Resolution,
+    SolidRequest,
+    SolidsFacet,
+    SolidSpec,
+    SurfaceKind,
+)
+from kinematics.mechanisms.tripods import (
+    chart,
+    circles,
+    following,
+    forward,
+    inverse,
+    loci,
+    motion,
+    paths,
+    profile,
+    refreshing,
+    wrenches,
+)
+from kinematics.mechanisms.tripods import clearances as room
+from kinematics.mechanisms.tripods import micr as inscribed
+from kinematics.mechanisms.tripods import singularities as singularity
+from kinematics.mechanisms.tripods.design import Kind, TripodDesign
+from kinematics.screws.spatial import Array
+
+if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
+    from kinematics.solids.csg import BuiltSolid
+from kinematics.facets.circles import CirclesFacet
+from kinematics.facets.clearances import ClearancesFacet
+from kinematics.facets.continuation import FollowingFacet
+from kinematics.facets.forward import ForwardFacet
+from kinematics.facets.inverse import InverseFacet
+from kinematics.facets.measures import MeasuresFacet
+from kinematics.facets.motion import MotionFacet
+from kinematics.facets.paths import PathsFacet
+from kinematics.facets.singularities import SingularitiesFacet
+from kinematics.facets.statics import StaticsFacet
+
+SOLIDS = (
+    SolidSpec(
+        "workspace",
+        "Orientations and altitudes within the strokes",
+        "Workspace",
+        of_present_mode=True,
+    ),
+    SolidSpec("aspects", "Aspects of the present mode", "Singularities", of_present_mode=True),
+)
+
+
+class TripodInverse(InverseFacet[TripodDesign]):
+    """TODO"""
+
+    def posture(self, pose: Sequence[float], mode: str) -> Posture:
+        return inverse.posture(self.design, pose, mode)
+
+    def __call__(self, poses: ArrayLike) -> InverseSolutions:
+        return inverse.inverse(self.design, poses)
+
+    def inside(self, pose: Sequence[float], modes: tuple[str, ...] | None) -> bool:
+        return bool(inverse.inside(self.design, pose, modes))
+
+
+class TripodFollowing(FollowingFacet[TripodDesign]):
+    """TODO"""
+
+    def follow(self, posture: Posture, joints: Sequence[float]) -> Followed:
+        return following.follow(self.design, posture, joints)
+
+    def fold_ahead(self, posture: Posture, joints: Sequence[float]) -> Fold | None:
+        return following.fold_ahead(self.design, posture, joints)
+
+
+class TripodForward(ForwardFacet[TripodDesign]):
+    """TODO"""
+
+    def __call__(
+        self, joints: ArrayLike, *, mixed_modes: bool = False
+    ) -> tuple[ForwardSolutions, ...]:
+        return forward.forward(self.design, joints)
+
+    def refresh(self, before: ForwardSolutions, joints: Sequence[float]) -> Refreshed:
+        return refreshing.refresh(self.design, before, joints)
+
+
+class TripodMotion(MotionFacet[TripodDesign]):
+    """TODO"""
+
+    def inverse(
+        self,
+        poses: ArrayLike,
+        mode: str,
+        pose_rates: ArrayLike,
+        pose_accelerations: ArrayLike | None = None,
+    ) -> Motion:
+        return motion.inverse_motion(self.design, poses, mode, pose_rates, pose_accelerations)
+
+    def forward(
+        self,
+        poses: ArrayLike,
+        mode: str,
+        joint_rates: ArrayLike,
+        joint_accelerations: ArrayLike | None = None,
+    ) -> Motion:
+        return motion.forward_motion(self.design, poses, mode, joint_rates, joint_accelerations)
+
+
+class TripodStatics(StaticsFacet[TripodDesign]):
+    """TODO"""
+
+    def wrenches(self, poses: ArrayLike, mode: str) -> WrenchSystem:
+        return wrenches.wrench_system(self.design, poses, mode)
+
+    def forces(self, poses: ArrayLike, mode: str, loads: ArrayLike) -> Statics:
+        return wrenches.statics(self.design, poses, mode, loads)
+
+
+class TripodMeasures(MeasuresFacet[TripodDesign]):
+    """TODO"""
+
+    specs = singularity.MEASURES
+
+    def __call__(
+        self,
+        poses: ArrayLike,
+        mode: str,
+        key: str,
+        load: Sequence[float] | None = None,
+    ) -> Array:
+        return singularity.measure(self.design, poses, mode, key, load)
+
+
+class TripodSingularities(SingularitiesFacet[TripodDesign]):
+    """TODO"""
+
+    def at(self, posture: Posture, tolerance: float = AT) -> tuple[Singularity, ...]:
+        return singularity.singularities(self.design, posture, tolerance)
+
+    def mode_change(self, posture: Posture, wanted: str = "") -> ModeChange:
+        return singularity.mode_change(self.design, posture)
+
+    loci = loci.LOCI
+
+    def locus(
+        self,
+        key: str,
+        pose: Sequence[float],
+        mode: str,
+        at: float | None = None,
+    ) -> LocusCurves:
+        return loci.locus(self.design, key, float(pose[0]), mode)
+
+
+class TripodClearances(ClearancesFacet[TripodDesign]):
+    """TODO"""
+
+    def of(self, posture: Posture, *, singular: bool = True) -> tuple[Clearance, ...]:
+        return room.clearances(self.design, posture, singular=singular)
+
+    def nearest_pose(self, posture: Posture) -> Remedy:
+        return room.remedy(self.design, posture)
+
+
+class TripodPaths(PathsFacet[TripodDesign]):
+    """TODO"""
+
+    def passed(self, before: Posture, after: Posture) -> tuple[Event, ...]:
+        return paths.passed(self.design, before, after)
+
+    def drive(self, posture: Posture, poses: ArrayLike) -> Followed:
+        return paths.path(self.design, posture, poses)
+
+
+class TripodCircles(CirclesFacet[TripodDesign]):
+    """TODO"""
+
+    def about(self, pose: Sequence[float], mode: str) -> tuple[OrientationCircle, ...]:
+        return circles.circles(self.design, tuple(pose), mode)
+
+    def profile(self, pose: Sequence[float], ratios: Sequence[float] = ()) -> Profile:
+        return profile.profile(self.design, float(pose[0]), ratios)
+
+    def profile_place(self, pose: Sequence[float]) -> float:
+        return abs(float(pose[0])) / self.design.base_radius
+
+    @staticmethod
+    def micr(kind: str, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike) -> MicrTable:
+        return inscribed.table(
+            "three_rps" if kind == "three_rps" else "three_spr", base, platform, altitude
+        )
+
+
+class TripodSolids(SolidsFacet[TripodDesign]):
+    """TODO"""
+
+    specs = SOLIDS
+
+    def request(
+        self,
+        key: str,
+        pose: Sequence[float],
+        modes: tuple[str, ...] | None,
+        resolution: Resolution,
+        surface: SurfaceKind = "facets",
+    ) -> SolidRequest:
+        if key not in {spec.key for spec in SOLIDS}:
+            known = ", ".join(spec.key for spec in SOLIDS)
+            raise InputError(f"there is no solid {key!r}; known are {known}")
+        if modes is None or len(modes) != 1:
+            raise InputError(f"the {key} is that of one operation mode; choose one")
+        sizes = (self.design.base_radius, self.design.platform_radius, self.design.stroke)
+        return SolidRequest(self.mechanism.kind, (key, *sizes, modes[0]), resolution)
+
+    def placement(self, key: str, pose: Sequence[float]) -> Array:
+        """The charts stand upright on the base's centre."""
+        return np.eye(4)
+
+    def point(self, key: str, pose: Sequence[float], mode: str) -> Array:
+        """The chart's place of the pose, see `workspace`."""
+        return chart.to_chart(self.design, np.asarray(pose, dtype=float))
+
+    def poses(self, key: str, pose: Sequence[float], mode: str, points: ArrayLike) -> Array:
+        """The poses of the chart: a solid is of all of them, whatever the pose."""
+        return chart.from_chart(self.design, np.asarray(points, dtype=float))
+
+    @staticmethod
+    def build(request: SolidRequest) -> BuiltSolid:
+        from kinematics.mechanisms.tripods import workspace
+
+        kind: Kind = "three_rps" if request.mechanism == "three_rps" else "three_spr"
+        key, base, platform, stroke, mode = request.arguments
+        design = TripodDesign(kind, base, platform, stroke)
+        build = workspace.aspects if key == "aspects" else workspace.workspace
+        return build(design, mode, request.resolution)
