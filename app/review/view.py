@@ -12,8 +12,9 @@ import numpy as np
 
 from app.review.modes import page_mode
 from app.review.state import Review
+from kinematics.answers.clearances import Clearance
 from kinematics.answers.drawings import Body, Drawing
-from kinematics.answers.singularities import Clearance, ModeChange
+from kinematics.answers.singularities import ModeChange
 from kinematics.answers.solutions import Finding, Margin, Posture
 from kinematics.facets.solids import RESOLUTIONS, Resolution, SolidRequest, SolidSpec
 from kinematics.machine import Machine, machine_of

@@ -25,8 +25,9 @@ from app.review.requests import Request
 from app.review.view import View
 from app.scene import palette
 from app.scene.painting import Scale
+from kinematics.answers.circles import Profile
+from kinematics.answers.loci import LocusCurves
 from kinematics.answers.sections import Box, Sphere, Volume
-from kinematics.answers.singularities import LocusCurves, Profile
 from kinematics.errors import BohemiaError
 from kinematics.facets.map_sweeps import Map
 from kinematics.machine import Machine

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from numpy.typing import ArrayLike
 
-from kinematics.answers.singularities import MicrTable, OrientationCircle, Profile
+from kinematics.answers.circles import MicrTable, OrientationCircle, Profile
 from kinematics.errors import InputError
 from kinematics.facets.facet import Facet
 from kinematics.mechanism import D, mechanism_class

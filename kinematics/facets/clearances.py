@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import nan
 
-from kinematics.answers.singularities import Clearance, Remedy
+from kinematics.answers.clearances import Clearance, Remedy
 from kinematics.answers.solutions import Posture
 from kinematics.facets.facet import Facet
 from kinematics.mechanism import D

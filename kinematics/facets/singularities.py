@@ -5,13 +5,8 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Sequence
 
-from kinematics.answers.singularities import (
-    AT,
-    LocusCurves,
-    LocusSpec,
-    ModeChange,
-    Singularity,
-)
+from kinematics.answers.loci import LocusCurves, LocusSpec
+from kinematics.answers.singularities import AT, ModeChange, Singularity
 from kinematics.answers.solutions import Posture
 from kinematics.errors import InputError
 from kinematics.facets.facet import Facet

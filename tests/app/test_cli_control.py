@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from app.features.singularities import files
-from kinematics.answers.singularities import LocusCurves, LocusSpec
+from kinematics.answers.loci import LocusCurves, LocusSpec
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 from kinematics.machine import machine_of

@@ -20,16 +20,11 @@ from app.review.changes import SetControl, change
 from app.review.state import new_review
 from app.scene import painting, palette
 from app.widgets.desk import Controlled, Logged
+from kinematics.answers.circles import OrientationCircle
+from kinematics.answers.clearances import Clearance, DesignChange, Remedy
 from kinematics.answers.motion import Statics
 from kinematics.answers.sections import Sphere
-from kinematics.answers.singularities import (
-    Clearance,
-    DesignChange,
-    Measure,
-    OrientationCircle,
-    Remedy,
-    Singularity,
-)
+from kinematics.answers.singularities import Measure, Singularity
 from kinematics.designs.files import load_design
 
 EVIL = "<script>alert('1' & \"2\")</script>"

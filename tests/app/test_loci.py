@@ -13,13 +13,8 @@ from hypothesis import strategies as st
 
 from app.features.singularities import plot
 from app.scene import palette
-from kinematics.answers.singularities import (
-    LocusCurves,
-    LocusSpec,
-    OrientationCircle,
-    Profile,
-    ProfileCurve,
-)
+from kinematics.answers.circles import OrientationCircle, Profile, ProfileCurve
+from kinematics.answers.loci import LocusCurves, LocusSpec
 from kinematics.designs.files import load_design
 from kinematics.machine import machine_of
 

@@ -14,7 +14,8 @@ from app.review.requests import SaveLoci
 from app.review.view import short_title
 from app.widgets.desk import Controlled, Desk, Sheet, answer, box, clicked, esc, put, put_prop
 from app.widgets.plots import Plot
-from kinematics.answers.singularities import LocusCurves, LocusSpec, OrientationCircle
+from kinematics.answers.circles import OrientationCircle
+from kinematics.answers.loci import LocusCurves, LocusSpec
 from kinematics.errors import InputError
 from kinematics.machine import machine_of
 

@@ -14,13 +14,9 @@ from app.terminal.place import Place
 from kinematics.errors import InputError
 
 if TYPE_CHECKING:
-    from kinematics.answers.singularities import (
-        Clearance,
-        LocusCurves,
-        LocusSpec,
-        Remedy,
-        Singularity,
-    )
+    from kinematics.answers.clearances import Clearance, Remedy
+    from kinematics.answers.loci import LocusCurves, LocusSpec
+    from kinematics.answers.singularities import Singularity
     from kinematics.answers.solutions import Posture
     from kinematics.mechanism import Coordinate
 

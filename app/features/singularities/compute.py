@@ -10,19 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kinematics.answers.circles import OrientationCircle, Profile
+from kinematics.answers.clearances import Clearance, Remedy
+from kinematics.answers.loci import LocusCurves
 from kinematics.answers.motion import Motion, Statics, WrenchSystem
 from kinematics.answers.sections import Sphere
-from kinematics.answers.singularities import (
-    NEAR,
-    Clearance,
-    Event,
-    LocusCurves,
-    Measure,
-    OrientationCircle,
-    Profile,
-    Remedy,
-    Singularity,
-)
+from kinematics.answers.singularities import NEAR, Event, Measure, Singularity
 from kinematics.answers.solutions import Posture
 from kinematics.errors import InputError
 from kinematics.machine import Machine, machine_of, required

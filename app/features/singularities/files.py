@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from app.scene.palette import BEYOND, INK, limb_color
-from kinematics.answers.singularities import LocusCurves, LocusSpec, SingularityKind
+from kinematics.answers.loci import LocusCurves, LocusSpec
+from kinematics.answers.singularities import SingularityKind
 from kinematics.errors import InputError
 from kinematics.screws.spatial import Array
 

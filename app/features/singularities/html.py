@@ -12,7 +12,8 @@ from app.jobs.worker import Built
 from app.review.view import how_far, short_title
 from app.scene import painting, palette
 from app.widgets.desk import Controlled, Logged, Sheet, box, chip, esc, red, tone, volume_text
-from kinematics.answers.singularities import AT, Clearance, Measure, Remedy, Singularity
+from kinematics.answers.clearances import Clearance, Remedy
+from kinematics.answers.singularities import AT, Measure, Singularity
 from kinematics.machine import required
 
 ASPECTS = "aspects"

@@ -11,7 +11,7 @@ from app.terminal import common, tables
 from kinematics.errors import InputError
 
 if TYPE_CHECKING:
-    from kinematics.answers.singularities import MicrTable
+    from kinematics.answers.circles import MicrTable
     from kinematics.mechanism import Mechanism
 
 RATIOS = "0.25,0.5,0.75,1,1.25,1.5,1.75,2"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from app.scene.palette import BEYOND, INK
-from kinematics.answers.singularities import MicrTable
+from kinematics.answers.circles import MicrTable
 from kinematics.errors import InputError
 
 if TYPE_CHECKING:  # loaded only where a figure is drawn

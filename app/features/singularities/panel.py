@@ -36,7 +36,7 @@ from app.widgets.desk import (
     put,
     put_prop,
 )
-from kinematics.answers.singularities import Remedy
+from kinematics.answers.clearances import Remedy
 from kinematics.machine import Machine
 
 HELP = """

@@ -25,8 +25,9 @@ from app.review.state import Review
 from app.review.view import SolidWish, View
 from app.scene.painting import Coat
 from app.widgets.desk import Controlled, Logged
+from kinematics.answers.circles import Profile
+from kinematics.answers.loci import LocusCurves
 from kinematics.answers.sections import Sphere
-from kinematics.answers.singularities import LocusCurves, Profile
 from kinematics.machine import required
 from kinematics.mechanism import Design
 

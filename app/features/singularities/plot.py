@@ -10,7 +10,8 @@ import numpy as np
 from app.scene import palette
 from app.widgets.desk import esc
 from app.widgets.plots import STEPS, TURN, Axes, Figure, number, scales, ticks
-from kinematics.answers.singularities import LocusCurves, LocusSpec, OrientationCircle, Profile
+from kinematics.answers.circles import OrientationCircle, Profile
+from kinematics.answers.loci import LocusCurves, LocusSpec
 from kinematics.screws.spatial import Array
 
 WIDTH, HEIGHT = 400.0, 360.0

@@ -11,9 +11,9 @@ from app.features.singularities.compute import Here
 from app.review.view import View, how_far
 from app.scene import palette
 from app.scene.machine import Scene, body_mesh, fresh, wxyz
+from kinematics.answers.clearances import Clearance
 from kinematics.answers.motion import WrenchSystem
 from kinematics.answers.sections import Sphere
-from kinematics.answers.singularities import Clearance
 from kinematics.screws.spatial import Array
 
 MOST = 8  # wrenches, and clearances, that are drawn

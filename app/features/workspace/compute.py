@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from app.features.section.compute import edges, segments
 from app.review.state import Review
+from kinematics.answers.loci import LocusCurves
 from kinematics.answers.sections import Region, RegionSpec, Section
-from kinematics.answers.singularities import LocusCurves
 from kinematics.machine import machine_of, required
 from kinematics.mechanism import Design
 from kinematics.screws.spatial import Array

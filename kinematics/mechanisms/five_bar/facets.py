@@ -6,17 +6,11 @@ from collections.abc import Sequence
 
 from numpy.typing import ArrayLike
 
+from kinematics.answers.clearances import Clearance, Remedy
+from kinematics.answers.loci import LocusCurves
 from kinematics.answers.motion import Motion, Statics, WrenchSystem
 from kinematics.answers.sections import Region
-from kinematics.answers.singularities import (
-    AT,
-    Clearance,
-    Event,
-    LocusCurves,
-    ModeChange,
-    Remedy,
-    Singularity,
-)
+from kinematics.answers.singularities import AT, Event, ModeChange, Singularity
 from kinematics.answers.solutions import (
     Fold,
     Followed,

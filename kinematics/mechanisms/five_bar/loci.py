@@ -10,8 +10,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from kinematics.answers.loci import LocusCurves, LocusSpec
 from kinematics.answers.sections import BOUNDS
-from kinematics.answers.singularities import LocusCurves, LocusSpec, SingularityKind
+from kinematics.answers.singularities import SingularityKind
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_bar import workspace
 from kinematics.mechanisms.five_bar.curves import closure, pieces, sampled

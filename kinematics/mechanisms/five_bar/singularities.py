@@ -12,16 +12,9 @@ from itertools import product
 
 import numpy as np
 
+from kinematics.answers.clearances import Clearance, ClearanceKind, DesignChange, Remedy
 from kinematics.answers.sections import BOUNDS
-from kinematics.answers.singularities import (
-    AT,
-    Clearance,
-    ClearanceKind,
-    DesignChange,
-    Remedy,
-    Singularity,
-    SingularityKind,
-)
+from kinematics.answers.singularities import AT, Singularity, SingularityKind
 from kinematics.answers.solutions import Posture, Reason
 from kinematics.errors import DesignError
 from kinematics.mechanisms.five_bar import workspace

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinematics.answers.singularities import Clearance
+from kinematics.answers.clearances import Clearance
 from kinematics.answers.solutions import Bound, Posture
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.feet import ERROR, feet

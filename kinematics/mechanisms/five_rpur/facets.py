@@ -10,16 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kinematics.answers.clearances import Clearance, Remedy
+from kinematics.answers.loci import LocusCurves
 from kinematics.answers.motion import Motion, Statics, WrenchSystem
 from kinematics.answers.sections import Box, MapCells, Section, SectionSpec, Sphere, Volume
-from kinematics.answers.singularities import (
-    AT,
-    Clearance,
-    Event,
-    LocusCurves,
-    Remedy,
-    Singularity,
-)
+from kinematics.answers.singularities import AT, Event, Singularity
 from kinematics.answers.solutions import (
     Fold,
     Followed,

@@ -6,7 +6,7 @@ from math import ceil, floor
 
 import numpy as np
 
-from kinematics.answers.singularities import DesignChange, Remedy
+from kinematics.answers.clearances import DesignChange, Remedy
 from kinematics.answers.solutions import Posture
 from kinematics.mechanisms.four_sps_spr import inverse
 from kinematics.mechanisms.four_sps_spr.constraint import complete_pose

@@ -7,15 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinematics.answers.singularities import (
-    AT,
-    Clearance,
-    LocusCurves,
-    LocusSpec,
-    Measure,
-    Singularity,
-    SingularityKind,
-)
+from kinematics.answers.clearances import Clearance
+from kinematics.answers.loci import LocusCurves, LocusSpec
+from kinematics.answers.singularities import AT, Measure, Singularity, SingularityKind
 from kinematics.answers.solutions import Bound, Posture
 from kinematics.errors import InputError
 from kinematics.mechanisms.four_sps_spr.design import LIMBS, FourSPSSPRDesign

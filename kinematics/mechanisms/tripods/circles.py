@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
-from kinematics.answers.singularities import OrientationCircle
+from kinematics.answers.circles import OrientationCircle
 from kinematics.mechanisms.tripods import polynomial, posing
 from kinematics.mechanisms.tripods.design import LIMBS, TripodDesign, mode_sign
 from kinematics.mechanisms.tripods.micr import RING, contact_azimuths, micr

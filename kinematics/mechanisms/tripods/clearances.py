@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinematics.answers.singularities import Clearance, DesignChange, Remedy
+from kinematics.answers.clearances import Clearance, DesignChange, Remedy
 from kinematics.answers.solutions import Bound, Posture
 from kinematics.mechanisms.tripods import polynomial, posing
 from kinematics.mechanisms.tripods.circles import circles

@@ -8,19 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kinematics.answers.circles import MicrTable, OrientationCircle, Profile
+from kinematics.answers.clearances import Clearance, Remedy
+from kinematics.answers.loci import LocusCurves
 from kinematics.answers.motion import Motion, Statics, WrenchSystem
-from kinematics.answers.singularities import (
-    AT,
-    Clearance,
-    Event,
-    LocusCurves,
-    MicrTable,
-    ModeChange,
-    OrientationCircle,
-    Profile,
-    Remedy,
-    Singularity,
-)
+from kinematics.answers.singularities import AT, Event, ModeChange, Singularity
 from kinematics.answers.solutions import (
     Fold,
     Followed,

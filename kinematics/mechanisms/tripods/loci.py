@@ -13,7 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from kinematics.answers.singularities import LocusCurves, LocusSpec, SingularityKind
+from kinematics.answers.loci import LocusCurves, LocusSpec
+from kinematics.answers.singularities import SingularityKind
 from kinematics.errors import InputError
 from kinematics.mechanisms.tripods import polynomial
 from kinematics.mechanisms.tripods.design import Kind, TripodDesign, mode_sign

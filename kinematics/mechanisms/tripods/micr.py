@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinematics.answers.singularities import MicrTable
+from kinematics.answers.circles import MicrTable
 from kinematics.errors import InputError
 from kinematics.mechanisms.tripods import polynomial
 from kinematics.mechanisms.tripods.design import MODES, Kind, mode_sign

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from kinematics.answers.singularities import Profile, ProfileCurve
+from kinematics.answers.circles import Profile, ProfileCurve
 from kinematics.errors import InputError
 from kinematics.mechanisms.tripods.design import TripodDesign
 from kinematics.mechanisms.tripods.micr import table

@@ -3,10 +3,9 @@
 equations       the constraints over the complex numbers, for many configurations at a time
 simplified      the nine simplified designs, by `linkage` (θ, X, w), `stages` (free limbs and the
                 planar sextic), with `polynomial` and `columns` for many small systems at once
-closed_forms    the same for three of them as the paper has it, corrected
 general         every design by a parameter homotopy, from the start sets of `families`, which
                 `monodromy` makes
 assembly        the real solutions of either with all that is said of them; `coincidence`: those
                 that are double, nearly so, or on a curve
-carrying        who is who while the actuators move
+refreshing      who is who while the actuators move
 """

@@ -16,7 +16,7 @@ from math import ceil, floor
 
 import numpy as np
 
-from kinematics.answers.singularities import DesignChange
+from kinematics.answers.clearances import DesignChange
 from kinematics.answers.solutions import Posture
 from kinematics.errors import BohemiaError
 from kinematics.mechanisms.five_rpur.design import (

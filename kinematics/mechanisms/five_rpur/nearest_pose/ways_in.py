@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import degrees
 
-from kinematics.answers.singularities import Remedy
+from kinematics.answers.clearances import Remedy
 from kinematics.answers.solutions import Posture
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inverse import MODES, decimals, inverse

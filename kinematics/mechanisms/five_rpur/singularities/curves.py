@@ -14,7 +14,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from kinematics.answers.singularities import LocusCurves, LocusSpec, SingularityKind
+from kinematics.answers.loci import LocusCurves, LocusSpec
+from kinematics.answers.singularities import SingularityKind
 from kinematics.errors import ComputationError, InputError
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign

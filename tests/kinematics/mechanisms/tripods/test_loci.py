@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from kinematics.answers.singularities import LocusCurves
+from kinematics.answers.loci import LocusCurves
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 from kinematics.machine import machine_of

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kinematics.errors import InputError
+from kinematics.facets import circles
 from kinematics.mechanisms.tripods import micr, polynomial
 from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind, mode_sign
 from tests.kinematics.mechanisms.tripods.machines import NAMES, stored
@@ -21,7 +22,7 @@ def tables() -> dict[Kind, np.ndarray]:
     """Degrees (2, 8, 80) of both machines; 180 where no tilt is singular."""
     found = {}
     for kind in KINDS:
-        radius = micr(kind, 1.0, np.array(RATIOS)[:, None], HEIGHTS).radius
+        radius = circles.micr(kind, 1.0, np.array(RATIOS)[:, None], HEIGHTS).radius
         found[kind] = np.where(np.isnan(radius), 180.0, np.degrees(radius))
     return found
 
@@ -46,10 +47,10 @@ def test_the_papers_example(case: dict) -> None:
 
 
 def test_what_the_paper_prints_is_its_grid_and_its_pi() -> None:
-    one, two = micr("three_spr", 1.0, 2.0, 1.0).radius
+    one, two = circles.micr("three_spr", 1.0, 2.0, 1.0).radius
     assert np.degrees(one) == pytest.approx(25.180332377705, abs=1e-11)
     assert np.degrees(two) == pytest.approx(30.0, abs=1e-12)
-    printed = micr("three_spr", 1.0, 2.0, 1.0).printed
+    printed = circles.micr("three_spr", 1.0, 2.0, 1.0).printed
     assert [f"{value:.2f}" for value in printed] == ["25.22", "30.38"]
 
 
@@ -100,9 +101,9 @@ def test_what_the_comparison_shows() -> None:
     smaller = spr[:, larger] < rps[:, larger]  # "3-SPR has the larger MICR" does not hold
     assert smaller.any()
     assert HEIGHTS[np.where(smaller.any(axis=(0, 1)))].max() < 2.5
-    barred = micr("three_spr", 1.0, np.array(RATIOS)[:, None], HEIGHTS).barred
+    barred = circles.micr("three_spr", 1.0, np.array(RATIOS)[:, None], HEIGHTS).barred
     assert (barred == (spr > 90.0)).all()
-    assert not micr("three_rps", 1.0, np.array(RATIOS)[:, None], HEIGHTS).barred.any()
+    assert not circles.micr("three_rps", 1.0, np.array(RATIOS)[:, None], HEIGHTS).barred.any()
 
 
 @given(
@@ -141,4 +142,4 @@ def test_what_is_refused() -> None:
     with pytest.raises(InputError, match="finite"):
         micr.micr("three_rps", 1.0, np.nan, 1.0, "1")
     with pytest.raises(InputError, match="has no maximum inscribed"):
-        micr("five_rpur", 1.0, 1.0, 1.0)
+        circles.micr("five_rpur", 1.0, 1.0, 1.0)

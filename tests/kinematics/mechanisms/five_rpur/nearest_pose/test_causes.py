@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinematics.answers.singularities import DesignChange
+from kinematics.answers.clearances import DesignChange
 from kinematics.answers.solutions import Posture
 from kinematics.designs.files import load_design
 from kinematics.errors import DesignError

@@ -12,9 +12,9 @@ B_i from θ, and φ from a polynomial of degree six in tan(φ/2). What differs f
 - The conference paper's eqs. 8, 9 are for t = tan(θ/2), and H = Δz² + Δx² − Δs².
 - Section 3.3 gives no formula for θ; here is one, see `mpa2`.
 
-This is to be read and to check `forward.simplified` with, which solves all nine
-designs, quicker and where solutions coincide too. Everything may be complex: of 96 solutions
-usually most are.
+This is to be read and to check `kinematics.mechanisms.five_rpur.forward.simplified` with, which
+solves all nine designs, quicker and where solutions coincide too. Everything may be complex: of 96
+solutions usually most are.
 """
 
 from __future__ import annotations
