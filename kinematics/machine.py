@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property, lru_cache
-from typing import Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from numpy.typing import ArrayLike
 
@@ -17,20 +17,6 @@ from kinematics.answers.sections import MapSpec, RegionSpec, SectionSpec
 from kinematics.answers.solutions import Finding, Posture
 from kinematics.designs.files import change_table
 from kinematics.errors import InputError
-from kinematics.facets.circles import CirclesFacet
-from kinematics.facets.clearances import ClearancesFacet
-from kinematics.facets.continuation import FollowingFacet
-from kinematics.facets.forward import ForwardFacet
-from kinematics.facets.inverse import InverseFacet
-from kinematics.facets.maps import MapsFacet
-from kinematics.facets.measures import MeasuresFacet
-from kinematics.facets.motion import MotionFacet
-from kinematics.facets.paths import PathsFacet
-from kinematics.facets.regions import RegionsFacet
-from kinematics.facets.sections import SectionsFacet
-from kinematics.facets.singularities import SingularitiesFacet
-from kinematics.facets.solids import SolidsFacet, SolidSpec
-from kinematics.facets.statics import StaticsFacet
 from kinematics.mechanism import (
     Coordinate,
     D,
@@ -40,6 +26,22 @@ from kinematics.mechanism import (
     mechanism_class,
 )
 from kinematics.screws.spatial import Array
+
+if TYPE_CHECKING:  # a facet is loaded when it is first asked for
+    from kinematics.facets.circles import CirclesFacet
+    from kinematics.facets.clearances import ClearancesFacet
+    from kinematics.facets.continuation import FollowingFacet
+    from kinematics.facets.forward import ForwardFacet
+    from kinematics.facets.inverse import InverseFacet
+    from kinematics.facets.maps import MapsFacet
+    from kinematics.facets.measures import MeasuresFacet
+    from kinematics.facets.motion import MotionFacet
+    from kinematics.facets.paths import PathsFacet
+    from kinematics.facets.regions import RegionsFacet
+    from kinematics.facets.sections import SectionsFacet
+    from kinematics.facets.singularities import SingularitiesFacet
+    from kinematics.facets.solids import SolidsFacet, SolidSpec
+    from kinematics.facets.statics import StaticsFacet
 
 
 class Machine(Generic[D]):

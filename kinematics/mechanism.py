@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import pkgutil
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
@@ -59,6 +59,30 @@ class DesignField:
     value: float
     unit: Literal["mm", "rad", ""]
     group: str
+
+
+class Facets(Mapping[str, type[Any]]):
+    """A kind's facets by name, each loaded when it is first asked for: a command starts quickly.
+
+    Args:
+        package: that of the kind.
+        places: module and class of each, as ``inverse="inverse:TripodInverse"``.
+    """
+
+    def __init__(self, package: str, **places: str) -> None:
+        self._package = package
+        self._places = places
+
+    def __getitem__(self, name: str) -> type[Any]:
+        module, _, facet = self._places[name].partition(":")
+        found: type[Any] = getattr(import_module(f"{self._package}.{module}"), facet)
+        return found
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._places)
+
+    def __len__(self) -> int:
+        return len(self._places)
 
 
 D = TypeVar("D", bound=Design)

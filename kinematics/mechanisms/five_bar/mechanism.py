@@ -13,7 +13,7 @@ from kinematics.answers.solutions import (
     Finding,
     Posture,
 )
-from kinematics.mechanism import Coordinate, DesignField, Mechanism
+from kinematics.mechanism import Coordinate, DesignField, Facets, Mechanism
 from kinematics.mechanisms.five_bar import design as designs
 from kinematics.mechanisms.five_bar import (
     drawing,
@@ -24,18 +24,6 @@ from kinematics.mechanisms.five_bar import (
 from kinematics.mechanisms.five_bar import findings as remarks
 from kinematics.mechanisms.five_bar import texts as about
 from kinematics.mechanisms.five_bar.design import FiveBarDesign
-from kinematics.mechanisms.five_bar.facets import (
-    FiveBarClearances,
-    FiveBarFollowing,
-    FiveBarForward,
-    FiveBarInverse,
-    FiveBarMeasures,
-    FiveBarMotion,
-    FiveBarPaths,
-    FiveBarRegions,
-    FiveBarSingularities,
-    FiveBarStatics,
-)
 from kinematics.screws.spatial import Array
 
 
@@ -45,18 +33,19 @@ class FiveBar(Mechanism[FiveBarDesign]):
     kind = "five_bar"
     title = "Five-bar (planar 5R)"
     modes = inverse.MODES
-    facets: ClassVar = {
-        "inverse": FiveBarInverse,
-        "following": FiveBarFollowing,
-        "forward": FiveBarForward,
-        "motion": FiveBarMotion,
-        "statics": FiveBarStatics,
-        "measures": FiveBarMeasures,
-        "singularities": FiveBarSingularities,
-        "clearances": FiveBarClearances,
-        "paths": FiveBarPaths,
-        "regions": FiveBarRegions,
-    }
+    facets: ClassVar = Facets(
+        __package__,
+        inverse="facets:FiveBarInverse",
+        following="facets:FiveBarFollowing",
+        forward="facets:FiveBarForward",
+        motion="facets:FiveBarMotion",
+        statics="facets:FiveBarStatics",
+        measures="facets:FiveBarMeasures",
+        singularities="facets:FiveBarSingularities",
+        clearances="facets:FiveBarClearances",
+        paths="facets:FiveBarPaths",
+        regions="facets:FiveBarRegions",
+    )
 
     @classmethod
     def text(cls, topic: str) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,7 +13,7 @@ from kinematics.answers.solutions import (
     Finding,
     Posture,
 )
-from kinematics.mechanism import Coordinate, DesignField, Mechanism
+from kinematics.mechanism import Coordinate, DesignField, Facets, Mechanism
 from kinematics.mechanisms.five_rpur import (
     arrangements,
     drawing,
@@ -27,23 +27,6 @@ from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.slicing import acceleration
 from kinematics.screws.spatial import Array
 
-if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
-    pass
-from kinematics.mechanisms.five_rpur.facets import (
-    RPURClearances,
-    RPURFollowing,
-    RPURForward,
-    RPURInverse,
-    RPURMaps,
-    RPURMeasures,
-    RPURMotion,
-    RPURPaths,
-    RPURSections,
-    RPURSingularities,
-    RPURSolids,
-    RPURStatics,
-)
-
 
 class FiveRPUR(Mechanism[FiveRPURDesign]):
     """Tale Masouleh et al. (2011): x, y, z, φ, θ moved by five actuators ρ₁ … ρ₅."""
@@ -51,20 +34,21 @@ class FiveRPUR(Mechanism[FiveRPURDesign]):
     kind = "five_rpur"
     title = "5-RPUR (3T2R)"
     modes = inverse.MODES
-    facets: ClassVar = {
-        "inverse": RPURInverse,
-        "following": RPURFollowing,
-        "forward": RPURForward,
-        "motion": RPURMotion,
-        "statics": RPURStatics,
-        "singularities": RPURSingularities,
-        "clearances": RPURClearances,
-        "paths": RPURPaths,
-        "measures": RPURMeasures,
-        "solids": RPURSolids,
-        "sections": RPURSections,
-        "maps": RPURMaps,
-    }
+    facets: ClassVar = Facets(
+        __package__,
+        inverse="facets:RPURInverse",
+        following="facets:RPURFollowing",
+        forward="facets:RPURForward",
+        motion="facets:RPURMotion",
+        statics="facets:RPURStatics",
+        singularities="facets:RPURSingularities",
+        clearances="facets:RPURClearances",
+        paths="facets:RPURPaths",
+        measures="facets:RPURMeasures",
+        solids="facets:RPURSolids",
+        sections="facets:RPURSections",
+        maps="facets:RPURMaps",
+    )
 
     @classmethod
     def text(cls, topic: str) -> str:

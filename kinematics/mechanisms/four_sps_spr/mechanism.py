@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,7 +13,7 @@ from kinematics.answers.solutions import (
     Finding,
     Posture,
 )
-from kinematics.mechanism import Coordinate, DesignField, Mechanism
+from kinematics.mechanism import Coordinate, DesignField, Facets, Mechanism
 from kinematics.mechanisms.four_sps_spr import (
     constraint,
     dragging,
@@ -27,22 +27,6 @@ from kinematics.mechanisms.four_sps_spr import texts as about
 from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
 from kinematics.screws.spatial import Array
 
-if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
-    pass
-from kinematics.mechanisms.four_sps_spr.facets import (
-    SPSClearances,
-    SPSFollowing,
-    SPSForward,
-    SPSInverse,
-    SPSMeasures,
-    SPSMotion,
-    SPSPaths,
-    SPSRegions,
-    SPSSingularities,
-    SPSSolids,
-    SPSStatics,
-)
-
 
 class FourSPSSPR(Mechanism[FourSPSSPRDesign]):
     """Wang et al. (2017): x, y, z, α, β, γ under one constraint, moved by five legs l₁ … l₅."""
@@ -51,19 +35,20 @@ class FourSPSSPR(Mechanism[FourSPSSPRDesign]):
     title = "4-SPS + 1-SPR (5 DOF)"
     modes = inverse.MODES
     mode_noun = ""
-    facets: ClassVar = {
-        "inverse": SPSInverse,
-        "following": SPSFollowing,
-        "forward": SPSForward,
-        "motion": SPSMotion,
-        "statics": SPSStatics,
-        "measures": SPSMeasures,
-        "singularities": SPSSingularities,
-        "clearances": SPSClearances,
-        "paths": SPSPaths,
-        "regions": SPSRegions,
-        "solids": SPSSolids,
-    }
+    facets: ClassVar = Facets(
+        __package__,
+        inverse="facets:SPSInverse",
+        following="facets:SPSFollowing",
+        forward="facets:SPSForward",
+        motion="facets:SPSMotion",
+        statics="facets:SPSStatics",
+        measures="facets:SPSMeasures",
+        singularities="facets:SPSSingularities",
+        clearances="facets:SPSClearances",
+        paths="facets:SPSPaths",
+        regions="facets:SPSRegions",
+        solids="facets:SPSSolids",
+    )
 
     @classmethod
     def text(cls, topic: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,7 +14,7 @@ from kinematics.answers.solutions import (
     Finding,
     Posture,
 )
-from kinematics.mechanism import Coordinate, DesignField, Mechanism
+from kinematics.mechanism import Coordinate, DesignField, Facets, Mechanism
 from kinematics.mechanisms.tripods import design as designs
 from kinematics.mechanisms.tripods import (
     drawing,
@@ -26,22 +26,6 @@ from kinematics.mechanisms.tripods import texts as about
 from kinematics.mechanisms.tripods.design import Kind, TripodDesign
 from kinematics.screws.spatial import Array
 
-if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
-    pass
-from kinematics.mechanisms.tripods.facets import (
-    TripodCircles,
-    TripodClearances,
-    TripodFollowing,
-    TripodForward,
-    TripodInverse,
-    TripodMeasures,
-    TripodMotion,
-    TripodPaths,
-    TripodSingularities,
-    TripodSolids,
-    TripodStatics,
-)
-
 
 class Tripod(Mechanism[TripodDesign]):
     """Nayak et al. (2017): Z, tilt and azimuth moved by three limbs ρ₁ … ρ₃, in two modes."""
@@ -49,19 +33,20 @@ class Tripod(Mechanism[TripodDesign]):
     kind: ClassVar[Kind]
     modes = designs.MODES
     mode_noun = "operation mode"
-    facets: ClassVar = {
-        "inverse": TripodInverse,
-        "following": TripodFollowing,
-        "forward": TripodForward,
-        "motion": TripodMotion,
-        "statics": TripodStatics,
-        "measures": TripodMeasures,
-        "singularities": TripodSingularities,
-        "clearances": TripodClearances,
-        "paths": TripodPaths,
-        "circles": TripodCircles,
-        "solids": TripodSolids,
-    }
+    facets: ClassVar = Facets(
+        __package__,
+        inverse="facets:TripodInverse",
+        following="facets:TripodFollowing",
+        forward="facets:TripodForward",
+        motion="facets:TripodMotion",
+        statics="facets:TripodStatics",
+        measures="facets:TripodMeasures",
+        singularities="facets:TripodSingularities",
+        clearances="facets:TripodClearances",
+        paths="facets:TripodPaths",
+        circles="facets:TripodCircles",
+        solids="facets:TripodSolids",
+    )
 
     @classmethod
     def text(cls, topic: str) -> str:
