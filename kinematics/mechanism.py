@@ -12,7 +12,7 @@ import pkgutil
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from importlib import import_module
 from typing import Any, ClassVar, Generic, Literal, Protocol, TypeVar
 
@@ -20,8 +20,8 @@ from numpy.typing import ArrayLike
 
 from kinematics.answers.drawings import Drawing
 from kinematics.answers.solutions import Finding, Posture
+from kinematics.arrays import Array
 from kinematics.errors import InputError
-from kinematics.screws.spatial import Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +108,14 @@ class Mechanism(ABC, Generic[D]):
 
     def __init__(self, design: D) -> None:
         self.design = design
+        self._made: dict[str, Any] = {}
+
+    def facet(self, topic: str) -> Any:
+        """The facet of a topic, made when it is first asked for; None where the kind lacks it."""
+        if topic not in self._made:
+            made = self.facets.get(topic)
+            self._made[topic] = None if made is None else made(self)
+        return self._made[topic]
 
     # --- designs
 
@@ -217,8 +225,7 @@ class Mechanism(ABC, Generic[D]):
 @cache
 def _places() -> dict[str, tuple[str, str]]:
     """Module and class of every kind; only the packages' own `__init__` are loaded for it."""
-    import kinematics.mechanisms as rooms
-
+    rooms = import_module("kinematics.mechanisms")  # by name: nothing above is imported here
     found: dict[str, tuple[str, str]] = {}
     for room in pkgutil.iter_modules(rooms.__path__, f"{rooms.__name__}."):
         for kind, name in import_module(room.name).KINDS.items():
@@ -246,3 +253,9 @@ def mechanism_class(kind: str) -> type[Mechanism[Any]]:
     module, name = place
     found: type[Mechanism[Any]] = getattr(import_module(module), name)
     return found
+
+
+@lru_cache(maxsize=64)
+def mechanism_of(design: Design) -> Mechanism[Any]:
+    """The mechanism of a design, kept with its facets while it is used."""
+    return mechanism_class(design.mechanism)(design)

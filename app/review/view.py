@@ -16,10 +16,10 @@ from kinematics.answers.clearances import Clearance
 from kinematics.answers.drawings import Body, Drawing
 from kinematics.answers.singularities import ModeChange
 from kinematics.answers.solutions import Finding, Margin, Posture
+from kinematics.arrays import Array
 from kinematics.facets.solids import RESOLUTIONS, Resolution, SolidRequest, SolidSpec
 from kinematics.machine import Machine, machine_of
 from kinematics.mechanism import Coordinate, Design
-from kinematics.screws.spatial import Array
 
 OTHER = 5 * 4  # limbs of a counterpart are counted from here; its colours are the same again
 APART = 3.4  # of the machine's size: how far it stands away

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from app.scene import palette
 from app.scene.machine import Scene
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 
 LIMBS = 8  # nodes of edges; more than any mechanism has
 NO_LINE = np.zeros((1, 2, 3), dtype=np.float32)

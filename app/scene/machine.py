@@ -19,10 +19,10 @@ from app.scene import painting, palette
 from app.scene.creases import crease_lines
 from app.scene.painting import Coat
 from kinematics.answers.drawings import Bar, Body, Drawing, Mark
+from kinematics.arrays import Array
 from kinematics.facets.solids import SolidSpec
 from kinematics.machine import machine_of
 from kinematics.mechanism import Coordinate
-from kinematics.screws.spatial import Array
 
 if TYPE_CHECKING:
     from kinematics.solids.csg import BuiltSolid

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from app.review.view import View
 from kinematics.answers.drawings import Drawing
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 
 DURATION = 0.4  # s
 RIGID = 1e-6  # mm

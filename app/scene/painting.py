@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.scene import palette
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 
 if TYPE_CHECKING:
     from kinematics.solids.csg import BuiltSolid

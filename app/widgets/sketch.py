@@ -13,8 +13,8 @@ from app.review.view import in_page_units, page_unit
 from app.scene import palette
 from app.widgets.desk import Desk
 from app.widgets.plots import STEPS, TURN, Axes, Figure, Plot, number, scales, ticks
+from kinematics.arrays import Array
 from kinematics.mechanism import Coordinate
-from kinematics.screws.spatial import Array
 
 MOST = 600  # points of a stroke that the browser sends
 CELLS = 120  # columns and rows of which the place under the pointer is told

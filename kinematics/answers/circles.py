@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from kinematics.screws.spatial import Array, Frozen
+from kinematics.arrays import Array, Frozen
 
 CircleLimit = Literal["parallel", "constraint", "stroke"]
 

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 
 Role = Literal["base", "platform", "cylinder", "rod", "link", "joint", "rail", "stop", "gap"]
 Frame = Literal["base", "platform"]

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from kinematics.answers.sections import Ints
 from kinematics.answers.singularities import SingularityKind
-from kinematics.screws.spatial import Array, Frozen
+from kinematics.arrays import Array, Frozen, Ints
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from kinematics.screws.spatial import Array, Frozen
+from kinematics.arrays import Array, Frozen
 
 WrenchKind = Literal["actuation", "constraint"]
 

@@ -14,9 +14,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinematics.screws.spatial import Array, Frozen
+from kinematics.arrays import Array, Frozen, Ints
 
-Ints = NDArray[np.int64]
 EdgeBound = Literal["rho_min", "rho_max", "link", "parallel"]
 BOUNDS: tuple[EdgeBound, ...] = ("rho_min", "rho_max", "link", "parallel")
 """What an edge is due to: an end of the stroke (of a joint's range), the reach of the links, where

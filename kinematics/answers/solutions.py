@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 
 Bound = Literal["rho_min", "rho_max", "link"]
 Unit = Literal["mm", "rad"]

@@ -16,6 +16,8 @@ from kinematics.mechanism import D, mechanism_class
 class CirclesFacet(Facet[D]):
     """The largest circles of orientations, and the maximum inscribed one (MICR)."""
 
+    topic = "circles"
+
     @abstractmethod
     def about(self, pose: Sequence[float], mode: str) -> tuple[OrientationCircle, ...]:
         """About the pose's orientation, at its altitude: one circle for each limit."""

@@ -13,6 +13,8 @@ from kinematics.mechanism import D
 class ClearancesFacet(Facet[D]):
     """Distances to bounds and singularities; the nearest pose in reach."""
 
+    topic = "clearances"
+
     def of(self, posture: Posture, *, singular: bool = True) -> tuple[Clearance, ...]:
         """What is nearest of each kind; not ``singular``: without what takes longer to find."""
         return ()

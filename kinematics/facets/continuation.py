@@ -13,6 +13,8 @@ from kinematics.mechanism import D
 class FollowingFacet(Facet[D]):
     """Motion along one assembly mode."""
 
+    topic = "following"
+
     @abstractmethod
     def follow(self, posture: Posture, joints: Sequence[float]) -> Followed:
         """From a posture to joints (J,), mm or rad, on a straight line in joint space.

@@ -21,8 +21,8 @@ from typing import Generic, NamedTuple, Protocol, TypeVar
 import numpy as np
 
 from kinematics.answers.solutions import Fold, Followed, Posture, Stop
+from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
-from kinematics.screws.spatial import Array, finite
 
 S = TypeVar("S")
 

@@ -15,6 +15,8 @@ from kinematics.mechanism import D
 class ForwardFacet(Facet[D]):
     """Forward kinematics: every solution, with how it is known that they are all."""
 
+    topic = "forward"
+
     @abstractmethod
     def __call__(
         self, joints: ArrayLike, *, mixed_modes: bool = False

@@ -15,6 +15,8 @@ from kinematics.mechanism import D
 class InverseFacet(Facet[D]):
     """Inverse kinematics."""
 
+    topic = "inverse"
+
     @abstractmethod
     def __call__(self, poses: ArrayLike) -> InverseSolutions:
         """Joints and reasons of poses (..., P), mm and rad, in all modes.

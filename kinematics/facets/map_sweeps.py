@@ -23,11 +23,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinematics.answers.sections import Ints, MapCells, Quantity
+from kinematics.answers.sections import MapCells, Quantity
+from kinematics.arrays import Array, Ints, finite
 from kinematics.errors import BohemiaError, ComputationError, InputError
-from kinematics.machine import machine_of, required
-from kinematics.mechanism import Coordinate, Design
-from kinematics.screws.spatial import Array, finite
+from kinematics.facets.facet import required
+from kinematics.facets.maps import MapsFacet
+from kinematics.mechanism import Coordinate, Design, mechanism_of
 
 CHUNK = 8
 """Points in one task: a fraction of a second, so that one can stop, and more than its overhead."""
@@ -73,7 +74,7 @@ class MapRequest:
     @property
     def coordinates(self) -> tuple[Coordinate, Coordinate]:
         """The coordinates that the map runs over."""
-        known = machine_of(self.design).coordinates
+        known = mechanism_of(self.design).pose_coordinates()
         return known[self.axes[0]], known[self.axes[1]]
 
     def poses(self, indices: Ints) -> Array:
@@ -133,11 +134,12 @@ def map_request(
     Raises:
         InputError: the mechanism has no maps, or one of these is not what it must be.
     """
-    kind = machine_of(design)
-    spec = kind.map_spec
-    if spec is None:
+    kind = mechanism_of(design)
+    facet: MapsFacet[Any] | None = kind.facet(MapsFacet.topic)
+    if facet is None:
         raise InputError(f"a {kind.title} has no maps")
-    coordinates = kind.coordinates
+    spec = facet.spec
+    coordinates = kind.pose_coordinates()
     values = [
         finite(given, name=f"the values of {coordinates[axis].symbol}")
         for given, axis in zip((first, second), spec.axes, strict=True)
@@ -200,9 +202,8 @@ def compute_cells(
     relative: float,
 ) -> MapCells:
     """One task: the quantities at some points of a map, in whatever process this is called."""
-    return required(machine_of(design).maps, "map").cells(
-        poses, modes, quantities, relative=relative
-    )
+    facet: MapsFacet[Any] | None = mechanism_of(design).facet(MapsFacet.topic)
+    return required(facet, "map").cells(poses, modes, quantities, relative=relative)
 
 
 def sweep(

@@ -15,6 +15,7 @@ from kinematics.mechanism import D
 class MapsFacet(Facet[D]):
     """What a map can show; `kinematics.facets.map_sweeps` runs over its points."""
 
+    topic = "maps"
     spec: MapSpec
 
     @abstractmethod

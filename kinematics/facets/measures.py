@@ -8,14 +8,15 @@ from collections.abc import Sequence
 from numpy.typing import ArrayLike
 
 from kinematics.answers.singularities import Measure
+from kinematics.arrays import Array
 from kinematics.facets.facet import Facet
 from kinematics.mechanism import D
-from kinematics.screws.spatial import Array
 
 
 class MeasuresFacet(Facet[D]):
     """The measures that a mechanism has."""
 
+    topic = "measures"
     specs: tuple[Measure, ...] = ()
 
     @abstractmethod

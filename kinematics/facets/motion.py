@@ -14,6 +14,8 @@ from kinematics.mechanism import D
 class MotionFacet(Facet[D]):
     """First and second order motion of a batch of postures in one mode."""
 
+    topic = "motion"
+
     @abstractmethod
     def inverse(
         self,

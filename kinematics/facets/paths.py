@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
 from kinematics.answers.singularities import Event
 from kinematics.answers.solutions import Followed, Posture
+from kinematics.answers.trajectories import NamedTrajectory
 from kinematics.facets.facet import Facet
 from kinematics.mechanism import D
-
-if TYPE_CHECKING:
-    from kinematics.trajectories.paths import NamedTrajectory
 
 
 class PathsFacet(Facet[D]):
     """Straight moves in the pose coordinates and what they meet."""
+
+    topic = "paths"
 
     def passed(self, before: Posture, after: Posture) -> tuple[Event, ...]:
         """What the straight move from one posture to another of the same mode passes, in order."""

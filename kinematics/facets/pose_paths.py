@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike
 
 from kinematics.answers.singularities import Event
 from kinematics.answers.solutions import Followed, Posture
+from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
-from kinematics.screws.spatial import Array, finite
 
 _ROUNDINGS = (0.0, 1e-15, 1e-13, 1e-11, 1e-9)  # of a way, by which a posture may be held again
 

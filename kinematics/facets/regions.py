@@ -6,14 +6,15 @@ from abc import abstractmethod
 from collections.abc import Sequence
 
 from kinematics.answers.sections import Region, RegionSpec
+from kinematics.arrays import Array
 from kinematics.facets.facet import Facet
 from kinematics.mechanism import D
-from kinematics.screws.spatial import Array
 
 
 class RegionsFacet(Facet[D]):
     """Regions of the plane in which O′ moves at a constant orientation."""
 
+    topic = "regions"
     specs: tuple[RegionSpec, ...]
 
     @abstractmethod

@@ -6,9 +6,9 @@ from abc import abstractmethod
 from collections.abc import Sequence
 
 from kinematics.answers.sections import Box, Section, SectionSpec, Sphere, Volume
+from kinematics.arrays import Array
 from kinematics.facets.facet import Facet
 from kinematics.mechanism import D
-from kinematics.screws.spatial import Array
 
 Modes = tuple[str, ...] | None
 """A set of modes; None: all together."""
@@ -17,6 +17,7 @@ Modes = tuple[str, ...] | None
 class SectionsFacet(Facet[D]):
     """Plane sections in closed form and what is integrated over them."""
 
+    topic = "sections"
     spec: SectionSpec
 
     @abstractmethod

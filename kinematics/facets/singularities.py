@@ -16,6 +16,7 @@ from kinematics.mechanism import D
 class SingularitiesFacet(Facet[D]):
     """Singularities with their causes, and their loci."""
 
+    topic = "singularities"
     loci: tuple[LocusSpec, ...] = ()
 
     @abstractmethod

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kinematics.arrays import Array
 from kinematics.facets.facet import Facet
 from kinematics.mechanism import D, mechanism_class
-from kinematics.screws.spatial import Array
 
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
     from kinematics.solids.csg import BuiltSolid
@@ -58,6 +58,8 @@ class SolidRequest:
 
 class SolidsFacet(Facet[D]):
     """Solids, asked for by a request that other processes can build."""
+
+    topic = "solids"
 
     @property
     @abstractmethod

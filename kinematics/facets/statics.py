@@ -14,6 +14,8 @@ from kinematics.mechanism import D
 class StaticsFacet(Facet[D]):
     """Wrenches and equilibrium of a batch of postures in one mode."""
 
+    topic = "statics"
+
     @abstractmethod
     def wrenches(self, poses: ArrayLike, mode: str) -> WrenchSystem:
         """The wrenches that actuators and constraints can exert at poses (..., P)."""

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
-from kinematics.screws.spatial import Array, finite
 
 NEAR = 1.0
 """mm, angles times the characteristic length: closer solutions are near a fold."""

@@ -15,8 +15,8 @@ from itertools import count
 import numpy as np
 
 from kinematics.answers.solutions import ForwardSolutions, Merged, Refreshed
+from kinematics.arrays import Array
 from kinematics.homotopy.tracking import Control, Ending, Index, Tracked
-from kinematics.screws.spatial import Array
 
 AT_ONCE = Control(first=0.5, error=2e-2, shortest=1e-5, most=400)
 CAREFULLY = Control(first=0.02, error=1e-3, contraction=0.02, shortest=1e-6, most=2000)

@@ -13,11 +13,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinematics.answers.sections import BOUNDS, Ints, Section
+from kinematics.answers.sections import BOUNDS, Section
+from kinematics.arrays import Array, Ints
 from kinematics.plane.arcs import Arcs, Edge, arc_edge, chained, moments, quadrature
 from kinematics.plane.circle_crossings import factors, half_angle
 from kinematics.plane.regions import section_of
-from kinematics.screws.spatial import Array
 
 _SAME = 1e-11  # of the smallest outer radius: circles and points that are one
 _OUTER, _INNER = BOUNDS.index("rho_max"), BOUNDS.index("rho_min")

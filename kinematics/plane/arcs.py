@@ -13,8 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from kinematics.answers.sections import Ints
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array, Ints
 
 MEETING = 1e-9  # of the size: points closer together than this are one
 _PANEL = 1.6  # rad of an arc for 16 nodes

@@ -12,10 +12,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.answers.sections import Ints
+from kinematics.arrays import Array, Ints
 from kinematics.plane.arcs import MEETING, Arcs, Edge, arc_edge, chained, first_of, joined, places
 from kinematics.plane.circle_crossings import factors, half_chord
-from kinematics.screws.spatial import Array
 
 Inside = Callable[[Array], NDArray[np.bool_]]
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 
 
 class Factors(NamedTuple):

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 import contourpy
 import numpy as np
 
-from kinematics.answers.sections import Ints
-from kinematics.screws.spatial import Array, Frozen
-from kinematics.solids.isosurfaces import Field, zeros_between
+from kinematics.arrays import Array, Frozen, Ints
+from kinematics.zeros import Field, zeros_between
 
 
 @dataclass(frozen=True, eq=False)

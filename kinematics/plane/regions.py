@@ -8,9 +8,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinematics.answers.sections import Construction, Ints, Section, kept
+from kinematics.answers.sections import Construction, Section, kept
+from kinematics.arrays import Array, Ints
 from kinematics.plane.arcs import Arcs, Edge, joined, moments, nearest
-from kinematics.screws.spatial import Array
 
 
 def section_of(

@@ -14,7 +14,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 from kinematics.screws.varieties import (
     EXACT,
     FLAT,

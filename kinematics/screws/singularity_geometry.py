@@ -13,8 +13,8 @@ import numpy as np
 
 from kinematics.answers.motion import WrenchName, WrenchSystem
 from kinematics.answers.singularities import AT, Singularity, SingularityKind
+from kinematics.arrays import Array
 from kinematics.screws.lines import Circuit, Geometry, geometry
-from kinematics.screws.spatial import Array
 from kinematics.screws.varieties import Screw, Variety, Vector
 
 

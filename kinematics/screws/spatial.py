@@ -1,42 +1,11 @@
-"""Rotations, frames and checks on arrays. Lengths in mm, angles in rad."""
+"""Rotations, frames and boxes. Lengths in mm, angles in rad."""
 
 from __future__ import annotations
 
-from typing import Any, TypeVar
-
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from kinematics.errors import InputError
-
-Array = NDArray[np.float64]
-
-_T = TypeVar("_T", bound=np.generic)
-
-
-class Frozen:
-    """Base of results: their arrays are read-only, also after unpickling."""
-
-    def __post_init__(self) -> None:
-        for value in self.__dict__.values():
-            if isinstance(value, np.ndarray):
-                value.setflags(write=False)
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self.__post_init__()
-
-
-def frozen(values: NDArray[_T]) -> NDArray[_T]:
-    """The array itself, read-only from now on; of a number one without axes."""
-    array = np.asarray(values)
-    array.setflags(write=False)
-    return array
-
-
-def read_only(values: ArrayLike) -> Array:
-    """Values as an array of floats of its own, read-only."""
-    return frozen(np.array(values, dtype=float))
+from kinematics.arrays import Array
 
 
 def common_box(centers: Array, radius: Array, step: float) -> tuple[tuple[float, ...], ...]:
@@ -92,21 +61,3 @@ def homogeneous(rotation: ArrayLike, translation: ArrayLike) -> Array:
     matrix[..., :3, 3] = t
     matrix[..., 3, 3] = 1.0
     return matrix
-
-
-def finite(values: Any, *, name: str, last: int | None = None) -> Array:
-    """``values`` as a float array (..., last), or one sentence about what is wrong with it.
-
-    Raises:
-        InputError: not numbers, NaN or infinite, or the last axis has another length.
-    """
-    try:
-        array = np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
-        raise InputError(f"{name} must be numbers") from None
-    if last is not None and (array.ndim == 0 or array.shape[-1] != last):
-        count = 1 if array.ndim == 0 else array.shape[-1]
-        raise InputError(f"{name} must have {last} numbers, got {count}")
-    if not np.isfinite(array).all():
-        raise InputError(f"{name} must be finite numbers, got NaN or infinity")
-    return array

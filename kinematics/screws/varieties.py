@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 from kinematics.screws.wrenches import normalised
 
 Vector = tuple[float, float, float]

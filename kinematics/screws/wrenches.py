@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics.answers.motion import Statics, WrenchName
-from kinematics.screws.spatial import Array, finite
+from kinematics.arrays import Array, finite
 
 RANK = 1e-12
 """Smallest singular value of normalised wrenches below which no balance is computed."""

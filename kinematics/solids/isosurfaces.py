@@ -10,7 +10,7 @@ are looked at.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import permutations, product
@@ -19,20 +19,16 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kinematics.arrays import Array, Frozen, Ints
 from kinematics.errors import InputError
-from kinematics.screws.spatial import Array, Frozen
+from kinematics.zeros import Field, zeros_between
 
-Field = Callable[[Array], tuple[Array, Array]]
-"""A function's values (N,) and gradients (N, 3) at points (N, 3)."""
-
-Ints = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 _T = TypeVar("_T", bound=np.generic)
 
 _NEAR = 0.12  # part of an edge within which a node counts as lying nearly on the surface
 _AWAY = 0.2  # part of a cell by which it is moved
 _PAD = 1e-3  # part of a cell by which the sides stand outside the box
-_STEPS = 40  # of the search along an edge; bisection alone would do
 
 # The edges of the tetrahedra lead from a node to its upper neighbours in these directions.
 _DIRECTIONS = np.array([d for d in product((0, 1), repeat=3) if any(d)])
@@ -228,49 +224,6 @@ def _placed(
         field, a[within], b[within], fa[within], fb[within], tolerance
     )
     return vertices, residual
-
-
-def zeros_between(
-    field: Field, a: Array, b: Array, fa: Array, fb: Array, tolerance: float
-) -> tuple[Array, Array]:
-    """The zeros of a function between points (N, D) where its signs differ, and residuals.
-
-    Newton's method between ends that close in, halved where a step would leave them.
-
-    Args:
-        field: the function; D is 3, or what it takes.
-        a, b: (N, D) the points.
-        fa, fb: (N,) the values there.
-        tolerance: as for `positive_part`.
-    """
-    along = b - a
-    length = np.linalg.norm(along, axis=1)
-    rising = np.where(fb >= fa, 1.0, -1.0)
-    low, high = np.zeros(len(a)), np.ones(len(a))
-    t = np.abs(fa) / np.maximum(np.abs(fa) + np.abs(fb), 1e-300)
-    residual = np.zeros(len(a))
-    active = np.arange(len(a))
-    for _ in range(_STEPS):
-        if not len(active):
-            break
-        value, gradient = field(a[active] + t[active, None] * along[active])
-        slope = np.einsum("ij,ij->i", gradient, along[active])
-        steep = np.maximum(np.linalg.norm(gradient, axis=1), 1e-300)
-        residual[active] = np.abs(value) / steep
-        below = rising[active] * value < 0.0
-        low[active] = np.where(below, t[active], low[active])
-        high[active] = np.where(below, high[active], t[active])
-        with np.errstate(divide="ignore", invalid="ignore"):
-            step = -value / slope
-        wanted = t[active] + step
-        lost = ~((wanted > low[active]) & (wanted < high[active]))
-        wanted = np.where(lost, 0.5 * (low[active] + high[active]), wanted)
-        # Done where the zero is known, or nothing lies between the ends any more.
-        done = residual[active] <= tolerance
-        done |= (high[active] - low[active]) * length[active] <= 1e-3 * tolerance
-        t[active] = np.where(done, t[active], wanted)
-        active = active[~done]
-    return a + t[:, None] * along, residual
 
 
 # --- faces ---------------------------------------------------------------------------------------

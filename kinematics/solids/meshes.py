@@ -16,7 +16,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 
 Bounds = tuple[tuple[float, float, float], tuple[float, float, float]]
 

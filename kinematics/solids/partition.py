@@ -16,11 +16,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 from kinematics.solids import meshes
 from kinematics.solids.csg import BuiltSolid, Solid, rounded
-from kinematics.solids.isosurfaces import Field, Isosurface
+from kinematics.solids.isosurfaces import Isosurface
 from kinematics.solids.meshes import Patch, Piece, SolidMesh, TracedMesh
+from kinematics.zeros import Field
 
 LOCUS = "locus"
 """The tag of faces on the zeros."""

@@ -1,13 +1,20 @@
 """Trajectories of any mechanism: a path in pose space, a time law, and what they ask for."""
 
+from kinematics.answers.trajectories import (
+    Close,
+    Event,
+    Limits,
+    NamedTrajectory,
+    Path,
+    TimeLaw,
+    Trajectory,
+)
 from kinematics.trajectories.constrained import Constrained, constrained, giving_way
 from kinematics.trajectories.fits import Fits, fit
 from kinematics.trajectories.laws import LAWS, Law, law, trapezoidal
 from kinematics.trajectories.paths import (
     Drawn,
     Line,
-    NamedTrajectory,
-    Path,
     Polyline,
     Spline,
     drawn,
@@ -15,7 +22,6 @@ from kinematics.trajectories.paths import (
     polyline,
     spline,
 )
-from kinematics.trajectories.results import Close, Event, Limits, Trajectory
 from kinematics.trajectories.sampling import duration_within, trajectory
 
 __all__ = [
@@ -32,6 +38,7 @@ __all__ = [
     "Path",
     "Polyline",
     "Spline",
+    "TimeLaw",
     "Trajectory",
     "constrained",
     "drawn",

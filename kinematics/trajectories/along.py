@@ -10,20 +10,19 @@ from typing import Any
 import numpy as np
 
 from kinematics.answers.solutions import Posture
+from kinematics.answers.trajectories import Path, TimeLaw
+from kinematics.arrays import Array
 from kinematics.errors import InputError
-from kinematics.machine import Machine
-from kinematics.screws.spatial import Array
-from kinematics.trajectories.laws import Law
-from kinematics.trajectories.paths import Path
+from kinematics.facets.faceted import Faceted
 
 
 @dataclass(frozen=True, eq=False)
 class Along:
     """A machine on its path: what it is at any time."""
 
-    machine: Machine[Any]
+    machine: Faceted[Any]
     path: Path
-    law: Law
+    law: TimeLaw
     mode: str
 
     def pose(self, time: float) -> tuple[float, ...]:
@@ -102,7 +101,7 @@ class Along:
         return len(self.machine.statics.wrenches([home.pose], home.mode).names)
 
 
-def moved(path: Path, law: Law, times: Array) -> tuple[Array, Array, Array, Array]:
+def moved(path: Path, law: TimeLaw, times: Array) -> tuple[Array, Array, Array, Array]:
     """Shares (N,), poses, their rates and accelerations (N, P) at times (N,)."""
     s, ds, dds = law.at(times)
     points, first, second = path.at(s)
@@ -111,7 +110,7 @@ def moved(path: Path, law: Law, times: Array) -> tuple[Array, Array, Array, Arra
     return s, points, rates, accelerations
 
 
-def joints_along(machine: Machine[Any], poses: Array, mode: str) -> tuple[Array, np.ndarray]:
+def joints_along(machine: Faceted[Any], poses: Array, mode: str) -> tuple[Array, np.ndarray]:
     """Joints (N, J) in one mode, angles without leaps of a turn, and which poses can be held."""
     answer = machine.inverse(poses)
     n = answer.modes.index(mode)

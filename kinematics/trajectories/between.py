@@ -13,9 +13,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.screws.spatial import Array
+from kinematics.answers.trajectories import JUMP, Close, Limits
+from kinematics.arrays import Array
 from kinematics.trajectories.along import Along
-from kinematics.trajectories.results import JUMP, Close, Limits
 
 STEPS = 64  # of the duration: steps are never longer than one of these
 INNER = 3  # times that are looked at within each piece; 1 where there are many pieces

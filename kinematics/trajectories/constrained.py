@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kinematics.answers.trajectories import Derivatives, Path
+from kinematics.arrays import Array
 from kinematics.errors import InputError
-from kinematics.machine import Machine
-from kinematics.screws.spatial import Array
-from kinematics.trajectories.paths import Derivatives, Path
+from kinematics.facets.faceted import Faceted
 
 LOOKS = 33  # points of a path at which a coordinate is tried
 _STILL = 1e-9  # mm or rad by which a coordinate that stays may vary
@@ -27,7 +27,7 @@ class Constrained:
     """A path whose coordinate ``dependent`` gives way to the mechanism's constraint."""
 
     path: Path
-    machine: Machine[Any]
+    machine: Faceted[Any]
     mode: str
     dependent: int
 
@@ -53,7 +53,7 @@ class Constrained:
         return points, first, second
 
 
-def constrained(path: Path, machine: Machine[Any], mode: str, dependent: int | None) -> Path:
+def constrained(path: Path, machine: Faceted[Any], mode: str, dependent: int | None) -> Path:
     """The path itself, or with the coordinate that follows from the others solved for.
 
     Args:
@@ -71,7 +71,7 @@ def constrained(path: Path, machine: Machine[Any], mode: str, dependent: int | N
 
 
 def giving_way(
-    path: Path, machine: Machine[Any], mode: str, wanted: int | None = None
+    path: Path, machine: Faceted[Any], mode: str, wanted: int | None = None
 ) -> int | None:
     """The coordinate that can give way all along a path; None where there are no dependent ones.
 

@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from kinematics.answers.trajectories import Event, Limits, Quantity, Trajectory
 from kinematics.mechanism import Coordinate
 from kinematics.trajectories.along import Along
 from kinematics.trajectories.between import crossings
-from kinematics.trajectories.results import Event, Limits, Quantity, Trajectory
 from kinematics.trajectories.searches import runs
 
 LEAP = 0.5  # rad that a joint may turn more than its rates say

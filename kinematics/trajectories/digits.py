@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from kinematics.machine import Machine
-from kinematics.screws.spatial import Array
-from kinematics.trajectories.results import Trajectory
+from kinematics.answers.trajectories import Trajectory
+from kinematics.arrays import Array
+from kinematics.facets.faceted import Faceted
 
 FEWEST, MOST = 4, 17  # significant digits; a double has no more
 ADDS = 0.01  # of the true error: what rounding may add
@@ -38,7 +38,7 @@ def rounded(coefficients: Array, digits: int) -> Array:
 
 
 def digits_needed(
-    machine: Machine[Any],
+    machine: Faceted[Any],
     found: Trajectory,
     coefficients: Array,
     exact: Orders,

@@ -13,10 +13,10 @@ from math import inf, isfinite, nan
 
 import numpy as np
 
-from kinematics.screws.spatial import Array
+from kinematics.answers.trajectories import Event, Limits, Trajectory
+from kinematics.arrays import Array
 from kinematics.trajectories.along import Along
 from kinematics.trajectories.demands import beyond, corners, leaps, place
-from kinematics.trajectories.results import Event, Limits, Trajectory
 from kinematics.trajectories.searches import edge, least, runs
 
 _SAME = 1e-7  # of the duration: what is nearer is one event

@@ -12,11 +12,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from kinematics.answers.solutions import Followed
+from kinematics.answers.trajectories import Trajectory
+from kinematics.arrays import Array, Frozen
 from kinematics.errors import InputError
-from kinematics.machine import Machine
-from kinematics.screws.spatial import Array, Frozen
+from kinematics.facets.faceted import Faceted
 from kinematics.trajectories.digits import MOST, Orders, digits_needed, values_of
-from kinematics.trajectories.results import Trajectory
 
 HIGHEST = 20
 
@@ -69,7 +69,7 @@ class Fits(Frozen):
         return a, b, c
 
 
-def fit(machine: Machine[Any], found: Trajectory, degree: int) -> Fits:
+def fit(machine: Faceted[Any], found: Trajectory, degree: int) -> Fits:
     """Fit polynomials of ``degree`` to the joints of a trajectory.
 
     Raises:
@@ -126,7 +126,7 @@ class _Driven(NamedTuple):
     trouble: str
 
 
-def _driven(machine: Machine[Any], found: Trajectory, joints: Orders) -> _Driven:
+def _driven(machine: Faceted[Any], found: Trajectory, joints: Orders) -> _Driven:
     poses = np.full_like(found.poses, np.nan)
     modes: list[str] = []
     trouble = ""

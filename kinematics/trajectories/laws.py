@@ -11,8 +11,8 @@ from math import isfinite, sqrt
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kinematics.arrays import Array
 from kinematics.errors import InputError
-from kinematics.screws.spatial import Array
 
 # s, s′ and s″ as polynomials of τ = t/T, from τ⁰ upwards.
 _POLYNOMIALS = {

@@ -10,52 +10,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline, splev, splprep
 
+from kinematics.answers.trajectories import Derivatives, Path
+from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
-from kinematics.screws.spatial import Array, finite
-from kinematics.trajectories.laws import Law
 
 Pose = tuple[float, ...]
-Derivatives = tuple[Array, Array, Array]
-"""Points, first and second derivatives by s, each (N, P)."""
-
 MOST_POINTS = 100_000
 SAME = 1e-9  # mm: points that are nearer to each other are one
-
-
-class Path(Protocol):
-    """A way through pose space."""
-
-    @property
-    def length(self) -> float:
-        """mm, with angles as the path's scale counts them."""
-        ...
-
-    @property
-    def knots(self) -> Array:
-        """Shares (K,) between 0 and 1 at which derivatives may leap: corners, ends of pieces."""
-        ...
-
-    def at(self, share: ArrayLike) -> Derivatives:
-        """Points and derivatives at shares (N,) of the way."""
-        ...
-
-
-@dataclass(frozen=True)
-class NamedTrajectory:
-    """A path with its time law, its working mode and its name."""
-
-    name: str
-    title: str
-    path: Path
-    law: Law
-    mode: str
-    source: str = ""
 
 
 @dataclass(frozen=True)

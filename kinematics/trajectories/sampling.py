@@ -9,16 +9,15 @@ from typing import Any
 import numpy as np
 
 from kinematics.answers.motion import WrenchName
+from kinematics.answers.trajectories import Limits, Path, Quantity, TimeLaw, Trajectory
+from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
-from kinematics.machine import Machine
-from kinematics.screws.spatial import Array, finite
+from kinematics.facets.faceted import Faceted
 from kinematics.trajectories.along import Along, joints_along, moved
 from kinematics.trajectories.between import close
 from kinematics.trajectories.constrained import constrained
 from kinematics.trajectories.events import events_of
-from kinematics.trajectories.laws import LONGEST, SHORTEST, Law
-from kinematics.trajectories.paths import Path
-from kinematics.trajectories.results import Limits, Quantity, Trajectory
+from kinematics.trajectories.laws import LONGEST, SHORTEST
 
 MOST_SAMPLES = 100_000
 _STILL = 1e-12  # of the path's mean speed: a rate that is rounding
@@ -26,9 +25,9 @@ NEAR = 0.03  # of the characteristic length: a singularity nearer than this is t
 
 
 def trajectory(
-    machine: Machine[Any],
+    machine: Faceted[Any],
     path: Path,
-    law: Law,
+    law: TimeLaw,
     mode: str,
     *,
     samples: int = 101,

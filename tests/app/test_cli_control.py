@@ -16,11 +16,11 @@ import pytest
 
 from app.features.singularities import files
 from kinematics.answers.loci import LocusCurves, LocusSpec
+from kinematics.arrays import Array
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur.mechanism import FiveRPUR
-from kinematics.screws.spatial import Array
 from tests.conftest import Finished, answered, refused
 
 Run = Callable[..., Finished]

@@ -18,9 +18,9 @@ from kinematics.errors import InputError
 if TYPE_CHECKING:
     from types import FrameType
 
-    from kinematics.answers.sections import Ints, MapCells, MapSpec
+    from kinematics.answers.sections import MapCells, MapSpec
+    from kinematics.arrays import Array, Ints
     from kinematics.facets.map_sweeps import Map
-    from kinematics.screws.spatial import Array
 
 RANGE = "-90:90:37"  # every 5°
 TOLERANCE = 1e-4

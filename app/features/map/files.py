@@ -11,9 +11,9 @@ import numpy as np
 
 from app.terminal import tables
 from kinematics.answers.sections import Quantity
+from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.facets.map_sweeps import Map, MapRequest
-from kinematics.screws.spatial import Array
 
 if TYPE_CHECKING:  # loaded only where a figure is drawn
     from matplotlib.axes import Axes

@@ -21,10 +21,10 @@ from app.review.changes import Change
 from app.review.requests import SaveMap, StartMap, StopMap
 from app.review.state import Review, Span
 from app.widgets.desk import Charted
-from kinematics.answers.sections import Ints, MapCells
+from kinematics.answers.sections import MapCells
+from kinematics.arrays import Array, Ints
 from kinematics.errors import BohemiaError, ComputationError
 from kinematics.facets.map_sweeps import Map, MapRequest, OnCells, map_request, sweep
-from kinematics.screws.spatial import Array
 
 if TYPE_CHECKING:
     import viser

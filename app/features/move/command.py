@@ -15,8 +15,8 @@ from kinematics.errors import InputError
 if TYPE_CHECKING:
     from kinematics.answers.motion import Motion
     from kinematics.answers.solutions import Posture
+    from kinematics.arrays import Array
     from kinematics.mechanism import Coordinate
-    from kinematics.screws.spatial import Array
 
 LOAD = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
 

@@ -20,10 +20,10 @@ from app.features.singularities.compute import placed
 from app.review.state import Review, point_in_section
 from app.scene.painting import scale
 from kinematics.answers.sections import Box, Section, Sphere, Volume
+from kinematics.arrays import Array
 from kinematics.machine import machine_of, required
 from kinematics.mechanism import Design, mechanism_class
 from kinematics.plane.regions import contains
-from kinematics.screws.spatial import Array
 
 LOOKS = 24  # sections from which the extent of a workspace in its planes is taken
 CHART = "section"  # of a mechanism's loci: the one in this plane

@@ -9,7 +9,7 @@ import numpy as np
 from app.scene import palette
 from app.scene.machine import Scene
 from kinematics.answers.sections import Box, Sphere
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 
 INSIDE = palette.mixed(palette.WORKSPACE, -0.2)
 _NO_LINE = np.zeros((1, 2, 3), dtype=np.float32)

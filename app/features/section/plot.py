@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from app.scene.painting import Scale
 from app.scene.palette import BEYOND, INK, INK_DARK, WORKSPACE, limb_color
 from kinematics.answers.sections import BOUNDS, Construction, EdgeBound, Section, SectionSpec
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 
 Bounds = tuple[tuple[float, float], tuple[float, float]]
 """From and to, mm, of the first and of the second axis."""

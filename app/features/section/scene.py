@@ -16,7 +16,7 @@ from app.features.section.compute import Drawn, Extent
 from app.scene import palette
 from app.scene.edges import NO_LINE, Edges
 from app.scene.machine import Scene, fresh, wxyz
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 
 ROOM = 0.06  # of the region's size around it in the outline of the plane
 

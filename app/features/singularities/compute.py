@@ -17,10 +17,10 @@ from kinematics.answers.motion import Motion, Statics, WrenchSystem
 from kinematics.answers.sections import Sphere
 from kinematics.answers.singularities import NEAR, Event, Measure, Singularity
 from kinematics.answers.solutions import Posture
+from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.machine import Machine, machine_of, required
 from kinematics.mechanism import Design
-from kinematics.screws.spatial import Array
 
 SLACK = 0.02  # of a stroke: facets of a solid lie a little beside its true surface
 

@@ -11,8 +11,8 @@ import numpy as np
 from app.scene.palette import BEYOND, INK, limb_color
 from kinematics.answers.loci import LocusCurves, LocusSpec
 from kinematics.answers.singularities import SingularityKind
+from kinematics.arrays import Array
 from kinematics.errors import InputError
-from kinematics.screws.spatial import Array
 
 if TYPE_CHECKING:  # loaded only where a figure is drawn
     from matplotlib.figure import Figure

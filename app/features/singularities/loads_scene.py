@@ -11,7 +11,7 @@ from app.features.singularities.compute import Here
 from app.review.view import View
 from app.scene import palette
 from app.scene.machine import Scene
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 
 MOST = 8  # forces that are drawn
 USUAL_LOAD = 100.0  # N

@@ -12,7 +12,7 @@ from app.review.state import Review
 from app.review.view import SolidWish
 from app.scene import painting, palette
 from app.scene.painting import Coat, Scale
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 
 
 class Painter:

@@ -12,7 +12,7 @@ from app.widgets.desk import esc
 from app.widgets.plots import STEPS, TURN, Axes, Figure, number, scales, ticks
 from kinematics.answers.circles import OrientationCircle, Profile
 from kinematics.answers.loci import LocusCurves, LocusSpec
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 
 WIDTH, HEIGHT = 400.0, 360.0
 CELLS = 90  # columns and rows of which the place under the pointer is told

@@ -14,7 +14,7 @@ from app.scene.machine import Scene, body_mesh, fresh, wxyz
 from kinematics.answers.clearances import Clearance
 from kinematics.answers.motion import WrenchSystem
 from kinematics.answers.sections import Sphere
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 
 MOST = 8  # wrenches, and clearances, that are drawn
 REACH = 0.9  # of the machine's size: half a wrench's line

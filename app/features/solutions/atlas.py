@@ -18,9 +18,9 @@ from app.review.state import SAME_MODE, Review
 from app.review.view import View, in_page_units, page_unit
 from app.terminal import tables
 from kinematics.answers.solutions import ForwardSolutions, Merged, Refreshed
+from kinematics.arrays import Array
 from kinematics.machine import Machine
 from kinematics.mechanism import Coordinate, Design
-from kinematics.screws.spatial import Array
 
 SAME_JOINTS = 1e-6  # mm or rad: lengths that differ by less have the same solutions
 NAMED, TOLD = 8, 3  # of those that came, and of those that went, the page names this many

@@ -21,7 +21,7 @@ from app.review.view import View
 from app.scene import palette
 from app.scene.machine import Scene, cylinder, turns_z_to
 from kinematics.answers.drawings import Body
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 
 THIN, THICK = 0.003, 0.006  # radius of a stick, of the machine's size: as a rule, and who is new
 CAPACITY = 512  # sticks and triangles that a mesh is made for; doubled where they do not suffice

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from kinematics.answers.solutions import Followed
     from kinematics.machine import Machine
     from kinematics.mechanism import Coordinate
-    from kinematics.trajectories import Event, Fits, Law, Limits, Trajectory
+    from kinematics.trajectories import Event, Fits, Limits, TimeLaw, Trajectory
     from kinematics.trajectories import Path as Way
 
 PACE = 100.0  # mm/s, where no duration is given
@@ -162,7 +162,7 @@ class _Asked(NamedTuple):
     name: str
     title: str
     path: Way
-    law: Law
+    law: TimeLaw
     mode: str
     kind: str
     dependent: int | None = None

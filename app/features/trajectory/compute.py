@@ -23,15 +23,15 @@ from app.features.trajectory.state import (
     plane_of,
 )
 from app.review.state import Review
+from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.machine import Machine, machine_of
 from kinematics.mechanism import Design
-from kinematics.screws.spatial import Array
 from kinematics.trajectories import (
     Event,
     Fits,
-    Law,
     Path,
+    TimeLaw,
     Trajectory,
     constrained,
     fit,
@@ -77,7 +77,7 @@ class Computed:
 
     asked: Asked
     path: Path
-    law: Law
+    law: TimeLaw
     found: Trajectory
     spots: Array
     marks: Array

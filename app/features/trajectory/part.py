@@ -25,8 +25,8 @@ from app.review.requests import Distances, SaveTrajectory, Shortest
 from app.review.state import Review
 from app.review.view import View
 from app.widgets.desk import Moment, Moved
+from kinematics.arrays import Array
 from kinematics.errors import InputError
-from kinematics.screws.spatial import Array
 from kinematics.trajectories import Fits, duration_within
 
 if TYPE_CHECKING:

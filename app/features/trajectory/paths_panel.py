@@ -36,8 +36,8 @@ from app.widgets.desk import (
 )
 from app.widgets.pose_boxes import PoseBox, PosesBox, units
 from app.widgets.sketch import Sketch, sketch_figure, sketch_mark
+from kinematics.arrays import Array
 from kinematics.errors import InputError
-from kinematics.screws.spatial import Array
 
 OWN_TITLES = {
     STRAIGHT: "Straight from pose to pose",

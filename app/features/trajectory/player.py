@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from kinematics.trajectories.results import Playback
+from kinematics.answers.trajectories import Playback
 
 
 @dataclass(frozen=True, slots=True)

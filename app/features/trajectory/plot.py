@@ -12,8 +12,8 @@ from app.features.trajectory.compute import Computed, known_distances
 from app.scene import palette
 from app.widgets.desk import esc
 from app.widgets.plots import Axes, Figure, number, ticks
+from kinematics.arrays import Array
 from kinematics.mechanism import Coordinate
-from kinematics.screws.spatial import Array
 from kinematics.trajectories import Event, Trajectory
 
 WIDTH = 430.0

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from app.features.trajectory.compute import Computed
 from app.scene import palette
 from app.scene.machine import Scene
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 from kinematics.trajectories import Trajectory
 
 _NO_LINE = np.zeros((1, 2, 3), dtype=np.float32)

@@ -10,14 +10,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
+from kinematics.answers.trajectories import Playback
 from kinematics.errors import InputError
 from kinematics.machine import Machine
 from kinematics.mechanism import Coordinate
 from kinematics.trajectories import (
     LAWS,
-    Law,
     Limits,
     Path,
+    TimeLaw,
     drawn,
     law,
     line,
@@ -26,7 +27,6 @@ from kinematics.trajectories import (
     trapezoidal,
 )
 from kinematics.trajectories.fits import HIGHEST
-from kinematics.trajectories.results import Playback
 
 if TYPE_CHECKING:
     from app.review.state import Review
@@ -246,7 +246,7 @@ def missing(plan: Plan) -> str:
     return ""
 
 
-def path_of(plan: Plan, machine: Machine[Any]) -> tuple[Path, Law]:
+def path_of(plan: Plan, machine: Machine[Any]) -> tuple[Path, TimeLaw]:
     """The path of a plan, and its time law.
 
     Raises:
@@ -275,7 +275,7 @@ def path_of(plan: Plan, machine: Machine[Any]) -> tuple[Path, Law]:
     return path, _law(plan, path, law("quintic", max(1.0, path.length / PACE)))
 
 
-def _law(plan: Plan, path: Path, own: Law) -> Law:
+def _law(plan: Plan, path: Path, own: TimeLaw) -> TimeLaw:
     machine = plan.law or own.kind
     if plan.law == "trapezoidal":
         return trapezoidal(path.length, plan.speed, plan.acceleration)

@@ -11,9 +11,9 @@ from app.features.section.compute import edges, segments
 from app.review.state import Review
 from kinematics.answers.loci import LocusCurves
 from kinematics.answers.sections import Region, RegionSpec, Section
+from kinematics.arrays import Array
 from kinematics.machine import machine_of, required
 from kinematics.mechanism import Design
-from kinematics.screws.spatial import Array
 
 STEP = 4.0  # mm, the longest chord of an arc in the scene
 

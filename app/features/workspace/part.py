@@ -22,7 +22,7 @@ from app.scene.edges import Edges
 from app.scene.machine import Scene
 from app.widgets.desk import Laying
 from kinematics.answers.sections import Region, SectionSpec, together
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 
 if TYPE_CHECKING:
     import viser

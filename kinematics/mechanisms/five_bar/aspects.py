@@ -19,6 +19,7 @@ from functools import lru_cache
 import numpy as np
 
 from kinematics.answers.sections import BOUNDS
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_bar import workspace
 from kinematics.mechanisms.five_bar.curve_edges import curve_edge
 from kinematics.mechanisms.five_bar.curves import pieces
@@ -27,7 +28,6 @@ from kinematics.mechanisms.five_bar.inverse import MODES, joints_of
 from kinematics.mechanisms.five_bar.motion import sines
 from kinematics.plane import arcs, regions
 from kinematics.plane.arcs import Edge
-from kinematics.screws.spatial import Array
 
 _SNAP = 2e-7  # of the size: an end of a curve this near to the boundary is on it
 _ON = 1e-9  # of the size: a curve this near to the boundary all along is a part of it

@@ -12,10 +12,10 @@ from functools import lru_cache
 import numpy as np
 
 from kinematics.answers.sections import BOUNDS
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_bar.curves import Piece
 from kinematics.mechanisms.five_bar.design import FiveBarDesign
 from kinematics.plane.arcs import Arcs, Edge
-from kinematics.screws.spatial import Array
 
 DEVIATION = 1e-6
 """Part of the size by which a drawn arc may leave the true curve."""

@@ -25,9 +25,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_bar.design import FiveBarDesign
 from kinematics.mechanisms.five_bar.inverse import in_range, mode_of, normal_angles
-from kinematics.screws.spatial import Array
 
 _EQUAL = 1e-11  # of the size: lengths that differ by less are equal
 _FLAT = 1e-14  # of the size: sums of lengths that differ by less are equal

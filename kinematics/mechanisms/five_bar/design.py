@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from kinematics.arrays import Array, read_only
 from kinematics.designs.files import (
     TableError,
     change_table,
@@ -19,7 +20,6 @@ from kinematics.designs.files import (
     read_text,
 )
 from kinematics.mechanism import DesignField
-from kinematics.screws.spatial import Array, read_only
 
 LIMBS = 2
 SUBSCRIPTS = "₁₂"

@@ -13,9 +13,9 @@ import numpy as np
 
 from kinematics.answers.drawings import Bar, Body, Drawing, Mark
 from kinematics.answers.solutions import Posture
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_bar.design import LIMBS, SUBSCRIPTS, FiveBarDesign
 from kinematics.mechanisms.five_bar.inverse import elbows
-from kinematics.screws.spatial import Array
 
 _PROXIMAL = 1.0, 4.0  # heights of the layers, in layers
 _DISTAL = 2.0, 3.0

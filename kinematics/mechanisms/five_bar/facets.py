@@ -19,6 +19,8 @@ from kinematics.answers.solutions import (
     Posture,
     Refreshed,
 )
+from kinematics.answers.trajectories import NamedTrajectory
+from kinematics.arrays import Array
 from kinematics.facets.clearances import ClearancesFacet
 from kinematics.facets.continuation import FollowingFacet
 from kinematics.facets.forward import ForwardFacet
@@ -42,8 +44,6 @@ from kinematics.mechanisms.five_bar import (
 )
 from kinematics.mechanisms.five_bar import singularities as control
 from kinematics.mechanisms.five_bar.design import FiveBarDesign
-from kinematics.screws.spatial import Array
-from kinematics.trajectories import NamedTrajectory
 
 
 class FiveBarInverse(InverseFacet[FiveBarDesign]):

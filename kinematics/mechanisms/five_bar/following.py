@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from kinematics.answers.solutions import Fold, Followed, Posture, Stop
+from kinematics.arrays import Array, finite
 from kinematics.mechanisms.five_bar.design import LIMBS, SUBSCRIPTS, FiveBarDesign
 from kinematics.mechanisms.five_bar.forward import both_points
 from kinematics.mechanisms.five_bar.inverse import (
@@ -18,7 +19,6 @@ from kinematics.mechanisms.five_bar.inverse import (
 )
 from kinematics.mechanisms.five_bar.joints_line import Crossing, first_crossing
 from kinematics.mechanisms.five_bar.paths import warning
-from kinematics.screws.spatial import Array, finite
 
 _BEFORE = 1e-6  # part of the way by which a motion stops before a singularity
 

@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics.answers.solutions import ForwardSolutions, Merged, Refreshed, SelfMotion
+from kinematics.arrays import Array, finite
 from kinematics.mechanisms.five_bar.design import LIMBS, FiveBarDesign
 from kinematics.mechanisms.five_bar.inverse import elbows, in_range, mode_of, normal_angles
 from kinematics.mechanisms.five_bar.joints_line import first_crossing
 from kinematics.mechanisms.five_bar.motion import condition
-from kinematics.screws.spatial import Array, finite
 
 MEETING = 1e-12
 """Part of the size: circles that miss each other by less touch; centres that near coincide."""

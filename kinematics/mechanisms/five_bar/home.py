@@ -7,10 +7,10 @@ from functools import lru_cache
 import numpy as np
 
 from kinematics.answers.solutions import Posture
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_bar.design import FiveBarDesign
 from kinematics.mechanisms.five_bar.inverse import MODES, in_range, joints_of, posture
 from kinematics.mechanisms.five_bar.motion import condition, sines
-from kinematics.screws.spatial import Array
 
 GRID = 81
 _ORDER = ("+-", "-+", "++", "--")  # elbows outwards first, as in Fig. 1 of the paper

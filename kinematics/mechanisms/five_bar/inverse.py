@@ -20,9 +20,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinematics.answers.solutions import Bound, InverseSolutions, Margin, Posture, Reason
+from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_bar.design import LIMBS, SUBSCRIPTS, FiveBarDesign
-from kinematics.screws.spatial import Array, finite, homogeneous
+from kinematics.screws.spatial import homogeneous
 
 MODES: tuple[str, ...] = tuple("".join(signs) for signs in product("+-", repeat=LIMBS))
 """The four working modes "++", "+-", "-+", "--"."""

@@ -14,8 +14,8 @@ from math import cos, sin, sqrt
 
 import numpy as np
 
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_bar.design import FiveBarDesign
-from kinematics.screws.spatial import Array
 
 FINEST = 2.0**-44  # of the way: what is not proven free in an interval of this width is a crossing
 TOUCH = 1e-9

@@ -13,13 +13,13 @@ import numpy as np
 from kinematics.answers.loci import LocusCurves, LocusSpec
 from kinematics.answers.sections import BOUNDS
 from kinematics.answers.singularities import SingularityKind
+from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_bar import workspace
 from kinematics.mechanisms.five_bar.curves import closure, pieces, sampled
 from kinematics.mechanisms.five_bar.design import LIMBS, FiveBarDesign
 from kinematics.mechanisms.five_bar.inverse import MODES, elbows, in_range, limb_angles, signs
 from kinematics.plane.arcs import Edge
-from kinematics.screws.spatial import Array
 
 FINE = 200  # parts of the size from one point to the next
 _LINK = BOUNDS.index("link")

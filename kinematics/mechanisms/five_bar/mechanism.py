@@ -13,6 +13,7 @@ from kinematics.answers.solutions import (
     Finding,
     Posture,
 )
+from kinematics.arrays import Array
 from kinematics.mechanism import Coordinate, DesignField, Facets, Mechanism
 from kinematics.mechanisms.five_bar import design as designs
 from kinematics.mechanisms.five_bar import (
@@ -24,7 +25,6 @@ from kinematics.mechanisms.five_bar import (
 from kinematics.mechanisms.five_bar import findings as remarks
 from kinematics.mechanisms.five_bar import texts as about
 from kinematics.mechanisms.five_bar.design import FiveBarDesign
-from kinematics.screws.spatial import Array
 
 
 class FiveBar(Mechanism[FiveBarDesign]):

@@ -10,13 +10,13 @@ import numpy as np
 from kinematics.answers.sections import BOUNDS
 from kinematics.answers.singularities import ModeChange
 from kinematics.answers.solutions import Posture
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_bar import workspace
 from kinematics.mechanisms.five_bar.design import LIMBS, FiveBarDesign
 from kinematics.mechanisms.five_bar.inverse import posture, signs
 from kinematics.mechanisms.five_bar.loci import base_points
 from kinematics.mechanisms.five_bar.paths import events
 from kinematics.mechanisms.five_bar.singularities import nearest_on
-from kinematics.screws.spatial import Array
 
 HERE = 1e-7
 """Part of the size: so near to the place a machine stands in it."""

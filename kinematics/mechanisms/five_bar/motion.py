@@ -19,10 +19,10 @@ from numpy.typing import ArrayLike
 
 from kinematics.answers.motion import Motion, Statics, WrenchName, WrenchSystem
 from kinematics.answers.singularities import Measure
+from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_bar.design import LIMBS, SUBSCRIPTS, FiveBarDesign
 from kinematics.mechanisms.five_bar.inverse import elbows, joints_of
-from kinematics.screws.spatial import Array, finite
 
 SINGULAR = 1e-12
 """|sin| of an angle between links below which they are in line, and the answer is NaN."""

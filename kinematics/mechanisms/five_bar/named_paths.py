@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from kinematics.answers.trajectories import NamedTrajectory
 from kinematics.mechanisms.five_bar.design import FiveBarDesign
 from kinematics.mechanisms.five_bar.home import home
 from kinematics.trajectories.laws import law
-from kinematics.trajectories.paths import Line, NamedTrajectory
+from kinematics.trajectories.paths import Line
 
 START = (0.0, 738.644)
 _SOURCE = "Sosa-López et al. 2017"

@@ -17,12 +17,12 @@ from numpy.typing import ArrayLike
 
 from kinematics.answers.singularities import NEAR, Event
 from kinematics.answers.solutions import Followed, Posture
+from kinematics.arrays import Array, finite
 from kinematics.facets.pose_paths import after_part, along, corners_of, follow_ways
 from kinematics.mechanisms.five_bar.curves import sextic
 from kinematics.mechanisms.five_bar.design import LIMBS, SUBSCRIPTS, FiveBarDesign
 from kinematics.mechanisms.five_bar.inverse import in_range, joints_of, posture, signs
 from kinematics.mechanisms.five_bar.motion import sines
-from kinematics.screws.spatial import Array, finite
 
 GAP = 1e-6
 """mm by which a path stops before a singularity."""

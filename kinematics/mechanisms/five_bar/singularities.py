@@ -16,6 +16,7 @@ from kinematics.answers.clearances import Clearance, ClearanceKind, DesignChange
 from kinematics.answers.sections import BOUNDS
 from kinematics.answers.singularities import AT, Singularity, SingularityKind
 from kinematics.answers.solutions import Posture, Reason
+from kinematics.arrays import Array
 from kinematics.errors import DesignError
 from kinematics.mechanisms.five_bar import workspace
 from kinematics.mechanisms.five_bar.curves import Piece, pieces
@@ -31,7 +32,6 @@ from kinematics.mechanisms.five_bar.loci import base_points
 from kinematics.mechanisms.five_bar.motion import sines
 from kinematics.plane import arcs
 from kinematics.plane.arcs import Edge
-from kinematics.screws.spatial import Array
 
 _SAMPLES = 257
 _LINK = BOUNDS.index("link")

@@ -27,10 +27,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinematics.answers.solutions import Finding
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur.design import LIMBS, SUBSCRIPTS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inverse import MODES, inside, signs
 from kinematics.mechanisms.five_rpur.velocity import characteristic_length
-from kinematics.screws.spatial import Array
 
 PairKind = Literal["A1", "A2", "A3", "same"]
 

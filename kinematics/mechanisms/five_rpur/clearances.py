@@ -12,12 +12,13 @@ import numpy as np
 
 from kinematics.answers.clearances import Clearance
 from kinematics.answers.solutions import Bound, Posture
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.feet import ERROR, feet
 from kinematics.mechanisms.five_rpur.inverse import decimals, signs
 from kinematics.mechanisms.five_rpur.offsets import offset_points
 from kinematics.mechanisms.five_rpur.singularities.nearest import nearest_singularity
-from kinematics.screws.spatial import Array, rotation_y
+from kinematics.screws.spatial import rotation_y
 
 _ENDS: tuple[Bound, Bound] = ("rho_min", "rho_max")
 _NAMES = {"rho_min": "ρ min", "rho_max": "ρ max"}

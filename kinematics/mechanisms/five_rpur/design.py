@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from kinematics.arrays import Array, read_only
 from kinematics.designs.files import (
     KeyPath,
     TableError,
@@ -18,7 +19,6 @@ from kinematics.designs.files import (
     read_text,
 )
 from kinematics.mechanism import DesignField
-from kinematics.screws.spatial import Array, read_only
 
 Point = tuple[float, float, float]
 LIMBS = 5

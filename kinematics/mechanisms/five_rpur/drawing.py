@@ -8,9 +8,10 @@ import numpy as np
 
 from kinematics.answers.drawings import Bar, Body, Drawing, Mark, prismatic, spot
 from kinematics.answers.solutions import Posture
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur.design import SUBSCRIPTS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inverse import joint_points, transform
-from kinematics.screws.spatial import Array, rotation_y
+from kinematics.screws.spatial import rotation_y
 
 E1 = np.array([0.0, 1.0, 0.0])
 

@@ -23,6 +23,7 @@ from kinematics.answers.solutions import (
     Posture,
     Refreshed,
 )
+from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.facets.solids import (
     SURFACES,
@@ -50,7 +51,7 @@ from kinematics.mechanisms.five_rpur.inscribed import largest
 from kinematics.mechanisms.five_rpur.nearest_pose import ways_in
 from kinematics.mechanisms.five_rpur.paths import driving, events, nearness
 from kinematics.mechanisms.five_rpur.singularities import ball, curves, kinds
-from kinematics.screws.spatial import Array, homogeneous, rotation_x, rotation_y
+from kinematics.screws.spatial import homogeneous, rotation_x, rotation_y
 
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
     from kinematics.solids.csg import BuiltSolid

@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 
 ERROR = 1e-12
 """Part of the machine's size by which rounding may falsify a distance."""

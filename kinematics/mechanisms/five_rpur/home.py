@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinematics.answers.solutions import Posture
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.arrangements import CLASSES, PairKind, arrangements
 from kinematics.mechanisms.five_rpur.continuation.following import follow
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
-from kinematics.screws.spatial import Array, common_box
+from kinematics.screws.spatial import common_box
 
 GRID = 15  # positions tried along each axis
 ROUNDS = 12  # halvings of the step while the best position of a mode is improved

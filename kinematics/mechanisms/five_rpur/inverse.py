@@ -17,9 +17,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinematics.answers.solutions import Bound, InverseSolutions, Margin, Posture, Reason
+from kinematics.arrays import Array, finite, frozen
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur.design import LIMBS, SUBSCRIPTS, FiveRPURDesign
-from kinematics.screws.spatial import Array, finite, frozen, homogeneous, rotation_x, rotation_y
+from kinematics.screws.spatial import homogeneous, rotation_x, rotation_y
 
 MODES: tuple[str, ...] = tuple("".join(signs) for signs in product("+-", repeat=LIMBS))
 """The 32 working modes, limb 5 changing fastest: "+++++", "++++-", … "-----"."""

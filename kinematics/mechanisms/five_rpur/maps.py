@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics.answers.sections import MapCells, MapSpec, Quantity
+from kinematics.arrays import finite
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inscribed.largest import sphere
 from kinematics.mechanisms.five_rpur.slicing.cutter import Cutter
 from kinematics.mechanisms.five_rpur.volume import Integral, integrate, pieces
-from kinematics.screws.spatial import finite
 
 SPEC = MapSpec(
     axes=(3, 4),

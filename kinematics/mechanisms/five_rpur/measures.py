@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics.answers.singularities import Measure
+from kinematics.arrays import Array, frozen
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.statics import statics, wrench_system
 from kinematics.mechanisms.five_rpur.velocity import characteristic_length, condition, wrenches
-from kinematics.screws.spatial import Array, frozen
 from kinematics.screws.wrenches import normalised
 
 MEASURES: tuple[Measure, ...] = (

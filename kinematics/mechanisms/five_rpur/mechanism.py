@@ -13,6 +13,7 @@ from kinematics.answers.solutions import (
     Finding,
     Posture,
 )
+from kinematics.arrays import Array
 from kinematics.mechanism import Coordinate, DesignField, Facets, Mechanism
 from kinematics.mechanisms.five_rpur import (
     arrangements,
@@ -25,7 +26,6 @@ from kinematics.mechanisms.five_rpur import design as designs
 from kinematics.mechanisms.five_rpur import texts as about
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.slicing import acceleration
-from kinematics.screws.spatial import Array
 
 
 class FiveRPUR(Mechanism[FiveRPURDesign]):

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics.answers.motion import Motion
+from kinematics.arrays import Array, finite
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inverse import joint_points
 from kinematics.mechanisms.five_rpur.velocity import (
@@ -19,7 +20,6 @@ from kinematics.mechanisms.five_rpur.velocity import (
     inverse_jacobian,
     velocity_rows,
 )
-from kinematics.screws.spatial import Array, finite
 from kinematics.screws.wrenches import RANK
 
 

@@ -11,9 +11,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
-from kinematics.screws.spatial import Array, finite, rotation_x, rotation_y
+from kinematics.screws.spatial import rotation_x, rotation_y
 
 SAME_SOLIDS = 1e-9
 """Part of a limb's size: solids of limbs closer than that would enclose films of air."""

@@ -14,9 +14,9 @@ from functools import lru_cache, partial
 import numpy as np
 
 from kinematics.answers.sections import BOUNDS, Construction, Section
+from kinematics.arrays import Array, finite
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.slicing.cutter import Cutter
-from kinematics.screws.spatial import Array, finite
 
 # Of the four circles and the four lines that a limb may have.
 _OWNER = np.repeat(np.arange(1, LIMBS + 1), 4).reshape(LIMBS, 4)

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics.answers.motion import Statics, WrenchName, WrenchSystem
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur.design import LIMBS, SUBSCRIPTS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inverse import joint_points
 from kinematics.mechanisms.five_rpur.velocity import characteristic_length, wrenches
-from kinematics.screws.spatial import Array
 from kinematics.screws.wrenches import determinant, equilibrium
 
 NAMES: tuple[WrenchName, ...] = (

@@ -16,10 +16,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inverse import joint_points
-from kinematics.screws.spatial import Array
 
 _SERIAL = 1e-12  # |f·û| below which a limb is taken to be in a serial singularity
 

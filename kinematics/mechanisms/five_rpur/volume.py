@@ -11,12 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinematics.answers.sections import Ints, Volume
+from kinematics.answers.sections import Volume
+from kinematics.arrays import Array, Ints, finite
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.slicing.cutter import Cutter
 from kinematics.mechanisms.five_rpur.slicing.events import events
-from kinematics.screws.spatial import Array, finite, rotation_y
+from kinematics.screws.spatial import rotation_y
 
 MOST_SECTIONS = 60_000
 """No volume is worth more sections; what is reached by then is returned with its error."""

@@ -12,10 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from kinematics.answers.solutions import Posture
+from kinematics.arrays import Array
 from kinematics.facets.following import Linear
 from kinematics.mechanisms.four_sps_spr.design import LIMBS, SPR, FourSPSSPRDesign
 from kinematics.mechanisms.four_sps_spr.inverse import euler_angles, posture, rotation, wrap_angle
-from kinematics.screws.spatial import Array
 
 
 class State(NamedTuple):

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
 from kinematics.mechanisms.four_sps_spr.closure import State, pose_of, turned
 from kinematics.mechanisms.four_sps_spr.constraint import complete_pose
 from kinematics.mechanisms.four_sps_spr.design import SPR, FourSPSSPRDesign
-from kinematics.screws.spatial import Array, finite
 
 _ROUNDS = 60
 _ENOUGH = 1e-13  # last correction, in steps

@@ -8,9 +8,9 @@ import numpy as np
 
 from kinematics.answers.drawings import Bar, Body, Drawing, Mark, direction, prismatic, spot
 from kinematics.answers.solutions import Posture
+from kinematics.arrays import Array
 from kinematics.mechanisms.four_sps_spr.design import LIMBS, SPR, SUBSCRIPTS, FourSPSSPRDesign
 from kinematics.mechanisms.four_sps_spr.inverse import platform_points, rotation, transform
-from kinematics.screws.spatial import Array
 
 _CORNERS = 20  # of the base plate's rim
 

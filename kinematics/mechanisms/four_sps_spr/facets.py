@@ -21,6 +21,7 @@ from kinematics.answers.solutions import (
     Posture,
     Refreshed,
 )
+from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.facets import following
 from kinematics.facets.solids import (
@@ -45,7 +46,6 @@ from kinematics.mechanisms.four_sps_spr import nearest_pose as remedy
 from kinematics.mechanisms.four_sps_spr import singularities as control
 from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
 from kinematics.mechanisms.four_sps_spr.forward import assembly, refreshing
-from kinematics.screws.spatial import Array
 
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
     from kinematics.solids.csg import BuiltSolid

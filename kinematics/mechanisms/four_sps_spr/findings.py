@@ -7,12 +7,12 @@ from functools import lru_cache
 import numpy as np
 
 from kinematics.answers.solutions import Finding
+from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.mechanisms.four_sps_spr.constraint import complete_pose
 from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
 from kinematics.mechanisms.four_sps_spr.home import home
 from kinematics.mechanisms.four_sps_spr.wrenches import legs, matrix, scaled, singular_values
-from kinematics.screws.spatial import Array
 
 SINGULAR = 1e-9
 """Smallest singular value of G, relative to the largest, below which a layout is singular."""

@@ -7,11 +7,12 @@ from functools import lru_cache
 import numpy as np
 
 from kinematics.answers.solutions import Posture
+from kinematics.arrays import Array
 from kinematics.mechanisms.four_sps_spr import inverse
 from kinematics.mechanisms.four_sps_spr.constraint import complete_pose
 from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
 from kinematics.mechanisms.four_sps_spr.inverse import rotation, violation
-from kinematics.screws.spatial import Array, common_box
+from kinematics.screws.spatial import common_box
 
 GRID = 25  # positions tried along each axis of the plane
 ROUNDS = 14  # halvings of the step while the best position is improved

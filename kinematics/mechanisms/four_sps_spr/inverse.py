@@ -17,17 +17,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinematics.answers.solutions import Bound, InverseSolutions, Margin, Posture, Reason
+from kinematics.arrays import Array, finite, frozen
 from kinematics.errors import InputError
 from kinematics.mechanisms.four_sps_spr.design import LIMBS, SPR, SUBSCRIPTS, FourSPSSPRDesign
-from kinematics.screws.spatial import (
-    Array,
-    finite,
-    frozen,
-    homogeneous,
-    rotation_x,
-    rotation_y,
-    rotation_z,
-)
+from kinematics.screws.spatial import homogeneous, rotation_x, rotation_y, rotation_z
 
 POSE = 6
 MODES = ("",)

@@ -13,6 +13,7 @@ from kinematics.answers.solutions import (
     Finding,
     Posture,
 )
+from kinematics.arrays import Array
 from kinematics.mechanism import Coordinate, DesignField, Facets, Mechanism
 from kinematics.mechanisms.four_sps_spr import (
     constraint,
@@ -25,7 +26,6 @@ from kinematics.mechanisms.four_sps_spr import (
 from kinematics.mechanisms.four_sps_spr import design as designs
 from kinematics.mechanisms.four_sps_spr import texts as about
 from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
-from kinematics.screws.spatial import Array
 
 
 class FourSPSSPR(Mechanism[FourSPSSPRDesign]):

@@ -18,12 +18,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics.answers.motion import Motion
+from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
 from kinematics.mechanisms.four_sps_spr.constraint import SYMBOLS
 from kinematics.mechanisms.four_sps_spr.design import LIMBS, FourSPSSPRDesign
 from kinematics.mechanisms.four_sps_spr.inverse import POSE
 from kinematics.mechanisms.four_sps_spr.wrenches import Legs, closes, legs, matrix, scaled, solve
-from kinematics.screws.spatial import Array, finite
 
 HELD = 1e-9
 """Part of the rates' size by which they may violate the constraint, as rounding does."""

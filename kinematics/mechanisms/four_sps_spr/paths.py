@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from kinematics.answers.singularities import Event
 from kinematics.answers.solutions import Followed, Posture
+from kinematics.arrays import Array
 from kinematics.facets.pose_paths import corners_of, follow_ways
 from kinematics.mechanisms.four_sps_spr.design import LIMBS, FourSPSSPRDesign
 from kinematics.mechanisms.four_sps_spr.inverse import (
@@ -25,7 +26,6 @@ from kinematics.mechanisms.four_sps_spr.inverse import (
     wrap_angle,
 )
 from kinematics.mechanisms.four_sps_spr.wrenches import wrench_system
-from kinematics.screws.spatial import Array
 
 _PLACES = 65
 _HALVINGS = 40

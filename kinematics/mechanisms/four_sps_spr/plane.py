@@ -13,13 +13,14 @@ from typing import NamedTuple
 import numpy as np
 
 from kinematics.answers.sections import Region, RegionSpec, Section
+from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.mechanisms.four_sps_spr.design import LIMBS, SPR, FourSPSSPRDesign
 from kinematics.mechanisms.four_sps_spr.inverse import rotation
 from kinematics.plane.annuli import Rings, rings_section, roomiest
 from kinematics.plane.annuli import inside as inside_rings
 from kinematics.plane.regions import nearest_point
-from kinematics.screws.spatial import Array, homogeneous
+from kinematics.screws.spatial import homogeneous
 
 WORKSPACE = "workspace"
 REGIONS = (

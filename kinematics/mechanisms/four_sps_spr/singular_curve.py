@@ -14,11 +14,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from kinematics.arrays import Array
 from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
 from kinematics.mechanisms.four_sps_spr.plane import Plane, plane
 from kinematics.mechanisms.four_sps_spr.wrenches import legs, matrix, scaled
 from kinematics.plane.contours import Contours, zero_curves
-from kinematics.screws.spatial import Array
 
 _DEGREE = 3
 _NODES = 6  # along each axis of the interpolation

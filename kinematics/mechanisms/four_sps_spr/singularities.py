@@ -11,6 +11,7 @@ from kinematics.answers.clearances import Clearance
 from kinematics.answers.loci import LocusCurves, LocusSpec
 from kinematics.answers.singularities import AT, Measure, Singularity, SingularityKind
 from kinematics.answers.solutions import Bound, Posture
+from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
 from kinematics.mechanisms.four_sps_spr.design import LIMBS, FourSPSSPRDesign
 from kinematics.mechanisms.four_sps_spr.inverse import CONSTRAINT_SLACK, digits, violation
@@ -22,7 +23,6 @@ from kinematics.plane.annuli import rings_section
 from kinematics.plane.regions import nearest_point
 from kinematics.screws import wrenches as shared
 from kinematics.screws.singularity_geometry import lost
-from kinematics.screws.spatial import Array, finite
 
 # --- measures ------------------------------------------------------------------------------
 

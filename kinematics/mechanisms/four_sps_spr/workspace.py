@@ -23,6 +23,7 @@ import numpy as np
 from scipy.integrate import quad
 from scipy.ndimage import binary_dilation
 
+from kinematics.arrays import Array
 from kinematics.facets.solids import Resolution
 from kinematics.mechanisms.four_sps_spr import home
 from kinematics.mechanisms.four_sps_spr.constraint import angle_terms, dependent_values
@@ -32,7 +33,6 @@ from kinematics.mechanisms.four_sps_spr.motion import angular_axes
 from kinematics.mechanisms.four_sps_spr.plane import plane, rings
 from kinematics.mechanisms.four_sps_spr.wrenches import legs
 from kinematics.plane.annuli import Rings, rings_moments
-from kinematics.screws.spatial import Array
 from kinematics.solids.isosurfaces import positive_part
 
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built

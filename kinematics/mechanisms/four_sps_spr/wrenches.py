@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics.answers.motion import Statics, WrenchName, WrenchSystem
+from kinematics.arrays import Array, finite
 from kinematics.mechanisms.four_sps_spr.design import LIMBS, SPR, SUBSCRIPTS, FourSPSSPRDesign
 from kinematics.mechanisms.four_sps_spr.inverse import CONSTRAINT_SLACK, POSE, rotation, violation
-from kinematics.screws.spatial import Array, finite
 from kinematics.screws.wrenches import determinant, equilibrium
 
 WRENCHES = LIMBS + 1

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from kinematics.arrays import Array
 from kinematics.mechanisms.tripods import posing
 from kinematics.mechanisms.tripods.design import TripodDesign
-from kinematics.screws.spatial import Array
 
 
 def to_chart(design: TripodDesign, poses: Array) -> Array:

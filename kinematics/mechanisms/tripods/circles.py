@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
 from kinematics.answers.circles import OrientationCircle
+from kinematics.arrays import Array
 from kinematics.mechanisms.tripods import polynomial, posing
 from kinematics.mechanisms.tripods.design import LIMBS, TripodDesign, mode_sign
 from kinematics.mechanisms.tripods.micr import RING, contact_azimuths, micr
-from kinematics.screws.spatial import Array
 
 _RADII = 241  # circles looked at, 0.75° apart
 _TURNS = 120  # points of each

@@ -12,6 +12,7 @@ import numpy as np
 
 from kinematics.answers.clearances import Clearance, DesignChange, Remedy
 from kinematics.answers.solutions import Bound, Posture
+from kinematics.arrays import Array
 from kinematics.mechanisms.tripods import polynomial, posing
 from kinematics.mechanisms.tripods.circles import circles
 from kinematics.mechanisms.tripods.design import LIMBS, MODES, TripodDesign, mode_sign
@@ -20,7 +21,6 @@ from kinematics.mechanisms.tripods.inverse import posture as posture_at
 from kinematics.mechanisms.tripods.posing import Reduced
 from kinematics.mechanisms.tripods.powers import Power
 from kinematics.mechanisms.tripods.study import translation
-from kinematics.screws.spatial import Array
 
 _ENDS: tuple[Bound, Bound] = ("rho_min", "rho_max")
 _EXACT = 1e-9  # of the machine's size

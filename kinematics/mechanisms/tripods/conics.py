@@ -22,10 +22,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kinematics.arrays import Array
 from kinematics.mechanisms.tripods.design import AZIMUTHS, LIMBS
 from kinematics.mechanisms.tripods.posing import Reduced, offsets
 from kinematics.mechanisms.tripods.study import Values
-from kinematics.screws.spatial import Array
 
 Complex = NDArray[np.complex128]
 

@@ -15,6 +15,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from kinematics.arrays import Array
 from kinematics.designs.files import (
     TableError,
     change_table,
@@ -25,7 +26,6 @@ from kinematics.designs.files import (
 )
 from kinematics.errors import InputError
 from kinematics.mechanism import DesignField
-from kinematics.screws.spatial import Array
 
 Kind = Literal["three_rps", "three_spr"]
 KINDS: tuple[Kind, Kind] = ("three_rps", "three_spr")

@@ -8,9 +8,9 @@ import numpy as np
 
 from kinematics.answers.drawings import Bar, Body, Drawing, Mark, direction, prismatic, spot
 from kinematics.answers.solutions import Posture
+from kinematics.arrays import Array
 from kinematics.mechanisms.tripods import posing
 from kinematics.mechanisms.tripods.design import LIMBS, RADIAL, SUBSCRIPTS, TripodDesign
-from kinematics.screws.spatial import Array
 
 _CORNERS = 24  # of the round base
 

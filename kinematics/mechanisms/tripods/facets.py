@@ -21,6 +21,7 @@ from kinematics.answers.solutions import (
     Posture,
     Refreshed,
 )
+from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.facets.solids import (
     Resolution,
@@ -46,7 +47,6 @@ from kinematics.mechanisms.tripods import clearances as room
 from kinematics.mechanisms.tripods import micr as inscribed
 from kinematics.mechanisms.tripods import singularities as singularity
 from kinematics.mechanisms.tripods.design import Kind, TripodDesign
-from kinematics.screws.spatial import Array
 
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
     from kinematics.solids.csg import BuiltSolid

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from kinematics.answers.solutions import Fold, Followed, Posture
+from kinematics.arrays import Array, finite
 from kinematics.facets import following
 from kinematics.facets.following import Linear
 from kinematics.mechanisms.tripods import posing
@@ -22,7 +23,6 @@ from kinematics.mechanisms.tripods.conics import lengths_and_slopes
 from kinematics.mechanisms.tripods.design import JOINT_SYMBOLS, LIMBS, TripodDesign, mode_sign
 from kinematics.mechanisms.tripods.inverse import posture
 from kinematics.mechanisms.tripods.posing import Reduced
-from kinematics.screws.spatial import Array, finite
 
 MEETING = 1e-9
 """|x0| below which a pose belongs to both operation modes."""

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinematics.answers.solutions import ForwardSolutions, SelfMotion
+from kinematics.arrays import Array, frozen
 from kinematics.homotopy.assembly_sets import positive_lengths
 from kinematics.mechanisms.tripods import conics, posing
 from kinematics.mechanisms.tripods.conics import Complex
@@ -21,7 +22,6 @@ from kinematics.mechanisms.tripods.design import JOINT_SYMBOLS, MODES, TripodDes
 from kinematics.mechanisms.tripods.inverse import STROKE_SLACK
 from kinematics.mechanisms.tripods.posing import Reduced
 from kinematics.mechanisms.tripods.wrenches import characteristic_length, condition, wrench_system
-from kinematics.screws.spatial import Array, frozen
 
 EXPECTED = 16
 _EACH = 8  # in one operation mode

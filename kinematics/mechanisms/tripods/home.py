@@ -7,11 +7,11 @@ from functools import lru_cache
 import numpy as np
 
 from kinematics.answers.solutions import Finding, Posture
+from kinematics.arrays import Array
 from kinematics.mechanisms.tripods import posing
 from kinematics.mechanisms.tripods.design import MODES, TripodDesign, mode_sign
 from kinematics.mechanisms.tripods.inverse import posture
 from kinematics.mechanisms.tripods.micr import micr
-from kinematics.screws.spatial import Array
 
 _LEVELS, _TILTS, _AZIMUTHS = 41, 19, 24  # of the grid that is searched where level is out of reach
 _STEP = 10.0  # mm

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics.answers.solutions import Bound, InverseSolutions, Margin, Posture, Reason
+from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
 from kinematics.mechanisms.tripods import posing
 from kinematics.mechanisms.tripods.design import LIMBS, MODES, SUBSCRIPTS, TripodDesign, mode_sign
-from kinematics.screws.spatial import Array, finite
 
 STROKE_SLACK = 1e-9
 """mm by which rounding may carry an actuator over its stroke end."""

@@ -15,11 +15,11 @@ import numpy as np
 
 from kinematics.answers.loci import LocusCurves, LocusSpec
 from kinematics.answers.singularities import SingularityKind
+from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.mechanisms.tripods import polynomial
 from kinematics.mechanisms.tripods.design import Kind, TripodDesign, mode_sign
 from kinematics.mechanisms.tripods.micr import RING, critical_tilts
-from kinematics.screws.spatial import Array
 
 ORIENTATION = "orientation"
 LOCI = (

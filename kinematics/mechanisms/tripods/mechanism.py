@@ -14,6 +14,7 @@ from kinematics.answers.solutions import (
     Finding,
     Posture,
 )
+from kinematics.arrays import Array
 from kinematics.mechanism import Coordinate, DesignField, Facets, Mechanism
 from kinematics.mechanisms.tripods import design as designs
 from kinematics.mechanisms.tripods import (
@@ -24,7 +25,6 @@ from kinematics.mechanisms.tripods import (
 )
 from kinematics.mechanisms.tripods import texts as about
 from kinematics.mechanisms.tripods.design import Kind, TripodDesign
-from kinematics.screws.spatial import Array
 
 
 class Tripod(Mechanism[TripodDesign]):

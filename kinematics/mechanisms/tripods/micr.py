@@ -23,11 +23,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinematics.answers.circles import MicrTable
+from kinematics.arrays import Array, Frozen
 from kinematics.errors import InputError
 from kinematics.mechanisms.tripods import polynomial
 from kinematics.mechanisms.tripods.design import MODES, Kind, mode_sign
 from kinematics.mechanisms.tripods.powers import Power
-from kinematics.screws.spatial import Array, Frozen
 
 RING = 0.5 * np.pi
 """Tilt at which X and Y of a 3-SPR go to infinity at any fixed altitude."""

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics.answers.motion import Motion
+from kinematics.arrays import Array, finite
 from kinematics.mechanisms.tripods.design import LIMBS, RADIAL, TANGENT, TripodDesign, mode_sign
 from kinematics.mechanisms.tripods.jets import Jet, cosine_and_sine, plus, reciprocal, scaled, times
 from kinematics.mechanisms.tripods.posing import LEVEL, POSE, placed, read_poses, transform
 from kinematics.mechanisms.tripods.wrenches import twist_of, wrench_rows
-from kinematics.screws.spatial import Array, finite
 
 _UPRIGHT = 1e-13  # sin θ/2 below which the azimuth says nothing
 _STILL = 1e-12  # part of |ω| that is none

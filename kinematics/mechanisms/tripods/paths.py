@@ -15,11 +15,11 @@ from scipy.optimize import brentq
 
 from kinematics.answers.singularities import Event
 from kinematics.answers.solutions import Bound, Followed, Posture
+from kinematics.arrays import Array
 from kinematics.facets.pose_paths import corners_of, follow_ways
 from kinematics.mechanisms.tripods import polynomial, posing
 from kinematics.mechanisms.tripods.design import LIMBS, TripodDesign, mode_sign
 from kinematics.mechanisms.tripods.inverse import posture as posture_at
-from kinematics.screws.spatial import Array
 
 _STEPS = 720  # of a way
 _BEFORE = 1e-6  # of the way, by which a path stops before a singularity

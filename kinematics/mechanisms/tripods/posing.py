@@ -23,6 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
 from kinematics.mechanisms.tripods import study
 from kinematics.mechanisms.tripods.design import (
@@ -34,7 +35,7 @@ from kinematics.mechanisms.tripods.design import (
     mode_sign,
 )
 from kinematics.mechanisms.tripods.study import Values
-from kinematics.screws.spatial import Array, finite, homogeneous
+from kinematics.screws.spatial import homogeneous
 
 POSE = 3
 """Z (mm), tilt θ and azimuth φ (rad) of the axis about which the platform is tilted."""

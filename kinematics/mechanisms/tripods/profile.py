@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from kinematics.answers.circles import Profile, ProfileCurve
+from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.mechanisms.tripods.design import TripodDesign
 from kinematics.mechanisms.tripods.micr import table
-from kinematics.screws.spatial import Array
 
 LOWEST, HIGHEST, COUNT = 0.02, 4.0, 200  # of Z / h1, as in the paper's figures
 MOST = 12  # ratios

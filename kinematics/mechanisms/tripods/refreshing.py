@@ -14,9 +14,9 @@ from itertools import count
 import numpy as np
 
 from kinematics.answers.solutions import ForwardSolutions, Merged, Refreshed
+from kinematics.arrays import Array
 from kinematics.mechanisms.tripods.design import TripodDesign
 from kinematics.mechanisms.tripods.forward import distances, forward
-from kinematics.screws.spatial import Array
 
 _CLEAR = 0.35  # of the distance to the next solution: what one may move in a piece
 _FINEST = 12  # halvings

@@ -12,13 +12,13 @@ from numpy.typing import ArrayLike
 
 from kinematics.answers.singularities import AT, Measure, ModeChange, Singularity
 from kinematics.answers.solutions import Posture
+from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.mechanisms.tripods import polynomial, posing, wrenches
 from kinematics.mechanisms.tripods.design import LIMBS, SUBSCRIPTS, TripodDesign, mode_sign
 from kinematics.mechanisms.tripods.inverse import posture as posture_at
 from kinematics.mechanisms.tripods.motion import pose_change
 from kinematics.screws.singularity_geometry import listed, lost
-from kinematics.screws.spatial import Array
 
 MEETING = 1e-9
 """rad from a tilt of 180° within which a pose belongs to both operation modes."""

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
-from kinematics.screws.spatial import Array, finite
 
 Values = NDArray[Any]
 """Real or complex numbers."""

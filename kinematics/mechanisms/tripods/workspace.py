@@ -12,12 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kinematics.arrays import Array, Frozen
 from kinematics.facets.solids import Resolution
 from kinematics.mechanisms.tripods import polynomial, posing
 from kinematics.mechanisms.tripods.chart import from_chart
 from kinematics.mechanisms.tripods.design import TripodDesign, mode_sign
 from kinematics.mechanisms.tripods.home import reach
-from kinematics.screws.spatial import Array, Frozen
 from kinematics.solids.csg import BuiltSolid, Solid, finish
 from kinematics.solids.isosurfaces import Isosurface, positive_part
 from kinematics.solids.partition import partition

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics.answers.motion import Statics, WrenchName, WrenchSystem
+from kinematics.arrays import Array
 from kinematics.mechanisms.tripods.design import LIMBS, RADIAL, SUBSCRIPTS, TripodDesign
 from kinematics.mechanisms.tripods.posing import (
     placed,
@@ -21,7 +22,6 @@ from kinematics.mechanisms.tripods.posing import (
     transform,
 )
 from kinematics.screws import wrenches as shared
-from kinematics.screws.spatial import Array
 
 NAMES: tuple[WrenchName, ...] = (
     *(WrenchName("actuation", i + 1, f"F{SUBSCRIPTS[i]}") for i in range(LIMBS)),

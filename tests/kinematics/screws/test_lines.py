@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from kinematics.arrays import Array
 from kinematics.screws.lines import Circuit, geometry
-from kinematics.screws.spatial import Array
 from kinematics.screws.varieties import Screw, screw, variety
 
 Rng = np.random.Generator

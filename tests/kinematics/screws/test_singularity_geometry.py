@@ -7,9 +7,9 @@ import pytest
 
 from kinematics.answers.motion import WrenchName, WrenchSystem
 from kinematics.answers.singularities import NEAR
+from kinematics.arrays import Array
 from kinematics.screws.lines import geometry
 from kinematics.screws.singularity_geometry import cause, listed, lost, motion_text, wrench_list
-from kinematics.screws.spatial import Array
 from kinematics.screws.varieties import Screw
 from kinematics.screws.wrenches import determinant
 from tests.kinematics.screws.test_lines import KINDS, lines, unit

@@ -10,12 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinematics import trajectories as t
+from kinematics.answers.trajectories import Quantity
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 from kinematics.machine import machine_of
 from kinematics.mechanism import mechanism_class
 from kinematics.trajectories.along import Along
-from kinematics.trajectories.results import Quantity
 
 FIVE = load_design("five-bar")
 M = mechanism_class("five_bar")

@@ -26,9 +26,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur.continuation.curve import LAMBDA, Line, Place
 from kinematics.mechanisms.five_rpur.design import LIMBS
-from kinematics.screws.spatial import Array
 
 # Unknowns are columns, in units of the link length and of a radian: X, y, Z, φ, θ, λ, w. Rows are
 # F1 and F2 of each limb and the plane across the chord.

@@ -22,10 +22,10 @@ from typing import NamedTuple
 import numpy as np
 
 from kinematics.answers.solutions import Posture
+from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inverse import posture, signs, wrap_angle
-from kinematics.screws.spatial import Array, finite
 
 _TOLERANCE = 1e-11  # mm, of the closure equations while tracking; ends are polished further
 _CONTRACTS = 0.25  # largest ratio of the second Newton step to the first

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics.answers.solutions import Fold, Followed, Posture, Stop
+from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
 from kinematics.facets.following import stopped_text, stroke_text
 from kinematics.mechanisms.five_rpur.continuation.curve import (
@@ -33,7 +34,6 @@ from kinematics.mechanisms.five_rpur.continuation.tracing import (
 )
 from kinematics.mechanisms.five_rpur.design import JOINT_SYMBOLS, LIMBS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inverse import STROKE_SLACK, posture
-from kinematics.screws.spatial import Array, finite
 
 _BEFORE = 1e-6  # part of the way by which a motion stops before a singularity
 _ROOM = 1e-4  # a step, scaled, to be proven where a motion stops before a crossing: to leave again

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur.continuation.certificate import Certifier, Piece
 from kinematics.mechanisms.five_rpur.continuation.curve import (
     LAMBDA,
@@ -24,7 +25,6 @@ from kinematics.mechanisms.five_rpur.continuation.curve import (
     linear,
     place,
 )
-from kinematics.screws.spatial import Array
 
 # Steps are in units of the link length and of a radian.
 _FIRST, _LONGEST, _SHORTEST = 0.1, 0.5, 1e-7

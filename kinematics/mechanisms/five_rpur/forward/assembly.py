@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinematics.answers.solutions import ForwardSolutions
+from kinematics.arrays import Array, finite, frozen
 from kinematics.homotopy.assembly_sets import (
     NONE_FOUND,
     NONE_REAL,
@@ -48,7 +49,6 @@ from kinematics.mechanisms.five_rpur.forward.equations import (
 from kinematics.mechanisms.five_rpur.forward.families import membership
 from kinematics.mechanisms.five_rpur.inverse import MODES, STROKE_SLACK
 from kinematics.mechanisms.five_rpur.velocity import characteristic_length
-from kinematics.screws.spatial import Array, finite, frozen
 
 MODE_SIGNS = {mode: tuple(1.0 if s == "+" else -1.0 for s in mode) for mode in MODES}
 """σ_i of every working mode."""

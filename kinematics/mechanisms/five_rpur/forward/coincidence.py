@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinematics.answers.solutions import SelfMotion
+from kinematics.arrays import Array
 from kinematics.homotopy.assembly_sets import NEAR
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.forward.equations import (
@@ -25,7 +26,6 @@ from kinematics.mechanisms.five_rpur.forward.equations import (
     terms,
     to_poses,
 )
-from kinematics.screws.spatial import Array
 
 REAL = 1e-7
 """Relative distance of a solution from its conjugate below which it is real."""

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur.forward.polynomial import Complex, modulus
-from kinematics.screws.spatial import Array
 
 Index = NDArray[np.intp]
 

@@ -24,10 +24,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kinematics.arrays import Array
 from kinematics.homotopy.tracking import determinant_columns, relative_size, solve_columns
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inverse import wrap_angle
-from kinematics.screws.spatial import Array
 
 Complex = NDArray[np.complex128]
 

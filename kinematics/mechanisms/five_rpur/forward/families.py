@@ -19,6 +19,7 @@ from typing import Literal
 
 import numpy as np
 
+from kinematics.arrays import Array
 from kinematics.designs.assets import asset_folder
 from kinematics.designs.files import load_design
 from kinematics.errors import ComputationError
@@ -26,7 +27,6 @@ from kinematics.homotopy import solving
 from kinematics.mechanisms.five_rpur.arrangements import TOLERANCE, size
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.forward.equations import Parameters
-from kinematics.screws.spatial import Array
 
 Kind = Literal["S", "R", "A1", "A2", "A3"]
 Relation = tuple[Kind, int, int]

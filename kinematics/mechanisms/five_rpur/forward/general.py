@@ -13,6 +13,7 @@ from collections import OrderedDict
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kinematics.arrays import Array
 from kinematics.homotopy.assembly_sets import grouped
 from kinematics.homotopy.solving import AROUND, SAME, Roots, solve
 from kinematics.homotopy.tracking import Control, Index, relative_size
@@ -33,7 +34,6 @@ from kinematics.mechanisms.five_rpur.forward.families import (
     membership,
     start_set,
 )
-from kinematics.screws.spatial import Array
 
 _KEPT = 16  # own start sets in memory
 _QUICK = Control(first=0.2)  # from a start set with the same geometry

@@ -23,6 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur.arrangements import Group, PairKind
 from kinematics.mechanisms.five_rpur.design import LIMBS
 from kinematics.mechanisms.five_rpur.forward.columns import (
@@ -37,7 +38,6 @@ from kinematics.mechanisms.five_rpur.forward.columns import (
 )
 from kinematics.mechanisms.five_rpur.forward.equations import Complex, Parameters
 from kinematics.mechanisms.five_rpur.forward.polynomial import modulus, roots
-from kinematics.screws.spatial import Array
 
 FAR = 1e8
 """|e^{iθ}|, |e^{iφ}| or an inverse beyond this belongs to a root at infinity."""

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinematics.answers.solutions import ForwardSolutions, Refreshed
+from kinematics.arrays import Array
 from kinematics.homotopy.assembly_tracking import CAREFULLY, arrivals, became, told_apart
 from kinematics.homotopy.tracking import Control, Ending, Index, Tracked, track
 from kinematics.mechanisms.five_rpur.arrangements import arrangements
@@ -41,7 +42,6 @@ from kinematics.mechanisms.five_rpur.forward.equations import (
 )
 from kinematics.mechanisms.five_rpur.inverse import joint_points
 from kinematics.mechanisms.five_rpur.velocity import characteristic_length
-from kinematics.screws.spatial import Array
 
 Ties = tuple[tuple[int, ...], ...]
 

@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur.arrangements import CLASSES, arrangements
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
@@ -35,7 +36,6 @@ from kinematics.mechanisms.five_rpur.forward.equations import (
 )
 from kinematics.mechanisms.five_rpur.forward.linkage import Machine
 from kinematics.mechanisms.five_rpur.forward.polynomial import modulus
-from kinematics.screws.spatial import Array, finite
 
 Index = NDArray[np.intp]
 

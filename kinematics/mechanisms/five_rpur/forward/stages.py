@@ -19,6 +19,7 @@ from itertools import product
 
 import numpy as np
 
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur.forward.columns import (
     FLAT,
     Index,
@@ -41,7 +42,6 @@ from kinematics.mechanisms.five_rpur.forward.equations import (
 )
 from kinematics.mechanisms.five_rpur.forward.linkage import FAR, Found, Machine, planar, planar_step
 from kinematics.mechanisms.five_rpur.forward.polynomial import modulus, roots
-from kinematics.screws.spatial import Array
 
 _ACCEPTED = 1e-6  # size of Newton's last step: halved each time where roots coincide
 

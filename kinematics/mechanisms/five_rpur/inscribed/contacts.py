@@ -25,10 +25,11 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.offsets import SAME_SOLIDS, aligned_offsets
-from kinematics.screws.spatial import Array, rotation_y
+from kinematics.screws.spatial import rotation_y
 
 Ints = NDArray[np.integer[Any]]
 Mask = NDArray[np.bool_]

@@ -13,6 +13,7 @@ from itertools import product
 
 import numpy as np
 
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur.inscribed.contacts import (
     SIGN,
     Contacts,
@@ -20,7 +21,6 @@ from kinematics.mechanisms.five_rpur.inscribed.contacts import (
     Region,
     contacts,
 )
-from kinematics.screws.spatial import Array
 
 ERROR = 1e-9
 """Part of the machine's size by which a distance may be wrong."""

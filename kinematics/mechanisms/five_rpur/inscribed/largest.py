@@ -15,6 +15,7 @@ import numpy as np
 from scipy import ndimage
 
 from kinematics.answers.sections import Box, Sphere
+from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inscribed.contacts import Mask, Region
@@ -25,7 +26,6 @@ from kinematics.mechanisms.five_rpur.inscribed.growing import (
     grow_box,
     volume_of,
 )
-from kinematics.screws.spatial import Array, finite
 
 _STARTS = 8  # from which the best anywhere is sought
 _APART = 0.6  # of its room, from one place to the next

@@ -16,10 +16,11 @@ from itertools import combinations, product
 import numpy as np
 
 from kinematics.answers.solutions import Posture
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inverse import posture, signs
 from kinematics.mechanisms.five_rpur.offsets import offset_points
-from kinematics.screws.spatial import Array, rotation_y
+from kinematics.screws.spatial import rotation_y
 
 PROVEN = 0.01
 """mm: no place is nearer than the one found by more than this, and rounding."""

@@ -18,6 +18,7 @@ import numpy as np
 
 from kinematics.answers.clearances import DesignChange
 from kinematics.answers.solutions import Posture
+from kinematics.arrays import Array
 from kinematics.errors import BohemiaError
 from kinematics.mechanisms.five_rpur.design import (
     SHORTEST_LINK,
@@ -29,7 +30,7 @@ from kinematics.mechanisms.five_rpur.design import (
 )
 from kinematics.mechanisms.five_rpur.inverse import LINK_SLACK, STROKE_SLACK, decimals, posture
 from kinematics.mechanisms.five_rpur.offsets import offset_points
-from kinematics.screws.spatial import Array, rotation_x, rotation_y
+from kinematics.screws.spatial import rotation_x, rotation_y
 
 _NUDGES = (0.0, *(s * 10.0**n for n in range(-13, -7) for s in (1.0, -1.0)))
 """Parts of the machine's size by which rounding may have carried a value out of its interval."""

@@ -12,12 +12,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from kinematics.answers.solutions import Posture
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inverse import MODES, inside, limb_lengths, wrap_angle
 from kinematics.mechanisms.five_rpur.nearest_pose.projection import Found, nearest
 from kinematics.mechanisms.five_rpur.offsets import offset_points
 from kinematics.mechanisms.five_rpur.velocity import characteristic_length
-from kinematics.screws.spatial import Array, rotation_y
+from kinematics.screws.spatial import rotation_y
 
 _STEPS = 12  # from an angle to half a turn away
 _PLACES = 8  # along each axis of what all limbs may reach at an orientation

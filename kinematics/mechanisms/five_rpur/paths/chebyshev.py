@@ -13,7 +13,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from scipy.optimize import brentq
 
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 
 _COUNT = 24
 _RESOLVED = 1e-10  # of the largest value

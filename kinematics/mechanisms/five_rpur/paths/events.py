@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kinematics.answers.singularities import Event
 from kinematics.answers.solutions import Posture
+from kinematics.arrays import Array, finite
 from kinematics.facets.pose_paths import after_part, along
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inverse import LINK_SLACK, STROKE_SLACK, decimals
@@ -25,7 +26,6 @@ from kinematics.mechanisms.five_rpur.paths.chebyshev import (
     zero_between,
 )
 from kinematics.mechanisms.five_rpur.paths.straight import Way
-from kinematics.screws.spatial import Array, finite
 
 NEAR = 1.0
 """mm, angles times the characteristic length: what is passed so near is told."""

@@ -16,11 +16,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inverse import signs, wrap_angle
 from kinematics.mechanisms.five_rpur.offsets import offset_points
 from kinematics.mechanisms.five_rpur.velocity import characteristic_length
-from kinematics.screws.spatial import Array, rotation_x, rotation_y
+from kinematics.screws.spatial import rotation_x, rotation_y
 
 ROUNDING = 1e-14
 """Part of the product of the rows' lengths below which the determinant is no more than rounding."""

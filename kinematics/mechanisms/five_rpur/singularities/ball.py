@@ -16,6 +16,7 @@ from scipy import ndimage
 from scipy.spatial import cKDTree
 
 from kinematics.answers.sections import Sphere
+from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inscribed.contacts import Mask, Region, formula
@@ -25,7 +26,6 @@ from kinematics.mechanisms.five_rpur.offsets import SAME_SOLIDS, aligned_offsets
 from kinematics.mechanisms.five_rpur.singularities.cells import CELLS, Cells
 from kinematics.mechanisms.five_rpur.singularities.determinant import Determinant
 from kinematics.mechanisms.five_rpur.singularities.nearest import Chart, spread, zeros_near
-from kinematics.screws.spatial import Array
 
 _STARTS = 4  # from which the best anywhere is sought, of each sign
 _FINALISTS = 2  # of these, when they have grown a little

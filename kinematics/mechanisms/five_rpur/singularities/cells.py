@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kinematics.arrays import Array
 from kinematics.facets.solids import Resolution
 from kinematics.mechanisms.five_rpur.singularities.determinant import Determinant
-from kinematics.screws.spatial import Array
 from kinematics.solids.isosurfaces import positive_part
 
 CELLS: dict[Resolution, int] = {"preview": 14, "normal": 30, "fine": 60}

@@ -16,12 +16,12 @@ import numpy as np
 
 from kinematics.answers.loci import LocusCurves, LocusSpec
 from kinematics.answers.singularities import SingularityKind
+from kinematics.arrays import Array, finite
 from kinematics.errors import ComputationError, InputError
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.singularities.determinant import Determinant, terms
 from kinematics.plane.contours import zero_curves
-from kinematics.screws.spatial import Array, finite
 
 ORIENTATION = LocusSpec(
     "orientation", "Singular orientations at this position", ("φ", "θ"), ("rad", "rad")

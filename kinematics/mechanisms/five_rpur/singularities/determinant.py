@@ -25,10 +25,11 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.offsets import offset_points
-from kinematics.screws.spatial import Array, rotation_x, rotation_y
+from kinematics.screws.spatial import rotation_x, rotation_y
 
 _PAIRS = np.array(list(combinations(range(LIMBS), 2)))
 _D, _E = _PAIRS.T

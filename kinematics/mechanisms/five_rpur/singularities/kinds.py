@@ -19,6 +19,7 @@ import numpy as np
 
 from kinematics.answers.singularities import AT, NEAR, Singularity
 from kinematics.answers.solutions import Posture
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur.arrangements import Group, arrangements
 from kinematics.mechanisms.five_rpur.design import LIMBS, SUBSCRIPTS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.forward.coincidence import finite_motion
@@ -27,7 +28,6 @@ from kinematics.mechanisms.five_rpur.motion import hessian, pose_rates_of
 from kinematics.mechanisms.five_rpur.statics import wrench_system
 from kinematics.mechanisms.five_rpur.velocity import characteristic_length, velocity_rows
 from kinematics.screws.singularity_geometry import listed, lost, point_text
-from kinematics.screws.spatial import Array
 from kinematics.screws.varieties import EXACT
 from kinematics.screws.wrenches import singular_values
 

@@ -17,10 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from kinematics.arrays import Array, Frozen, finite
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.singularities.determinant import Determinant
-from kinematics.screws.spatial import Array, Frozen, finite
 
 ERROR = 1e-9
 """Part of the machine's size by which a distance may be wrong."""

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from kinematics.answers.sections import Ints
+from kinematics.arrays import Array, Ints
 from kinematics.mechanisms.five_rpur.slicing.measures import base_of, first_moments, second_moments
 from kinematics.mechanisms.five_rpur.slicing.sweep import (
     LINK,
@@ -21,7 +21,6 @@ from kinematics.mechanisms.five_rpur.slicing.sweep import (
     root,
     sweep,
 )
-from kinematics.screws.spatial import Array
 
 POINT = 1e-13  # of the size: an edge no longer than that is a point
 

@@ -12,12 +12,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.answers.sections import Ints
+from kinematics.arrays import Array, Ints
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.offsets import SAME_NUMBERS, aligned_offsets
 from kinematics.mechanisms.five_rpur.slicing import acceleration
-from kinematics.screws.spatial import Array
 
 _USUAL = 1500  # sections: what a process that asks for one volume may ask for
 _MOST_EDGES = 4096  # of one section; twice what crossings of five limbs can make

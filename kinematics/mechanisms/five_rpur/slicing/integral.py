@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from kinematics.answers.sections import Ints
+from kinematics.arrays import Array, Ints
 from kinematics.mechanisms.five_rpur.slicing.measures import measured
 from kinematics.mechanisms.five_rpur.slicing.quadrature import nulls, weights_of
 from kinematics.mechanisms.five_rpur.slicing.sweep import (
@@ -30,7 +30,6 @@ from kinematics.mechanisms.five_rpur.slicing.sweep import (
     heights,
     rooms,
 )
-from kinematics.screws.spatial import Array
 
 # What a panel may be off by, as a part of what its null rules give. A kink of any order from 1 on,
 # wherever it stands in the panel, stays below `KINK` (tests/…/test_quadrature.py). Where all three

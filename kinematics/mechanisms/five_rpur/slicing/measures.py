@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from kinematics.answers.sections import Ints
+from kinematics.arrays import Array, Ints
 from kinematics.mechanisms.five_rpur.slicing.sweep import (
     LINK,
     WX,
@@ -21,7 +21,6 @@ from kinematics.mechanisms.five_rpur.slicing.sweep import (
     rooms,
     sweep,
 )
-from kinematics.screws.spatial import Array
 
 
 def first_moments(

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 
 
 def weights_of(span: Array) -> tuple[float, float, float, float, float]:

@@ -20,8 +20,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.answers.sections import Ints
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array, Ints
 
 Bools = NDArray[np.bool_]
 Room = tuple[Array, Ints, Ints, Array, Ints, Array, Ints, Ints, Ints, Ints, Array]

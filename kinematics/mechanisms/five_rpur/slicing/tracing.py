@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from kinematics.answers.sections import Ints
+from kinematics.arrays import Array, Ints
 from kinematics.mechanisms.five_rpur.slicing.measures import run_area
 from kinematics.mechanisms.five_rpur.slicing.sweep import (
     MOST_RUNS,
@@ -18,7 +18,6 @@ from kinematics.mechanisms.five_rpur.slicing.sweep import (
     root,
     sweep,
 )
-from kinematics.screws.spatial import Array
 
 BETWEEN = 4  # halvings of the distance of two sections, to see who belongs to whom
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur.workspace.sheets import (
     Masks,
     Sheets,
@@ -14,7 +15,6 @@ from kinematics.mechanisms.five_rpur.workspace.sheets import (
     distances,
     onto,
 )
-from kinematics.screws.spatial import Array
 
 Faces = NDArray[np.int32]
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur.workspace.folds import Faces, Net, looks
 from kinematics.mechanisms.five_rpur.workspace.sheets import onto, residuals
-from kinematics.screws.spatial import Array
 from kinematics.solids.csg import close_pairs
 
 _LEVELS = 4

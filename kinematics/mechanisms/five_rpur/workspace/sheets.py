@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur.workspace.vertex_space import Surface
-from kinematics.screws.spatial import Array
 from kinematics.solids.csg import TracedMesh
 
 Masks = NDArray[np.int64]

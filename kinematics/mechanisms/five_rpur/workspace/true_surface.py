@@ -16,6 +16,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur.workspace.folds import Net, looks, unfold
 from kinematics.mechanisms.five_rpur.workspace.refinement import refine
 from kinematics.mechanisms.five_rpur.workspace.sheets import (
@@ -27,7 +28,6 @@ from kinematics.mechanisms.five_rpur.workspace.sheets import (
     residuals,
     sheets_of,
 )
-from kinematics.screws.spatial import Array
 from kinematics.solids.csg import PlacedMesh, SolidMesh, TracedMesh, close_pairs
 
 ON = 1e-9

@@ -26,9 +26,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_banded
 
+from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.facets.solids import RESOLUTIONS, Resolution
-from kinematics.screws.spatial import Array
 from kinematics.solids.csg import Solid
 
 Part = Literal["whole", "plus", "minus", "body", "H1", "H2", "H3"]

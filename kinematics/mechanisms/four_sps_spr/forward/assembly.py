@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinematics.answers.solutions import ForwardSolutions
+from kinematics.arrays import Array, frozen
 from kinematics.homotopy.assembly_sets import (
     NEAR,
     NONE_FOUND,
@@ -31,7 +32,6 @@ from kinematics.mechanisms.four_sps_spr.inverse import (
     violation,
 )
 from kinematics.mechanisms.four_sps_spr.wrenches import condition, wrench_system
-from kinematics.screws.spatial import Array, frozen
 
 REAL = 1e-7
 """Largest imaginary part of a real solution, relative to its size; of a double one its root."""

@@ -22,9 +22,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kinematics.arrays import Array
 from kinematics.homotopy.tracking import Complex, Index, Real, relative_size, solve_columns
 from kinematics.mechanisms.four_sps_spr.design import LIMBS, SPR, FourSPSSPRDesign
-from kinematics.screws.spatial import Array
 
 UNKNOWNS = 8
 _MONOMIALS = 17  # N, y·y, w, t, R̂ row by row

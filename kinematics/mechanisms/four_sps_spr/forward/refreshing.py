@@ -11,6 +11,7 @@ from functools import partial
 import numpy as np
 
 from kinematics.answers.solutions import ForwardSolutions, Refreshed
+from kinematics.arrays import Array
 from kinematics.homotopy.assembly_tracking import AT_ONCE, CAREFULLY, arrivals, became, told_apart
 from kinematics.homotopy.tracking import Ending, Index, Tracked, track
 from kinematics.mechanisms.four_sps_spr import closure
@@ -24,7 +25,6 @@ from kinematics.mechanisms.four_sps_spr.forward.equations import (
     to_transforms,
 )
 from kinematics.mechanisms.four_sps_spr.inverse import rotation
-from kinematics.screws.spatial import Array
 
 _THERE = 1e-5  # of the characteristic length: an end and the solution that it is
 _TOGETHER = 0.5  # of the characteristic length: solutions left at the same fold

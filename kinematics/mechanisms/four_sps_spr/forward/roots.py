@@ -12,6 +12,7 @@ from collections import OrderedDict
 import numpy as np
 from numpy.typing import NDArray
 
+from kinematics.arrays import Array
 from kinematics.homotopy.assembly_sets import grouped
 from kinematics.homotopy.solving import AROUND, SAME, Roots, solve
 from kinematics.homotopy.tracking import Complex, Control, Index
@@ -26,7 +27,6 @@ from kinematics.mechanisms.four_sps_spr.forward.equations import (
     regularity,
 )
 from kinematics.mechanisms.four_sps_spr.forward.start_set import StartSet, general_set
-from kinematics.screws.spatial import Array
 
 SINGULAR = 1e-11
 """Regularity of a solution on a curve of them, but for rounding."""

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from kinematics.answers.solutions import SelfMotion
+from kinematics.arrays import Array
 from kinematics.homotopy.tracking import Complex
 from kinematics.mechanisms.four_sps_spr.closure import Closure, State, pose_of
 from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
 from kinematics.mechanisms.four_sps_spr.forward.equations import Frame, normal_form, to_transforms
-from kinematics.screws.spatial import Array
 
 _FAR = 1e2  # units
 _MOST = 16  # singular solutions looked at

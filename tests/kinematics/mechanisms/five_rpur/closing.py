@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inverse import joint_points, limb_lengths, signs
-from kinematics.screws.spatial import Array
 
 
 def closing_poses(

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.inverse import transform
@@ -18,7 +19,6 @@ from kinematics.mechanisms.five_rpur.motion import (
     twists,
 )
 from kinematics.mechanisms.five_rpur.velocity import condition, inverse_jacobian
-from kinematics.screws.spatial import Array
 from tests.kinematics.mechanisms.five_rpur.closing import closing_poses, lengths
 from tests.kinematics.mechanisms.five_rpur.machines import preset
 

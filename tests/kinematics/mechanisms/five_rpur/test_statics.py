@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.inverse import joint_points
 from kinematics.mechanisms.five_rpur.motion import forward_motion, inverse_motion, twists
 from kinematics.mechanisms.five_rpur.statics import NAMES, statics, wrench_system
 from kinematics.mechanisms.five_rpur.velocity import characteristic_length, condition, wrench_matrix
-from kinematics.screws.spatial import Array
 from tests.kinematics.mechanisms.five_rpur.closing import closing_poses, lengths
 from tests.kinematics.mechanisms.five_rpur.machines import preset
 

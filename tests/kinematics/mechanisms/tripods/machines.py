@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from kinematics.arrays import Array
 from kinematics.mechanisms.tripods.design import KINDS, Kind, TripodDesign
-from kinematics.screws.spatial import Array
 
 REFERENCE = Path(__file__).parents[3] / "reference"
 NAMES: dict[str, Kind] = {"RPS": "three_rps", "SPR": "three_spr"}

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from kinematics.answers.solutions import Posture
+from kinematics.arrays import Array
 from kinematics.designs.files import load_design
 from kinematics.mechanisms.five_rpur.continuation.certificate import Certifier, Piece
 from kinematics.mechanisms.five_rpur.continuation.curve import (
@@ -29,7 +30,6 @@ from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.forward.assembly import forward
 from kinematics.mechanisms.five_rpur.inverse import posture
 from kinematics.mechanisms.five_rpur.velocity import characteristic_length, inverse_jacobian
-from kinematics.screws.spatial import Array
 from tests.kinematics.references import read
 
 FOLDS: dict[str, Any] = read("rpur_folds.json")

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from kinematics.answers.solutions import Posture
+from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur.continuation.following import fold_ahead, follow, polish
@@ -21,7 +22,6 @@ from kinematics.mechanisms.five_rpur.velocity import (
     inverse_jacobian,
     wrench_matrix,
 )
-from kinematics.screws.spatial import Array
 from tests.kinematics.mechanisms.five_rpur.machines import preset
 from tests.kinematics.references import read
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from kinematics.arrays import Array
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur.arrangements import arrangements
@@ -15,7 +16,6 @@ from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.forward.equations import PHI, THETA, Frame, X, Y, Z
 from kinematics.mechanisms.five_rpur.forward.simplified import same_mode_roots
 from kinematics.mechanisms.five_rpur.inverse import inverse
-from kinematics.screws.spatial import Array
 from tests.kinematics.mechanisms.five_rpur.forward.closed_forms import a1a1, a1a2, closed_form
 from tests.kinematics.references import read
 

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kinematics.arrays import Array
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur.arrangements import arrangements
@@ -30,7 +31,7 @@ from kinematics.mechanisms.five_rpur.forward.equations import (
 from kinematics.mechanisms.five_rpur.forward.linkage import Machine
 from kinematics.mechanisms.five_rpur.forward.simplified import expected, same_mode_roots
 from kinematics.mechanisms.five_rpur.inverse import MODES, inverse, joint_points
-from kinematics.screws.spatial import Array, rotation_x, rotation_y
+from kinematics.screws.spatial import rotation_x, rotation_y
 from tests.kinematics.references import read
 
 CASES: list[dict[str, Any]] = [

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kinematics.answers.singularities import NEAR, Singularity
+from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.forward.assembly import forward
@@ -17,7 +18,6 @@ from kinematics.mechanisms.five_rpur.motion import pose_rates_of, twists
 from kinematics.mechanisms.five_rpur.singularities.kinds import singularities
 from kinematics.mechanisms.five_rpur.statics import wrench_system
 from kinematics.mechanisms.five_rpur.velocity import characteristic_length
-from kinematics.screws.spatial import Array
 from kinematics.screws.wrenches import singular_values
 from tests.kinematics.mechanisms.five_rpur.closing import closing_poses, lengths
 from tests.kinematics.mechanisms.five_rpur.machines import preset

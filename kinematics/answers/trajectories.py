@@ -1,15 +1,18 @@
-"""What a trajectory asks of a machine: plain results. Arrays are read-only; mm, rad, s, N, N·mm."""
+"""Trajectories and what they ask of a machine: plain results.
+
+Arrays are read-only; mm, rad, s, N, N·mm.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from kinematics.answers.motion import WrenchName
-from kinematics.screws.spatial import Array, Frozen
+from kinematics.arrays import Array, Frozen
 
 EventKind = Literal[
     "outside", "singularity", "near", "jump", "corner", "rate", "acceleration", "force"
@@ -17,6 +20,71 @@ EventKind = Literal[
 Quantity = Literal["rate", "acceleration", "force"]
 Playback = Literal["once", "loop", "swing"]
 JUMP = 1e-6  # of the largest rate: a rate that leaps by less is continuous
+
+Derivatives = tuple[Array, Array, Array]
+"""Points, first and second derivatives by s, each (N, P)."""
+
+
+class Path(Protocol):
+    """A way through pose space."""
+
+    @property
+    def length(self) -> float:
+        """mm, with angles as the path's scale counts them."""
+        ...
+
+    @property
+    def knots(self) -> Array:
+        """Shares (K,) between 0 and 1 at which derivatives may leap: corners, ends of pieces."""
+        ...
+
+    def at(self, share: ArrayLike) -> Derivatives:
+        """Points and derivatives at shares (N,) of the way."""
+        ...
+
+
+class TimeLaw(Protocol):
+    """How the share of a way grows with time, see `kinematics.trajectories.laws.Law`."""
+
+    @property
+    def kind(self) -> str:
+        """Which of `kinematics.trajectories.LAWS`."""
+        ...
+
+    @property
+    def duration(self) -> float:
+        """s."""
+        ...
+
+    @property
+    def ramp(self) -> float:
+        """Of a trapezoid: the part of the duration in which it speeds up."""
+        ...
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Times at which the acceleration leaps, s."""
+        ...
+
+    def at(self, times: ArrayLike) -> Derivatives:
+        """s, ds/dt and d²s/dt² at times (...), s."""
+        ...
+
+    def times_of(self, shares: ArrayLike) -> Array:
+        """When given shares (...) of the way are passed, s."""
+        ...
+
+
+@dataclass(frozen=True)
+class NamedTrajectory:
+    """A path with its time law, its working mode and its name."""
+
+    name: str
+    title: str
+    path: Path
+    law: TimeLaw
+    mode: str
+    source: str = ""
 
 
 @dataclass(frozen=True, slots=True)
