@@ -17,7 +17,7 @@ from kinematics.mechanism import Coordinate, D, Design, Mechanism, mechanism_of
 if TYPE_CHECKING:  # a facet is loaded when it is first asked for
     from kinematics.facets.circles import CirclesFacet
     from kinematics.facets.clearances import ClearancesFacet
-    from kinematics.facets.continuation import FollowingFacet
+    from kinematics.facets.following import FollowingFacet
     from kinematics.facets.forward import ForwardFacet
     from kinematics.facets.inverse import InverseFacet
     from kinematics.facets.maps import MapsFacet

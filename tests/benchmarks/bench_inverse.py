@@ -13,7 +13,7 @@ from collections.abc import Callable
 import numpy as np
 
 from kinematics.designs.files import load_design
-from kinematics.mechanisms.five_rpur.continuation.following import follow
+from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inverse import MODES, inside, inverse, limb_lengths, posture
 
@@ -60,7 +60,7 @@ def main() -> None:
             joints = list(start.joints)
             joints[k % LIMBS] += step if k % 2 else -step
             begin = time.perf_counter()
-            follow(design, start, joints)
+            machine_of(design).following.follow(start, joints)
             times.append(1e3 * (time.perf_counter() - begin))
         print(
             f"{f'actuator moved by {step:g} mm':32s} {statistics.median(times):8.2f} ms median, "

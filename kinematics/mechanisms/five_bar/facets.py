@@ -12,7 +12,6 @@ from kinematics.answers.motion import Motion, Statics, WrenchSystem
 from kinematics.answers.sections import Region
 from kinematics.answers.singularities import AT, Event, ModeChange, Singularity
 from kinematics.answers.solutions import (
-    Fold,
     Followed,
     ForwardSolutions,
     InverseSolutions,
@@ -22,7 +21,6 @@ from kinematics.answers.solutions import (
 from kinematics.answers.trajectories import NamedTrajectory
 from kinematics.arrays import Array
 from kinematics.facets.clearances import ClearancesFacet
-from kinematics.facets.continuation import FollowingFacet
 from kinematics.facets.forward import ForwardFacet
 from kinematics.facets.inverse import InverseFacet
 from kinematics.facets.measures import MeasuresFacet
@@ -32,7 +30,6 @@ from kinematics.facets.regions import RegionsFacet
 from kinematics.facets.singularities import SingularitiesFacet
 from kinematics.facets.statics import StaticsFacet
 from kinematics.mechanisms.five_bar import (
-    following,
     forward,
     inverse,
     loci,
@@ -57,16 +54,6 @@ class FiveBarInverse(InverseFacet[FiveBarDesign]):
 
     def inside(self, pose: Sequence[float], modes: tuple[str, ...] | None) -> bool:
         return bool(inverse.inside(self.design, pose, modes))
-
-
-class FiveBarFollowing(FollowingFacet[FiveBarDesign]):
-    """TODO"""
-
-    def follow(self, posture: Posture, joints: Sequence[float]) -> Followed:
-        return following.follow(self.design, posture, joints)
-
-    def fold_ahead(self, posture: Posture, joints: Sequence[float]) -> Fold | None:
-        return following.fold_ahead(self.design, posture, joints)
 
 
 class FiveBarForward(ForwardFacet[FiveBarDesign]):

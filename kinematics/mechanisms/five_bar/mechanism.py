@@ -36,7 +36,7 @@ class FiveBar(Mechanism[FiveBarDesign]):
     facets: ClassVar = Facets(
         __package__,
         inverse="facets:FiveBarInverse",
-        following="facets:FiveBarFollowing",
+        following="following:Following",
         forward="facets:FiveBarForward",
         motion="facets:FiveBarMotion",
         statics="facets:FiveBarStatics",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +15,6 @@ from kinematics.answers.motion import Motion, Statics, WrenchSystem
 from kinematics.answers.sections import Box, MapCells, Section, SectionSpec, Sphere, Volume
 from kinematics.answers.singularities import AT, Event, Singularity
 from kinematics.answers.solutions import (
-    Fold,
     Followed,
     ForwardSolutions,
     InverseSolutions,
@@ -44,19 +42,17 @@ from kinematics.mechanisms.five_rpur import (
     statics,
     volume,
 )
-from kinematics.mechanisms.five_rpur.continuation import following
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.forward import assembly, refreshing
 from kinematics.mechanisms.five_rpur.inscribed import largest
 from kinematics.mechanisms.five_rpur.nearest_pose import ways_in
-from kinematics.mechanisms.five_rpur.paths import driving, events, nearness
+from kinematics.mechanisms.five_rpur.paths import driving, events
 from kinematics.mechanisms.five_rpur.singularities import ball, curves, kinds
 from kinematics.screws.spatial import homogeneous, rotation_x, rotation_y
 
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
     from kinematics.solids.csg import BuiltSolid
 from kinematics.facets.clearances import ClearancesFacet
-from kinematics.facets.continuation import FollowingFacet
 from kinematics.facets.forward import ForwardFacet
 from kinematics.facets.inverse import InverseFacet
 from kinematics.facets.maps import MapsFacet
@@ -94,20 +90,6 @@ class RPURInverse(InverseFacet[FiveRPURDesign]):
 
     def inside(self, pose: Sequence[float], modes: tuple[str, ...] | None) -> bool:
         return bool(inverse.inside(self.design, pose, modes))
-
-
-class RPURFollowing(FollowingFacet[FiveRPURDesign]):
-    """TODO"""
-
-    def follow(self, posture: Posture, joints: Sequence[float]) -> Followed:
-        followed = following.follow(self.design, posture, joints)
-        stopped = followed.stop == "singularity"
-        return replace(
-            followed, warning=nearness.warning(self.design, followed.posture, stopped=stopped)
-        )
-
-    def fold_ahead(self, posture: Posture, joints: Sequence[float]) -> Fold | None:
-        return following.fold_ahead(self.design, posture, joints)
 
 
 class RPURForward(ForwardFacet[FiveRPURDesign]):

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
+from kinematics.facets.following import FollowingFacet
+from kinematics.mechanism import mechanism_of
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.arrangements import CLASSES, PairKind, arrangements
-from kinematics.mechanisms.five_rpur.continuation.following import follow
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.screws.spatial import common_box
 
@@ -97,13 +98,14 @@ def _least_travel(design: FiveRPURDesign, posture: Posture, enough: float) -> fl
 
     Looked at up to `TRAVEL` of the stroke, since more makes no better start.
     """
+    following: FollowingFacet[FiveRPURDesign] = mechanism_of(design).facet("following")
     least = np.inf
     for i, (low, high) in enumerate(design.stroke):
         for direction in (-1.0, 1.0):
             goal = posture.joints[i] + direction * TRAVEL * (high - low)
             joints = list(posture.joints)
             joints[i] = float(np.clip(goal, low, high))
-            reached = follow(design, posture, joints).posture.joints[i]
+            reached = following.follow(posture, joints).posture.joints[i]
             least = min(least, abs(reached - posture.joints[i]))
             if least <= enough:
                 return least

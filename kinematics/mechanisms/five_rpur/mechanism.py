@@ -37,7 +37,7 @@ class FiveRPUR(Mechanism[FiveRPURDesign]):
     facets: ClassVar = Facets(
         __package__,
         inverse="facets:RPURInverse",
-        following="facets:RPURFollowing",
+        following="following:Following",
         forward="facets:RPURForward",
         motion="facets:RPURMotion",
         statics="facets:RPURStatics",

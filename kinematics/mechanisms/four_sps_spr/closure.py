@@ -6,16 +6,14 @@ Where angles would have a pole, rotations are turned by small vectors instead. S
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
-from kinematics.facets.following import Linear
 from kinematics.mechanisms.four_sps_spr.design import LIMBS, SPR, FourSPSSPRDesign
-from kinematics.mechanisms.four_sps_spr.inverse import euler_angles, posture, rotation, wrap_angle
+from kinematics.mechanisms.four_sps_spr.inverse import euler_angles, rotation, wrap_angle
 
 
 class State(NamedTuple):
@@ -56,8 +54,22 @@ def turned(r: Array, omega: Array) -> Array:
     return corrected
 
 
+class Linear(NamedTuple):
+    """The closure equations at a state, and their derivatives.
+
+    Attributes:
+        residual: (6,) in the unit of the steps.
+        by_state: (6, 6) by the components of a step.
+        error: the largest violation, mm.
+    """
+
+    residual: Array
+    by_state: Array
+    error: float
+
+
 class Closure:
-    """The closure equations, see `kinematics.facets.following.Closure`."""
+    """The closure equations with lengths (5,) mm, and ``tolerance``, mm, of their rounding."""
 
     def __init__(self, design: FourSPSSPRDesign, longest: float = 0.0) -> None:
         """``longest``: of the legs, mm, where they may be longer than their strokes."""
@@ -65,10 +77,6 @@ class Closure:
         size = max(design.size, longest)
         self.tolerance = max(1e-11, 64 * float(np.finfo(float).eps) * size)
         self._weights = np.array([1.0, 1.0, 1.0, *(3 * (1.0 / design.length,))])
-
-    @property
-    def joint_unit(self) -> float:
-        return self.design.length
 
     def linear(self, state: State, joints: Array) -> Linear:
         d = self.design
@@ -79,8 +87,7 @@ class Closure:
         units = np.vstack([vectors / np.maximum(lengths, 1e-300)[:, None], axis])
         g = np.hstack([units, np.cross(arms, units)]) * self._weights
         apart = np.append(lengths - joints, d.offset - arms[LIMBS] @ axis)
-        by_joints = np.vstack([-np.eye(LIMBS), np.zeros((1, LIMBS))]) / d.length
-        return Linear(apart / d.length, g, by_joints, float(np.abs(apart).max()))
+        return Linear(apart / d.length, g, float(np.abs(apart).max()))
 
     def moved(self, state: State, step: Array) -> State:
         return State(turned(state.r, step[3:]), state.p + self.design.length * step[:3])
@@ -103,16 +110,3 @@ def closed(closure: Closure, state: State, joints: Array, rounds: int = 12) -> S
             return None
         state = closure.moved(state, step)
     return best if error <= closure.tolerance else None
-
-
-def posture_maker(
-    design: FourSPSSPRDesign, near: Sequence[float]
-) -> Callable[[State, Array], Posture]:
-    """Makes the posture of a state with its lengths; its angles are those nearer to ``near``."""
-    closure = Closure(design)
-
-    def made(state: State, joints: Array) -> Posture:
-        sharp = closed(closure, state, joints, rounds=3) or state
-        return posture(design, pose_of(sharp, near), known=joints)
-
-    return made

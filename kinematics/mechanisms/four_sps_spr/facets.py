@@ -14,7 +14,6 @@ from kinematics.answers.motion import Motion, Statics, WrenchSystem
 from kinematics.answers.sections import Region
 from kinematics.answers.singularities import AT, Event, Singularity
 from kinematics.answers.solutions import (
-    Fold,
     Followed,
     ForwardSolutions,
     InverseSolutions,
@@ -23,7 +22,6 @@ from kinematics.answers.solutions import (
 )
 from kinematics.arrays import Array
 from kinematics.errors import InputError
-from kinematics.facets import following
 from kinematics.facets.solids import (
     Resolution,
     SolidRequest,
@@ -32,7 +30,6 @@ from kinematics.facets.solids import (
     SurfaceKind,
 )
 from kinematics.mechanisms.four_sps_spr import (
-    closure,
     constraint,
     inverse,
     motion,
@@ -41,7 +38,6 @@ from kinematics.mechanisms.four_sps_spr import (
     workspace,
     wrenches,
 )
-from kinematics.mechanisms.four_sps_spr import design as designs
 from kinematics.mechanisms.four_sps_spr import nearest_pose as remedy
 from kinematics.mechanisms.four_sps_spr import singularities as control
 from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
@@ -50,7 +46,6 @@ from kinematics.mechanisms.four_sps_spr.forward import assembly, refreshing
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
     from kinematics.solids.csg import BuiltSolid
 from kinematics.facets.clearances import ClearancesFacet
-from kinematics.facets.continuation import FollowingFacet
 from kinematics.facets.forward import ForwardFacet
 from kinematics.facets.inverse import InverseFacet
 from kinematics.facets.measures import MeasuresFacet
@@ -72,34 +67,6 @@ class SPSInverse(InverseFacet[FourSPSSPRDesign]):
 
     def inside(self, pose: Sequence[float], modes: tuple[str, ...] | None) -> bool:
         return bool(inverse.inside(self.design, pose))
-
-
-class SPSFollowing(FollowingFacet[FourSPSSPRDesign]):
-    """TODO"""
-
-    def follow(self, posture: Posture, joints: Sequence[float]) -> Followed:
-        if not posture.closes:
-            return Followed(posture, "stalled", _not_closed(posture), 0.0)
-        return following.follow(
-            closure.Closure(self.design),
-            posture,
-            closure.state_of(posture.pose),
-            joints,
-            strokes=self.design.stroke,
-            symbols=designs.JOINT_SYMBOLS,
-            posture=closure.posture_maker(self.design, posture.pose),
-        )
-
-    def fold_ahead(self, posture: Posture, joints: Sequence[float]) -> Fold | None:
-        if not posture.closes:
-            return None
-        return following.fold_ahead(
-            closure.Closure(self.design),
-            posture,
-            closure.state_of(posture.pose),
-            joints,
-            posture=closure.posture_maker(self.design, posture.pose),
-        )
 
 
 class SPSForward(ForwardFacet[FourSPSSPRDesign]):

@@ -38,7 +38,7 @@ class FourSPSSPR(Mechanism[FourSPSSPRDesign]):
     facets: ClassVar = Facets(
         __package__,
         inverse="facets:SPSInverse",
-        following="facets:SPSFollowing",
+        following="following:Following",
         forward="facets:SPSForward",
         motion="facets:SPSMotion",
         statics="facets:SPSStatics",

@@ -14,7 +14,6 @@ from kinematics.answers.loci import LocusCurves
 from kinematics.answers.motion import Motion, Statics, WrenchSystem
 from kinematics.answers.singularities import AT, Event, ModeChange, Singularity
 from kinematics.answers.solutions import (
-    Fold,
     Followed,
     ForwardSolutions,
     InverseSolutions,
@@ -33,7 +32,6 @@ from kinematics.facets.solids import (
 from kinematics.mechanisms.tripods import (
     chart,
     circles,
-    following,
     forward,
     inverse,
     loci,
@@ -52,7 +50,6 @@ if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
     from kinematics.solids.csg import BuiltSolid
 from kinematics.facets.circles import CirclesFacet
 from kinematics.facets.clearances import ClearancesFacet
-from kinematics.facets.continuation import FollowingFacet
 from kinematics.facets.forward import ForwardFacet
 from kinematics.facets.inverse import InverseFacet
 from kinematics.facets.measures import MeasuresFacet
@@ -83,16 +80,6 @@ class TripodInverse(InverseFacet[TripodDesign]):
 
     def inside(self, pose: Sequence[float], modes: tuple[str, ...] | None) -> bool:
         return bool(inverse.inside(self.design, pose, modes))
-
-
-class TripodFollowing(FollowingFacet[TripodDesign]):
-    """TODO"""
-
-    def follow(self, posture: Posture, joints: Sequence[float]) -> Followed:
-        return following.follow(self.design, posture, joints)
-
-    def fold_ahead(self, posture: Posture, joints: Sequence[float]) -> Fold | None:
-        return following.fold_ahead(self.design, posture, joints)
 
 
 class TripodForward(ForwardFacet[TripodDesign]):

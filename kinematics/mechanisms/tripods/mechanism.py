@@ -36,7 +36,7 @@ class Tripod(Mechanism[TripodDesign]):
     facets: ClassVar = Facets(
         __package__,
         inverse="facets:TripodInverse",
-        following="facets:TripodFollowing",
+        following="following:Following",
         forward="facets:TripodForward",
         motion="facets:TripodMotion",
         statics="facets:TripodStatics",

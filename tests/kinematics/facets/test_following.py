@@ -2,66 +2,65 @@
 
 from __future__ import annotations
 
+import math
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from kinematics.answers.solutions import Margin, Posture
+from kinematics.answers.solutions import Fold, Followed, Margin, Posture
 from kinematics.errors import InputError
-from kinematics.facets.following import Line, Linear, along_line, fold_ahead, follow, turn_on_line
+from kinematics.facets.following import ClosureFollowing
+from kinematics.homotopy.continuation import Curve, turn_ahead, walk
+from kinematics.homotopy.quadrics import Quadrics, square, unknowns
+from kinematics.mechanism import Coordinate
 
 
-class Slider:
+class Slider(ClosureFollowing):
     """A rod of length 1 from a slider on the x axis to a point on a line through (0, offset).
 
     State: the height y of its end; joint: the slider's distance s; s² + y² = 1, so that s turns
     back at s = ±1, where y = 0 and both assembly modes merge.
     """
 
-    joint_unit = 1.0
-    tolerance = 1e-12
+    unit = 1.0
 
-    def linear(self, state: float, joints) -> Linear:
-        s, y = float(joints[0]), state
-        error = s * s + y * y - 1.0
-        return Linear(np.array([error]), np.array([[2.0 * y]]), np.array([[2.0 * s]]), abs(error))
+    def __init__(self, low: float, high: float) -> None:
+        stroke = (Coordinate("s", "s", "mm", low, high, limb=1),)
+        super().__init__(SimpleNamespace(design=None, joint_coordinates=lambda: stroke))
 
-    def moved(self, state: float, step) -> float:
-        return state + float(step[0])
+    def closure(self, mode: str) -> Quadrics:
+        y, s = unknowns(2)
+        return Quadrics.of([square(s) + square(y) - 1.0])
+
+    def unknowns(self, pose, mode: str):
+        return np.array(pose)
+
+    def posture(self, unknowns, joints, pose, mode: str) -> Posture:
+        return posture(float(unknowns[0]), joints)
 
 
-class NearCrossing:
-    """(y − s)(y + s) = gap: two branches that come as near as √gap and do not meet."""
-
-    joint_unit = 1.0
-    tolerance = 1e-14
-
-    def __init__(self, gap: float) -> None:
-        self.gap = gap
-
-    def linear(self, state: float, joints) -> Linear:
-        s, y = float(joints[0]), state
-        error = y * y - s * s - self.gap
-        return Linear(np.array([error]), np.array([[2.0 * y]]), np.array([[-2.0 * s]]), abs(error))
-
-    def moved(self, state: float, step) -> float:
-        return state + float(step[0])
+def near_crossing(gap: float) -> Curve:
+    """(y − s)(y + s) = gap, s = λ − 1: two branches that come as near as √gap and do not meet."""
+    y, along = unknowns(2)
+    start = np.array([np.sqrt(1.0 + gap), 0.0])
+    return Curve(Quadrics.of([square(y) - square(along - 1.0) - gap]), start)
 
 
 def posture(state: float, joints) -> Posture:
     return Posture((state,), "", tuple(joints.tolist()), (), 0.0, (Margin(1, "rho_max", 1.0),))
 
 
-def led(joint: float, wanted: float, low: float = -np.inf, high: float = np.inf):
-    start = posture(float(np.sqrt(1.0 - joint**2)), np.array([joint]))
-    return follow(
-        Slider(),
-        start,
-        start.pose[0],
-        [wanted],
-        strokes=np.array([[low, high]]),
-        symbols=("s",),
-        posture=posture,
-    )
+def at(joint: float) -> Posture:
+    return posture(math.sqrt(1.0 - joint**2), np.array([joint]))
+
+
+def led(joint: float, wanted: float, low: float = -np.inf, high: float = np.inf) -> Followed:
+    return Slider(low, high).follow(at(joint), [wanted])
+
+
+def fold_ahead(joint: float, wanted: float) -> Fold | None:
+    return Slider(-np.inf, np.inf).fold_ahead(at(joint), [wanted])
 
 
 @pytest.mark.parametrize("wanted", [0.9, -0.9, 0.3, 0.99999, 0.2000001])
@@ -115,39 +114,45 @@ def test_a_start_in_a_fold_is_undetermined() -> None:
 @pytest.mark.parametrize("gap", [1e-2, 1e-4, 1e-6, 1e-8])
 def test_branches_that_nearly_cross_are_not_exchanged(gap: float) -> None:
     """y² − s² = gap: y stays positive however narrow the gap is."""
-    line = Line(NearCrossing(gap), np.array([-1.0]), np.array([1.0]))
-    found = along_line(line, float(np.sqrt(1.0 + gap)), 2.0)
+    found = walk(near_crossing(gap), np.array([np.sqrt(1.0 + gap), 0.0]), 2.0)
     assert found.stop == "target"
-    assert found.state == pytest.approx(np.sqrt(1.0 + gap))
+    assert found.point[0] == pytest.approx(np.sqrt(1.0 + gap))
 
 
 def test_a_true_crossing_is_not_passed() -> None:
-    line = Line(NearCrossing(0.0), np.array([-1.0]), np.array([1.0]))
-    found = along_line(line, 1.0, 2.0)
+    found = walk(near_crossing(0.0), np.array([1.0, 0.0]), 2.0)
     assert found.stop == "singularity"
-    assert found.along == pytest.approx(1.0, abs=1e-3)
-    assert found.along < 1.0
+    assert found.point[-1] == pytest.approx(1.0, abs=1e-3)
+    assert found.point[-1] < 1.0
 
 
 def test_the_other_branch_beyond_a_gap_is_not_taken() -> None:
     """y² − s² = −gap: s turns back at ±√gap, and the way ends there."""
-    line = Line(NearCrossing(-1e-6), np.array([-1.0]), np.array([1.0]))
-    found = along_line(line, float(np.sqrt(1.0 - 1e-6)), 2.0)
+    found = walk(near_crossing(-1e-6), np.array([np.sqrt(1.0 - 1e-6), 0.0]), 2.0)
     assert found.stop == "singularity"
-    assert found.along == pytest.approx(1.0 - 1e-3, abs=1e-5)
-    assert found.state > 0.0
+    assert found.point[-1] == pytest.approx(1.0 - 1e-3, abs=1e-5)
+    assert found.point[0] > 0.0
+
+
+def test_a_way_ends_where_the_unknown_that_ends_it_changes_its_sign() -> None:
+    """On the line y = s − 0.5, which begins at s = −1: at s = 0.5, exactly there."""
+    y, along = unknowns(2)
+    curve = Curve(Quadrics.of([(y - along + 1.5).by(y + along + 7.0)]), np.array([-1.5, 0.0]))
+    found = walk(curve, np.array([-1.5, 0.0]), 2.0, edge=0)
+    assert found.stop == "edge"
+    assert found.point == pytest.approx([0.0, 1.5], abs=1e-12)
+    assert walk(curve, np.array([-1.5, 0.0]), 1.0, edge=0).stop == "target"
 
 
 def test_the_fold_ahead_and_its_partner() -> None:
-    start = posture(float(np.sqrt(0.96)), np.array([0.2]))
-    fold = fold_ahead(Slider(), start, start.pose[0], [3.0], posture=posture)
+    fold = fold_ahead(0.2, 3.0)
     assert fold is not None
     assert fold.distance == pytest.approx(0.8, abs=1e-12)
     assert fold.joints[0] == pytest.approx(1.0, abs=1e-12)
     assert fold.pose[0] == pytest.approx(0.0, abs=1e-6)
     assert fold.partner is not None
     assert fold.partner.pose[0] == pytest.approx(-np.sqrt(0.96), abs=1e-10)
-    assert fold_ahead(Slider(), start, start.pose[0], [0.9], posture=posture) is None
-    line = Line(Slider(), np.array([0.2]), np.array([1.0]))
-    turn = turn_on_line(line, start.pose[0], 0.7)
-    assert turn is None
+    assert fold_ahead(0.2, 0.9) is None
+    y, along = unknowns(2)
+    curve = Curve(Quadrics.of([square(along + 0.2) + square(y) - 1.0]), np.array([0.98, 0.0]))
+    assert turn_ahead(curve, np.array([math.sqrt(0.96), 0.0]), 0.7) is None

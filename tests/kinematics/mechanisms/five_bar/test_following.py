@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from kinematics.machine import machine_of
 from kinematics.mechanism import mechanism_class
-from kinematics.mechanisms.five_bar import following, forward, inverse, paths
+from kinematics.mechanisms.five_bar import forward, inverse, paths
 from kinematics.mechanisms.five_bar.joints_line import first_crossing
 from kinematics.mechanisms.five_bar.motion import sines
 from tests.kinematics.mechanisms.five_bar.conftest import BOTH, MACHINES, PAPER, UNLIKE
@@ -46,7 +46,7 @@ def test_the_first_crossing_is_where_dense_samples_lose_the_solutions(
 def test_a_way_that_is_free_keeps_its_side() -> None:
     start = machine_of(PAPER).inverse.posture((0.0, 738.644), "+-")
     goal = machine_of(PAPER).inverse.posture((240.0, 450.0), "+-")
-    moved = following.follow(PAPER, start, goal.joints)
+    moved = machine_of(PAPER).following.follow(start, goal.joints)
     assert moved.stop == "target"
     assert moved.fraction == 1.0
     np.testing.assert_allclose(moved.posture.pose, goal.pose, atol=1e-9)
@@ -57,10 +57,10 @@ def test_a_way_that_is_free_keeps_its_side() -> None:
 def test_it_stops_before_a_parallel_singularity_and_says_where() -> None:
     start = machine_of(PAPER).home
     wanted = (start.joints[0] + 2.0, start.joints[1])
-    moved = following.follow(PAPER, start, wanted)
+    moved = machine_of(PAPER).following.follow(start, wanted)
     assert moved.stop == "singularity"
     assert "B₁, P and B₂ come into line" in moved.text
-    fold = following.fold_ahead(PAPER, start, wanted)
+    fold = machine_of(PAPER).following.fold_ahead(start, wanted)
     assert fold is not None
     assert fold.distance == pytest.approx(2.0 * moved.fraction, abs=1e-5)
     _, sine = sines(PAPER, np.array(fold.pose), np.array(fold.joints))
@@ -69,43 +69,48 @@ def test_it_stops_before_a_parallel_singularity_and_says_where() -> None:
     both = forward.both_points(PAPER, start.joints)
     assert np.linalg.norm(both - fold.partner.pose, axis=-1).min() < 1e-9
     assert np.linalg.norm(np.subtract(fold.partner.pose, start.pose)) > 1.0
-    assert following.fold_ahead(PAPER, start, (start.joints[0] + 0.1, start.joints[1])) is None
+    assert (
+        machine_of(PAPER).following.fold_ahead(start, (start.joints[0] + 0.1, start.joints[1]))
+        is None
+    )
 
 
 def test_serial_singularities_are_passed_and_told() -> None:
     start = machine_of(PAPER).inverse.posture((600.0, 0.0), "++")
-    moved = following.follow(PAPER, start, (start.joints[0] - 1.2, start.joints[1] - 0.5))
+    moved = machine_of(PAPER).following.follow(
+        start, (start.joints[0] - 1.2, start.joints[1] - 0.5)
+    )
     assert moved.stop == "target"
     assert moved.posture.mode[0] == "-"
     assert "passed a serial singularity" in moved.text
-    back = following.follow(PAPER, moved.posture, start.joints)
+    back = machine_of(PAPER).following.follow(moved.posture, start.joints)
     np.testing.assert_allclose(back.posture.pose, start.pose, atol=1e-8)
 
 
 def test_free_joints_take_the_shorter_way_round() -> None:
     start = machine_of(PAPER).inverse.posture((-600.0, 200.0), "-+")
-    start = following.follow(PAPER, start, (3.0, start.joints[1])).posture
+    start = machine_of(PAPER).following.follow(start, (3.0, start.joints[1])).posture
     assert start.joints[0] == pytest.approx(3.0)
-    moved = following.follow(PAPER, start, (-3.1, start.joints[1]))
+    moved = machine_of(PAPER).following.follow(start, (-3.1, start.joints[1]))
     assert moved.stop == "target"
     assert moved.posture.joints[0] == pytest.approx(-3.1)
 
 
 def test_ranges_stop_a_joint() -> None:
     start = machine_of(BOTH).inverse.posture((0.0, 738.644), "+-")
-    moved = following.follow(BOTH, start, (start.joints[0], np.radians(-80.0)))
+    moved = machine_of(BOTH).following.follow(start, (start.joints[0], np.radians(-80.0)))
     assert moved.stop in ("stroke", "singularity")
     if moved.stop == "stroke":
         assert moved.limb == 2
         assert np.degrees(moved.posture.joints[1]) == pytest.approx(-30.0)
-    small = following.follow(BOTH, start, (np.radians(211.0), start.joints[1]))
+    small = machine_of(BOTH).following.follow(start, (np.radians(211.0), start.joints[1]))
     assert "singularity" in small.stop or small.limb == 1
 
 
 def test_a_machine_that_is_not_assembled_stays() -> None:
     apart = machine_of(PAPER).inverse.posture((0.0, 2000.0), "+-")
-    assert following.follow(PAPER, apart, (0.0, 0.0)).stop == "stalled"
-    assert following.fold_ahead(PAPER, apart, (0.0, 0.0)) is None
+    assert machine_of(PAPER).following.follow(apart, (0.0, 0.0)).stop == "stalled"
+    assert machine_of(PAPER).following.fold_ahead(apart, (0.0, 0.0)) is None
 
 
 # --- ways of P -----------------------------------------------------------------------------

@@ -9,12 +9,19 @@ import numpy as np
 from kinematics.answers.solutions import Posture
 from kinematics.designs.files import load_design
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
+from kinematics.mechanisms.five_rpur.following import Following
+from kinematics.mechanisms.five_rpur.mechanism import FiveRPUR
 
 
 def preset(name: str) -> FiveRPURDesign:
     design = load_design(name)
     assert isinstance(design, FiveRPURDesign)
     return design
+
+
+def following(design: FiveRPURDesign) -> Following:
+    """The facet, with what it has of its own."""
+    return Following(FiveRPUR(design))
 
 
 def of_forward_case(case: Any) -> FiveRPURDesign:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from kinematics.designs.files import load_design, presets
+from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur.arrangements import arrangements
-from kinematics.mechanisms.five_rpur.continuation import following
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.home import home, reach
 from kinematics.mechanisms.five_rpur.inverse import inside
@@ -25,7 +25,7 @@ def test_every_actuator_can_be_moved_both_ways(name: str) -> None:
         for direction in (-1.0, 1.0):
             joints = list(start.joints)
             joints[i] += 3.0 * direction
-            followed = following.follow(design, start, joints)
+            followed = machine_of(design).following.follow(start, joints)
             assert followed.stop == "target", (i, direction, followed.text)
 
 

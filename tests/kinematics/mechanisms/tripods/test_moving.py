@@ -7,8 +7,7 @@ import pytest
 
 from kinematics.designs.files import load_design
 from kinematics.machine import machine_of
-from kinematics.mechanism import mechanism_class
-from kinematics.mechanisms.tripods import following, forward, inverse, paths, posing, refreshing
+from kinematics.mechanisms.tripods import forward, inverse, paths, posing, refreshing
 from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind, TripodDesign
 from tests.kinematics.mechanisms.tripods.machines import machine, some_machines, some_poses
 
@@ -19,7 +18,7 @@ def test_a_followed_motion_ends_on_its_own_assembly_mode(rng: np.random.Generato
         mode = MODES[int(rng.integers(2))]
         here = inverse.posture(design, some_poses(rng, 1)[0], mode)
         goal = np.abs(np.array(here.joints) + rng.uniform(-60.0, 60.0, 3)) + 1.0
-        found = following.follow(design, here, goal)
+        found = machine_of(design).following.follow(here, goal)
         there = found.posture
         assert there.mode == mode
         size = 1.0 + max(there.joints)
@@ -46,35 +45,35 @@ def test_a_motion_stops_where_the_operation_modes_meet(kind: Kind) -> None:
     poses = [(150.0, tilt, 0.4) for tilt in (np.pi - 0.05, np.pi, np.pi - 0.05)]
     here, meet, _ = (inverse.posture(design, pose, "2") for pose in poses)
     beyond = 2.0 * np.array(meet.joints) - np.array(here.joints)
-    found = following.follow(design, here, beyond)
+    found = machine_of(design).following.follow(here, beyond)
     assert found.stop == "singularity"
     assert "constraint singularity" in found.text
     assert found.posture.pose[1] == np.pi
     assert found.fraction == pytest.approx(0.5, abs=0.05)
-    change = mechanism_class(kind).singularities.mode_change(found.posture)
+    change = machine_of(design).singularities.mode_change(found.posture)
     assert change is not None
     assert change.here
     for start in (change.at, change.other):
         aside = inverse.posture(
             design, (start.pose[0] + 3.0, np.pi - 0.02, start.pose[2]), start.mode
         )
-        on = following.follow(design, start, aside.joints)
+        on = machine_of(design).following.follow(start, aside.joints)
         assert on.posture.mode == start.mode
         assert on.stop == "target" or on.fraction > 0.0
 
 
 def test_a_motion_stops_at_a_fold_and_at_a_stroke() -> None:
     design = load_design("spr-3")
-    home = mechanism_class("three_spr").home
+    home = machine_of(design).home
     low, high = design.stroke
-    stroke = following.follow(design, home, [high + 50.0] * 3)
+    stroke = machine_of(design).following.follow(home, [high + 50.0] * 3)
     assert stroke.stop == "stroke"
     assert stroke.posture.joints == pytest.approx((high,) * 3)
     wide = TripodDesign("three_spr", 100.0, 200.0, (1.0, 900.0))
-    fold = following.follow(wide, home, [home.joints[0] + 700.0, *home.joints[1:]])
+    fold = machine_of(wide).following.follow(home, [home.joints[0] + 700.0, *home.joints[1:]])
     assert fold.stop == "singularity"
     assert 0.0 < fold.fraction < 1.0
-    ahead = following.fold_ahead(wide, home, [home.joints[0] + 700.0, *home.joints[1:]])
+    ahead = machine_of(wide).following.fold_ahead(home, [home.joints[0] + 700.0, *home.joints[1:]])
     assert ahead is not None
     assert ahead.joints[0] == pytest.approx(fold.posture.joints[0], rel=1e-4)
     assert low < ahead.joints[1]
@@ -92,7 +91,7 @@ def test_what_a_move_of_the_pose_passes() -> None:
     assert reached.stop == "singularity"
     assert reached.posture.pose[1] == pytest.approx(np.pi / 6, abs=1e-5)
     design = load_design("spr-3")
-    home = mechanism_class("three_spr").home
+    home = machine_of(design).home
     up = inverse.posture(design, (200.0, 0.0, 0.0), "2")
     events = paths.passed(design, home, up)
     assert {event.limb for event in events} == {1, 2, 3}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -12,24 +12,12 @@ import pytest
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
 from kinematics.designs.files import load_design
-from kinematics.mechanisms.five_rpur.continuation.certificate import Certifier, Piece
-from kinematics.mechanisms.five_rpur.continuation.curve import (
-    LAMBDA,
-    Line,
-    Place,
-    Point,
-    ahead,
-    correct,
-    lengths,
-    place,
-    start_point,
-)
-from kinematics.mechanisms.five_rpur.continuation.following import fold_ahead, follow
-from kinematics.mechanisms.five_rpur.continuation.tracing import first_place
+from kinematics.homotopy.continuation import LAMBDA, Curve, Middle, Piece, Place, ahead
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.forward.assembly import forward
 from kinematics.mechanisms.five_rpur.inverse import posture
 from kinematics.mechanisms.five_rpur.velocity import characteristic_length, inverse_jacobian
+from tests.kinematics.mechanisms.five_rpur.machines import following
 from tests.kinematics.references import read
 
 FOLDS: dict[str, Any] = read("rpur_folds.json")
@@ -49,14 +37,35 @@ def solutions(name: str, seed: int) -> tuple[FiveRPURDesign, tuple[Posture, ...]
     return design, tuple(posture(design, tuple(pose), mode) for pose, mode in pairs)
 
 
+class Line(NamedTuple):
+    """Joints ``now`` + λ ``direction``, λ in mm / unit, and the curve of configurations there."""
+
+    curve: Curve
+    first: Array
+    design: FiveRPURDesign
+    unit: float
+    now: Array
+    direction: Array
+
+
 def line_through(design: FiveRPURDesign, at: Posture, direction: Array) -> Line:
-    rho = lengths(design, start_point(design, at.pose, at.mode))
-    return Line.of(design, rho, direction / np.linalg.norm(direction))
+    facet = following(design)
+    direction = direction / np.linalg.norm(direction)
+    first, now = facet._start(at)
+    curve, point = facet._curve(at.mode, first, now, direction)
+    return Line(curve, point, design, facet.unit, now, direction)
+
+
+def place_of(line: Line, at: Posture) -> Place:
+    """Where a posture with the line's first joints is, towards larger λ."""
+    here = line.curve.first(np.append(following(line.design).unknowns(at.pose, at.mode), 0.0))
+    assert here is not None
+    return here
 
 
 def step(line: Line, here: Place, size: float) -> Place | None:
-    found = correct(line, ahead(line, here, size, None), here.tangent, strict=True)
-    return None if found is None else place(*found, here.tangent)
+    found = line.curve.correct(ahead(here, size, None), here.tangent, strict=True)
+    return None if found is None else line.curve.place(*found, here.tangent)
 
 
 def pieces(count: int) -> list[tuple[Line, Place, Place, Piece]]:
@@ -68,11 +77,10 @@ def pieces(count: int) -> list[tuple[Line, Place, Place, Piece]]:
         design, postures = solutions(names[len(found) % 3], seed=4)
         at = postures[rng.integers(len(postures))]
         line = line_through(design, at, rng.normal(size=5))
-        here = first_place(line, start_point(design, at.pose, at.mode))
-        assert here is not None
+        here = place_of(line, at)
         there = step(line, here, float(0.3 * 0.01 ** rng.uniform()))
         if there is not None:
-            piece = Certifier(line).piece(here, there)
+            piece = line.curve.piece(here, there)
             if piece is not None:
                 found.append((line, here, there, piece))
     return found
@@ -80,40 +88,48 @@ def pieces(count: int) -> list[tuple[Line, Place, Place, Piece]]:
 
 # --- the bounds ----------------------------------------------------------------------------
 
+COUNT = 13  # X, y, Z, cos φ, sin φ, cos θ, sin θ, w_i, λ
+
 
 def equations(line: Line, x: Array) -> Array:
     """F1 and F2 limb by limb, halved, in units of the link length, as the papers have them.
 
-    At real or complex x (11, n), scaled.
+    Before them the circles of cosines and sines. At real or complex x (13, n).
     """
-    design, unit = line.design, line.length
-    rows = []
-    c, s, cf, sf = np.cos(x[4]), np.sin(x[4]), np.cos(x[3]), np.sin(x[3])
+    design, unit = line.design, line.unit
+    cf, sf, c, s = x[3:7]
+    rows = [0.5 * (cf**2 + sf**2 - 1.0), 0.5 * (c**2 + s**2 - 1.0)]
     for i in range(5):
         rx, ry, rz = design.base[i] / unit
         sx, sy, sz = design.platform[i] / unit
-        rho = line.rho[i] / unit + x[5] * line.direction[i]
-        across, up = x[0] + sx - rx * c + rz * s, x[6 + i] - rx * s - rz * c
+        rho = line.now[i] / unit + x[12] * line.direction[i]
+        across, up = x[0] + sx - rx * c + rz * s, x[7 + i] - rx * s - rz * c
         side = x[1] + cf * sy - sf * sz - ry
-        over = x[2] + sf * sy + cf * sz - x[6 + i]
+        over = x[2] + sf * sy + cf * sz - x[7 + i]
         rows.append(0.5 * (across**2 + up**2 - rho**2))
         rows.append(0.5 * (side**2 + over**2 - (design.link[i] / unit) ** 2))
     return np.array(rows)
 
 
 def jacobians(line: Line, x: Array) -> Array:
-    """(n, 10, 11) at x (11, n), exact but for rounding by the complex step."""
+    """(n, 12, 13) at x (13, n), exact but for rounding by the complex step."""
     tiny = 1e-30
-    columns = [equations(line, x + 1j * tiny * e[:, None]).imag / tiny for e in np.eye(11)]
+    columns = [equations(line, x + 1j * tiny * e[:, None]).imag / tiny for e in np.eye(COUNT)]
     return np.stack(columns, axis=-1).transpose(1, 0, 2)
 
 
 def bent(line: Line, x: Array, along: Array) -> Array:
-    """d²F twice along (n, 11) at x (11, n): (n, 10)."""
+    """d²F twice along (n, 13) at x (13, n): (n, 12)."""
     small = 1e-5
     on, back = jacobians(line, x + small * along.T), jacobians(line, x - small * along.T)
     answer: Array = np.einsum("nij,nj->ni", on - back, along) / (2 * small)
     return answer
+
+
+def middle_of(line: Line, piece: Piece) -> Middle:
+    middle = line.curve.middle(piece.here.point + 0.5 * piece.chord, piece.border)
+    assert middle is not None
+    return middle
 
 
 def test_the_bounds_hold_where_they_must() -> None:
@@ -121,37 +137,30 @@ def test_the_bounds_hold_where_they_must() -> None:
     rng = np.random.default_rng(2)
     closest = 0.0
     for line, here, there, piece in pieces(20):
-        certifier = Certifier(line)
-        middle = certifier._middle(piece.start + 0.5 * piece.chord, piece.border)
-        assert middle is not None
-        reach = 0.5 * np.abs(piece.chord) + piece.radius
-        along = (middle.bend @ piece.chord).reshape(11, 11)
-        remainder = middle.weight @ certifier._remainder(middle, reach)
-        spread = 0.5 * np.abs(along) + (middle.size @ piece.radius).reshape(11, 11) + remainder
-        missing = 0.125 * np.abs(along @ piece.chord) + middle.weight @ (
-            0.125 * certifier._third(middle, np.abs(piece.chord)) + middle.error
-        )
+        middle = middle_of(line, piece)
+        along = middle.bend @ piece.chord
+        spread = 0.5 * np.abs(along) + middle.size @ piece.radius
+        missing = 0.125 * np.abs(along @ piece.chord) + middle.weight @ middle.error
         # Points of the tube, its corners too.
         part = rng.uniform(0, 1, 40)
         part[:2] = 0.0, 1.0
-        chord = piece.start[:, None] + part * piece.chord[:, None]
-        off = rng.choice([-1.0, 1.0, 0.3], (11, 40)) * piece.radius[:, None]
+        chord = piece.here.point[:, None] + part * piece.chord[:, None]
+        off = rng.choice([-1.0, 1.0, 0.3], (COUNT, 40)) * piece.radius[:, None]
         jacobian = np.concatenate(
-            [jacobians(line, chord + off), np.broadcast_to(0.0, (40, 1, 11))], axis=1
+            [jacobians(line, chord + off), np.broadcast_to(0.0, (40, 1, COUNT))], axis=1
         )
-        jacobian[:, 10, :6] = piece.border
-        excess = np.abs(middle.inverse @ jacobian - np.eye(11))
+        jacobian[:, 12] = piece.border
+        excess = np.abs(middle.inverse @ jacobian - np.eye(COUNT))
         assert (excess <= spread * (1 + 1e-9) + 1e-12).all()
-        closest = max(closest, float((excess / spread).max()))
-        value = np.abs(middle.inverse[:, :10] @ equations(line, chord))
+        closest = max(closest, float((excess / np.maximum(spread, 1e-12)).max()))
+        value = np.abs(middle.inverse[:, :12] @ equations(line, chord))
         assert (value <= missing[:, None] * (1 + 1e-9) + 1e-14).all()
         assert (missing + spread @ piece.radius < piece.radius).all()
         # d²F along the tangents, here by differences of exact Jacobians.
-        tangents = np.linalg.solve(jacobian, np.eye(11)[10][:, None])[..., 0]
-        varies = certifier._varies(middle, reach, np.abs(tangents).max(axis=0))
-        centre = np.broadcast_to(piece.start[:, None] + 0.5 * piece.chord[:, None], off.shape)
+        tangents = np.linalg.solve(jacobian, np.eye(COUNT)[12][:, None])[..., 0]
+        centre = np.broadcast_to(piece.here.point[:, None] + 0.5 * piece.chord[:, None], off.shape)
         gap = np.abs(bent(line, chord + off, tangents) - bent(line, centre, tangents))
-        assert (gap <= varies + 1e-7).all()
+        assert (gap <= 1e-7).all()
         assert here.slope * there.slope > 0 or piece.turns != 0
     assert closest > 0.3  # bounds that are far too wide would prove little
 
@@ -164,44 +173,41 @@ def test_a_piece_holds_all_of_the_curve_between_its_ends() -> None:
     counted: dict[int | None, int] = {0: 0, 1: 0, None: 0}
     for line, here, there, piece in pieces(45):
         at, turns, count = here, 0, 40
-        size = float(np.linalg.norm(piece.chord[:6])) / count
+        size = float(np.linalg.norm(piece.chord)) / count
         for n in range(1, count + 1):
-            guess = ahead(line, at, size, None)
-            found = correct(line, _in_plane(line, guess, piece, n / count), piece.border)
+            guess = ahead(at, size, None)
+            found = line.curve.correct(_in_plane(guess, piece, n / count), piece.border)
             assert found is not None
-            after = place(*found, at.tangent)
+            after = line.curve.place(*found, at.tangent)
             assert after is not None
-            assert piece.holds(line.scaled(after.point))
+            assert piece.holds(after.point)
             turns += at.slope * after.slope < 0
             at = after
-        gap = np.abs(line.scaled(at.point) - line.scaled(there.point))
+        gap = np.abs(at.point - there.point)
         assert gap.max() < 1e-9
         assert piece.turns in (None, turns)
         counted[piece.turns] += 1
     assert counted[0] > 20
 
 
-def _in_plane(line: Line, guess: Point, piece: Piece, part: float) -> Point:
+def _in_plane(guess: Array, piece: Piece, part: float) -> Array:
     """The guess moved along the chord into the plane at a part of it."""
-    offset = line.scaled(guess) - piece.start
-    border = piece.border
-    size = float(piece.chord[:6] @ border)
-    back = (part * size - float(offset[:6] @ border)) / size * piece.chord
-    return Point(guess.u + line.scale * back[:6], guess.w + line.length * back[6:])
+    size = float(piece.chord @ piece.border)
+    offset = float((guess - piece.here.point) @ piece.border)
+    return guess + (part * size - offset) / size * piece.chord
 
 
 def test_whoever_starts_within_the_radius_ends_on_the_piece() -> None:
     """Each plane across holds one solution: Newton's method with A fixed finds it from anywhere."""
     rng = np.random.default_rng(3)
     for line, _, _, piece in pieces(9):
-        middle = Certifier(line)._middle(piece.start + 0.5 * piece.chord, piece.border)
-        assert middle is not None
+        middle = middle_of(line, piece)
         for part in (0.0, 0.3, 1.0):
-            chord = piece.start + part * piece.chord
-            x = chord[:, None] + rng.choice([-1.0, 1.0, 0.5], (11, 12)) * piece.radius[:, None]
+            chord = piece.here.point + part * piece.chord
+            x = chord[:, None] + rng.choice([-1.0, 1.0, 0.5], (COUNT, 12)) * piece.radius[:, None]
             before, rounding = np.inf, 1e-13 / float(piece.radius.min())
             for _ in range(60):
-                across = piece.border @ (x[:6] - chord[:6, None])
+                across = piece.border @ (x - chord[:, None])
                 x = x - middle.inverse @ np.vstack([equations(line, x), across])
                 assert (np.abs(x - chord[:, None]) <= piece.radius[:, None]).all()
                 spread = float((np.abs(x - x[:, :1]) / piece.radius[:, None]).max())
@@ -216,13 +222,10 @@ def test_different_assembly_modes_are_never_joined(name: str, seed: int) -> None
     assert len(postures) >= 10
     rng = np.random.default_rng(5)
     line = line_through(design, postures[0], rng.normal(size=5))
-    certifier = Certifier(line)
-    places = [first_place(line, start_point(design, p.pose, p.mode)) for p in postures]
+    places = [place_of(line, p) for p in postures]
     for n, one in enumerate(places):
         for two in places[n + 1 :]:
-            assert one is not None
-            assert two is not None
-            assert certifier.piece(one, two) is None
+            assert line.curve.piece(one, two) is None
 
 
 @pytest.mark.parametrize("gap", [1.0, 1e-2, 1e-4, 1e-6])
@@ -232,22 +235,20 @@ def test_two_modes_next_to_their_fold_are_told_apart(gap: float) -> None:
     direction = np.random.default_rng(6).normal(size=5)
     direction -= normal * (normal @ direction)
     line = line_through(design, one, direction)
-    certifier = Certifier(line)
-    here, other = (first_place(line, start_point(design, p.pose, p.mode)) for p in (one, two))
-    assert here is not None
-    assert other is not None
-    size = float(np.linalg.norm(line.scaled(other.point) - line.scaled(here.point)))
+    curve = line.curve
+    here, other = place_of(line, one), place_of(line, two)
+    size = float(np.linalg.norm(other.point - here.point))
     assert 0.02 < size / np.sqrt(gap) < 0.5
     for sign in (1.0, -1.0):
-        turned = Place(other.point, sign * other.tangent, sign * other.elbow, other.q)
-        back = Place(here.point, sign * here.tangent, sign * here.elbow, here.q)
-        assert certifier.piece(here, turned) is None
-        assert certifier.piece(back, other) is None
+        turned = Place(other.point, sign * other.tangent)
+        back = Place(here.point, sign * here.tangent)
+        assert curve.piece(here, turned) is None
+        assert curve.piece(back, other) is None
     # And each goes its own way: a much shorter step is proven.
     for start in (here, other):
         after = step(line, start, 0.02 * size)
         assert after is not None
-        assert certifier.piece(start, after) is not None
+        assert curve.piece(start, after) is not None
 
 
 @cache
@@ -265,15 +266,17 @@ def beside_the_fold(gap: float) -> tuple[FiveRPURDesign, Posture, Posture, Array
             posture(design, tuple(pose), mode)
             for pose, mode in _near_the_fold(design, rho + (fold["t"] - 1.0) * drho)
         )
-        if (f := fold_ahead(design, p, rho + (fold["t"] + 1.0) * drho)) is not None
+        if (f := following(design).fold_ahead(p, rho + (fold["t"] + 1.0) * drho)) is not None
         and np.abs(np.subtract(f.joints, fold["rho_fold"])).max() < 1e-6
     )
     normal = _normal(design, start, fold)
     inwards = normal if normal @ drho < 0 else -normal
     wanted = np.array(fold["rho_fold"]) + gap * inwards
-    reached = follow(design, start, wanted)
+    reached = following(design).follow(start, wanted)
     assert reached.stop == "target"
-    ahead_of = fold_ahead(design, reached.posture, wanted - 2 * gap * inwards - 1e-3 * inwards)
+    ahead_of = following(design).fold_ahead(
+        reached.posture, wanted - 2 * gap * inwards - 1e-3 * inwards
+    )
     assert ahead_of is not None
     assert ahead_of.partner is not None
     return design, reached.posture, ahead_of.partner, normal
@@ -297,12 +300,10 @@ def test_a_fold_within_a_piece_is_counted() -> None:
     design, one, two, normal = beside_the_fold(1e-4)
     toward = np.array(FOLDS["folds"][0]["rho_fold"]) - one.joints
     line = line_through(design, one, toward)
-    here, other = (first_place(line, start_point(design, p.pose, p.mode)) for p in (one, two))
-    assert here is not None
-    assert other is not None
-    assert here.point.u[LAMBDA] == other.point.u[LAMBDA] == 0.0
-    turned = Place(other.point, -other.tangent, -other.elbow, other.q)
-    piece = Certifier(line).piece(here, turned)
+    here, other = place_of(line, one), place_of(line, two)
+    assert here.point[LAMBDA] == other.point[LAMBDA] == 0.0
+    turned = Place(other.point, -other.tangent)
+    piece = line.curve.piece(here, turned)
     assert piece is not None
     assert piece.turns == 1
     assert abs(toward @ normal) == pytest.approx(1e-4, rel=1e-3)

@@ -12,8 +12,6 @@ import pytest
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
 from kinematics.errors import InputError
-from kinematics.machine import machine_of
-from kinematics.mechanisms.five_rpur.continuation.following import fold_ahead, follow, polish
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.forward.assembly import forward
 from kinematics.mechanisms.five_rpur.inverse import inverse, limb_lengths, posture
@@ -22,7 +20,7 @@ from kinematics.mechanisms.five_rpur.velocity import (
     inverse_jacobian,
     wrench_matrix,
 )
-from tests.kinematics.mechanisms.five_rpur.machines import preset
+from tests.kinematics.mechanisms.five_rpur.machines import following, preset
 from tests.kinematics.references import read
 
 # A fold of Table 1 (journal) along rho0 + t drho, found with 40 digits apart from this package;
@@ -75,7 +73,7 @@ def merging(dt: float) -> tuple[Posture, Posture]:
     free = np.linalg.svd(inverse_jacobian(design, pose, mode) / scale)[2][-1] / scale
     joints = RHO0 + (FOLD["t"] - dt) * DRHO
     size = 8.0 * np.sqrt(dt)  # of the merging solutions' distance
-    one, two = (polish(design, pose + s * size * free, mode, joints) for s in (1, -1))
+    one, two = (following(design).polish(pose + s * size * free, mode, joints) for s in (1, -1))
     assert one is not None
     assert two is not None
     return one, two
@@ -87,12 +85,12 @@ def test_the_reference_fold_is_seen_from_both_sides_and_joins_them(dt: float) ->
     goal = RHO0 + (FOLD["t"] + 5.0) * DRHO
     if dt > 1.0:
         joints = RHO0 + (FOLD["t"] - dt) * DRHO
-        one, two = (follow(design, start, joints).posture for start in merging(1.0))
+        one, two = (following(design).follow(start, joints).posture for start in merging(1.0))
     else:
         one, two = merging(dt)
     assert distance(one, two) > 0
     for start, other in ((one, two), (two, one)):
-        fold = fold_ahead(design, start, goal)
+        fold = following(design).fold_ahead(start, goal)
         assert fold is not None
         assert fold.distance == pytest.approx(dt * RATE, abs=1e-9)
         np.testing.assert_allclose(fold.joints, FOLD["rho_fold"], rtol=0, atol=1e-9)
@@ -133,7 +131,7 @@ def test_the_partner_is_one_of_the_full_set_and_the_rest_of_it_does_not_end_ther
     ]
     pairs = {}
     for n, start in enumerate(all_there):
-        fold = fold_ahead(design, start, RHO0 + 100 * DRHO)
+        fold = following(design).fold_ahead(start, RHO0 + 100 * DRHO)
         if fold is None:
             continue
         assert 0 < fold.distance < 100 * RATE
@@ -178,8 +176,8 @@ def test_it_is_where_following_stops(name: str) -> None:
             for end in design.limbs[i].stroke:
                 joints = list(start.joints)
                 joints[i] = end
-                moved = follow(design, start, joints)
-                fold = machine_of(design).following.fold_ahead(start, joints)
+                moved = following(design).follow(start, joints)
+                fold = following(design).fold_ahead(start, joints)
                 if fold is None:
                     seen["free"] += 1
                     assert moved.stop == "target"
@@ -203,7 +201,7 @@ def test_it_is_where_following_stops(name: str) -> None:
                     determinant(design, p.pose, p.mode, length) for p in (start, fold.partner)
                 )
                 assert before * after < 0
-                again = fold_ahead(design, fold.partner, joints)
+                again = following(design).fold_ahead(fold.partner, joints)
                 assert again is not None
                 assert again.distance == pytest.approx(fold.distance, abs=1e-8)
                 assert gaps(at, again.pose).max() < 1e-6
@@ -220,8 +218,8 @@ def test_beyond_strokes_it_is_seen_too() -> None:
     short = replace(
         design, limbs=tuple(replace(limb, stroke=(1.0, 352.0)) for limb in design.limbs)
     )
-    assert follow(short, one, goal).stop == "stroke"
-    fold = fold_ahead(short, one, goal)
+    assert following(short).follow(one, goal).stop == "stroke"
+    fold = following(short).fold_ahead(one, goal)
     assert fold is not None
     np.testing.assert_allclose(fold.joints, FOLD["rho_fold"], rtol=0, atol=1e-9)
 
@@ -236,7 +234,7 @@ def test_where_branches_cross_there_is_no_partner() -> None:
             for end in (200.0, 450.0):
                 joints = list(start.joints)
                 joints[i] = end
-                fold = fold_ahead(design, start, joints)
+                fold = following(design).fold_ahead(start, joints)
                 if fold is None or fold.partner is not None:
                     continue
                 at = posture(design, fold.pose, fold.mode)
@@ -248,32 +246,34 @@ def test_where_branches_cross_there_is_no_partner() -> None:
                 assert len(pair) >= 2
                 size = determinant(design, fold.pose, fold.mode, characteristic_length(design))
                 assert abs(size) < 1e-4
-                assert follow(design, start, joints).stop == "singularity"
+                assert following(design).follow(start, joints).stop == "singularity"
     assert crossed >= 2
 
 
 def test_none_where_there_is_nothing_to_follow() -> None:
     design = preset("rpur-table1")
     start = start_in(design, 1)
-    assert fold_ahead(design, start, start.joints) is None
-    assert fold_ahead(design, start, np.add(start.joints, 1e-3)) is None
+    assert following(design).fold_ahead(start, start.joints) is None
+    assert following(design).fold_ahead(start, np.add(start.joints, 1e-3)) is None
     open_there = posture(design, (0.0, 900.0, 300.0, 0.0, 0.0), "+++++")
-    assert fold_ahead(design, open_there, [300.0] * 5) is None
+    assert following(design).fold_ahead(open_there, [300.0] * 5) is None
     limbs = design.limbs
     twice = FiveRPURDesign((limbs[0], limbs[0], *limbs[2:]))
     stuck = posture(twice, start.pose, start.mode[0] * 2 + start.mode[2:])
     assert stuck.closes
-    assert fold_ahead(twice, stuck, np.add(stuck.joints, [3.0, -3.0, 0.0, 0.0, 0.0])) is None
+    assert (
+        following(twice).fold_ahead(stuck, np.add(stuck.joints, [3.0, -3.0, 0.0, 0.0, 0.0])) is None
+    )
 
 
 @pytest.mark.parametrize("joints", [[300.0] * 4, [np.nan] * 5, [[300.0] * 5] * 2, "joints"])
 def test_what_are_not_joints_is_refused(joints: Any) -> None:
     design = preset("rpur-table1")
     with pytest.raises(InputError, match="joints"):
-        fold_ahead(design, start_in(design, 2), joints)
+        following(design).fold_ahead(start_in(design, 2), joints)
 
 
 def test_negative_lengths_are_refused() -> None:
     design = preset("rpur-table1")
     with pytest.raises(InputError, match=r"must not be negative, got ρ₂ = -3 mm"):
-        fold_ahead(design, start_in(design, 2), [300.0, -3.0, 300.0, 300.0, 300.0])
+        following(design).fold_ahead(start_in(design, 2), [300.0, -3.0, 300.0, 300.0, 300.0])

@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 
 from kinematics.answers.solutions import Posture
 from kinematics.errors import InputError
-from kinematics.mechanisms.five_rpur.continuation import tracing
-from kinematics.mechanisms.five_rpur.continuation.following import follow, polish
+from kinematics.homotopy import continuation
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.inverse import (
     MODES,
@@ -29,7 +28,7 @@ from kinematics.mechanisms.five_rpur.velocity import (
     wrench_matrix,
     wrenches,
 )
-from tests.kinematics.mechanisms.five_rpur.machines import distance, preset
+from tests.kinematics.mechanisms.five_rpur.machines import distance, following, preset
 from tests.kinematics.references import read
 
 CASES: list[dict[str, Any]] = read("rpur_forward.json")["cases"]
@@ -85,7 +84,7 @@ def test_polishing_finds_every_reference_solution_again(case: dict[str, Any]) ->
         if min(weakest, limbs) < 1e-3:
             continue  # so near a singularity another solution may be nearer than the guess
         push = min(weakest, limbs) * 1e-2 * rng.normal(size=5) * [1, 1, 1, 0.01, 0.01]
-        found = polish(design, pose + push, mode, case["rho"])
+        found = following(design).polish(pose + push, mode, case["rho"])
         assert found is not None
         assert found.mode == mode
         gap = np.abs(np.subtract(found.pose, pose))
@@ -102,8 +101,8 @@ def test_inverse_after_forward_closes_to_twelve_digits() -> None:
         if abs(determinant(design, start)) < 0.02:
             continue
         checked += 1
-        found = polish(
-            design, np.add(start.pose, [0.3, -0.2, 0.1, 1e-3, -1e-3]), start.mode, start.joints
+        found = following(design).polish(
+            np.add(start.pose, [0.3, -0.2, 0.1, 1e-3, -1e-3]), start.mode, start.joints
         )
         assert found is not None
         both = limb_lengths(design, found.pose)
@@ -115,11 +114,14 @@ def test_inverse_after_forward_closes_to_twelve_digits() -> None:
 
 def test_polishing_says_none_where_there_is_nothing_to_find() -> None:
     design = preset("rpur-table1")
-    assert polish(design, (0, 60, 300, 0, 0), "+++++", [1.0, 4000.0, 1.0, 4000.0, 1.0]) is None
+    assert (
+        following(design).polish((0, 60, 300, 0, 0), "+++++", [1.0, 4000.0, 1.0, 4000.0, 1.0])
+        is None
+    )
     with pytest.raises(InputError, match="joints"):
-        polish(design, (0, 60, 300, 0, 0), "+++++", [300.0] * 4)
+        following(design).polish((0, 60, 300, 0, 0), "+++++", [300.0] * 4)
     with pytest.raises(InputError, match="working mode"):
-        polish(design, (0, 60, 300, 0, 0), "+++", [300.0] * 5)
+        following(design).polish((0, 60, 300, 0, 0), "+++", [300.0] * 5)
 
 
 # --- the reference fold --------------------------------------------------------------------
@@ -139,7 +141,7 @@ def fold_branches(dt: float = 1.0) -> list[tuple[FiveRPURDesign, Posture]]:
     # In this line real solutions exist at larger t ("dt" > 0 counts more of them).
     joints = np.array(FOLD["rho0"]) + (fold["t"] - dt) * np.array(FOLD["drho"])
     for side in (8.0, -8.0):
-        start = polish(design, pose + side * free, mode, joints)
+        start = following(design).polish(pose + side * free, mode, joints)
         assert start is not None
         found.append((design, start))
     return found
@@ -149,7 +151,7 @@ def test_both_merging_assembly_modes_stop_at_the_reference_fold() -> None:
     fold, rho0, drho = FOLD["folds"][0], np.array(FOLD["rho0"]), np.array(FOLD["drho"])
     ends, signs = [], []
     for design, start in fold_branches():
-        end = follow(design, start, rho0 + (fold["t"] + 5.0) * drho)
+        end = following(design).follow(start, rho0 + (fold["t"] + 5.0) * drho)
         assert end.stop == "singularity"
         assert end.text == "stopped at a parallel singularity after 16.7 % of the way"
         t = (np.array(end.posture.joints) - rho0) / drho
@@ -165,10 +167,10 @@ def test_both_merging_assembly_modes_stop_at_the_reference_fold() -> None:
         signs.append(np.sign(determinant(design, end.posture)))
         assert np.sign(determinant(design, start)) == signs[-1]
         # Pushing on stays there; going back leads where it came from.
-        again = follow(design, end.posture, rho0 + (fold["t"] + 9.0) * drho)
+        again = following(design).follow(end.posture, rho0 + (fold["t"] + 9.0) * drho)
         assert again.stop == "singularity"
         assert again.fraction < 1e-5
-        back = follow(design, again.posture, start.joints)
+        back = following(design).follow(again.posture, start.joints)
         assert back.stop == "target"
         assert distance(back.posture, start) < 1e-8
     assert signs[0] == -signs[1]
@@ -180,7 +182,7 @@ def test_a_target_shortly_before_the_fold_is_reached_on_the_own_branch() -> None
     for before in (1e-1, 1e-3, 1e-6):
         reached = []
         for design, start in fold_branches():
-            end = follow(design, start, rho0 + (fold["t"] - before) * drho)
+            end = following(design).follow(start, rho0 + (fold["t"] - before) * drho)
             assert end.stop == "target"
             assert np.sign(determinant(design, end.posture)) == np.sign(determinant(design, start))
             reached.append(end.posture)
@@ -197,7 +199,7 @@ def test_the_limit_of_one_actuator_is_told() -> None:
         for far in (200.0, 450.0):
             joints = list(start.joints)
             joints[i] = far
-            end = follow(design, start, joints)
+            end = following(design).follow(start, joints)
             if end.stop == "singularity":
                 where = "beyond" if far > start.joints[i] else "below"
                 told.append(i)
@@ -221,13 +223,13 @@ def test_walks_come_back_and_do_not_depend_on_their_steps(name: str) -> None:
     for start in starts(design, 16, seed=3):
         here = np.array(start.joints)
         goal = np.clip(here + 30 * rng.normal(size=5), 250.0, 400.0)
-        end = follow(design, start, goal)
+        end = following(design).follow(start, goal)
         stops.append(end.stop)
         assert end.stop in ("target", "singularity")
         assert end.posture.residual < 1e-10
         walked = start
         for part in np.linspace(0, 1, 11)[1:]:
-            step = follow(design, walked, here + part * (goal - here))
+            step = following(design).follow(walked, here + part * (goal - here))
             walked = step.posture
             if step.stop != "target":
                 break
@@ -237,7 +239,7 @@ def test_walks_come_back_and_do_not_depend_on_their_steps(name: str) -> None:
             np.testing.assert_allclose(end.posture.joints, goal, rtol=0, atol=1e-9)
             assert distance(walked, end.posture) < 1e-7
             assert walked.mode == end.posture.mode
-            back = follow(design, end.posture, start.joints)
+            back = following(design).follow(end.posture, start.joints)
             assert back.stop == "target"
             assert distance(back.posture, start) < 1e-7
             assert back.posture.mode == start.mode
@@ -254,7 +256,7 @@ def test_the_determinant_keeps_its_sign_all_along() -> None:
     rng = np.random.default_rng(4)
     for start in starts(design, 30, seed=5):
         goal = np.clip(np.add(start.joints, 40 * rng.normal(size=5)), 250.0, 400.0)
-        end = follow(design, start, goal)
+        end = following(design).follow(start, goal)
         assert determinant(design, end.posture) * determinant(design, start) > 0
 
 
@@ -272,16 +274,16 @@ def test_from_shortly_before_a_crossing_of_branches_the_way_back_is_open() -> No
         231.148986055673,
     )
     start = posture(design, pose, "+++++")
-    end = follow(design, start, goal)
+    end = following(design).follow(start, goal)
     assert end.stop == "singularity"
     assert abs(determinant(design, end.posture)) < 1e-5
     links = [m.amount for m in end.posture.margins if m.bound == "link"]
     assert sorted(links)[1] < 1e-6
-    again = follow(design, end.posture, goal)
+    again = following(design).follow(end.posture, goal)
     assert again.stop == "singularity"
     assert distance(again.posture, end.posture) < 0.05
     for there in (end.posture, again.posture):
-        back = follow(design, there, start.joints)
+        back = following(design).follow(there, start.joints)
         assert back.stop == "target"
         assert distance(back.posture, start) < 1e-6
 
@@ -314,7 +316,7 @@ def test_a_limb_passes_into_its_other_working_mode_and_says_so() -> None:
         for middle in serial_postures(design, limb, 10, seed=limb):
             rho = np.array(middle.joints)
             move = 0.5 * rng.normal(size=5)
-            one, two = (follow(design, middle, rho + sign * move) for sign in (1, -1))
+            one, two = (following(design).follow(middle, rho + sign * move) for sign in (1, -1))
             if not one.stop == two.stop == "target":
                 continue
             one, two = one.posture, two.posture
@@ -322,7 +324,7 @@ def test_a_limb_passes_into_its_other_working_mode_and_says_so() -> None:
             assert [one.mode[i] for i in others] == [two.mode[i] for i in others]
             assert one.mode[limb] != two.mode[limb]
             passed += 1
-            across = follow(design, two, rho + move)
+            across = following(design).follow(two, rho + move)
             assert across.stop == "target"
             sign = "−" if one.mode[limb] == "-" else "+"
             assert across.text == f"limb {limb + 1} passed into working mode {sign}"
@@ -331,7 +333,7 @@ def test_a_limb_passes_into_its_other_working_mode_and_says_so() -> None:
             # Through it in small steps: each moves the platform by its share.
             walked, longest = two, 0.0
             for part in np.linspace(-1, 1, 21)[1:]:
-                step = follow(design, walked, rho + part * move)
+                step = following(design).follow(walked, rho + part * move)
                 longest = max(longest, distance(walked, step.posture))
                 walked = step.posture
             assert distance(walked, one) < 1e-5
@@ -351,28 +353,28 @@ def test_passing_to_and_fro_is_told_as_such(monkeypatch: pytest.MonkeyPatch) -> 
 
     The excursion is small here, so the steps are made short enough to see it.
     """
-    monkeypatch.setattr(tracing, "_LONGEST", 0.003)
-    monkeypatch.setattr(tracing, "_FIRST", 0.003)
+    monkeypatch.setattr(continuation, "_LONGEST", 0.003)
+    monkeypatch.setattr(continuation, "_FIRST", 0.003)
     design = with_stroke(preset("rpur-table1"), 1.0, 1000.0)
     rng = np.random.default_rng(8)
     told = 0
     for limb in (2, 3, 4):
         for middle in serial_postures(design, limb, 5, seed=20 + limb):
             rho, move = np.array(middle.joints), rng.normal(size=5)
-            near = [follow(design, middle, rho + 1e-3 * e).posture for e in np.eye(5)]
+            near = [following(design).follow(middle, rho + 1e-3 * e).posture for e in np.eye(5)]
             slope = np.array([height(design, at, limb) for at in near]) / 1e-3
             move -= slope * (slope @ move) / (slope @ slope)
             for apex in (0.05, -0.05):  # q there; the path may bend back over 0 on both sides
-                top = follow(design, middle, rho + apex * slope / (slope @ slope))
+                top = following(design).follow(middle, rho + apex * slope / (slope @ slope))
                 goal = np.array(top.posture.joints)
-                one = follow(design, top.posture, goal - 4 * move)
-                two = follow(design, top.posture, goal + 4 * move)
+                one = following(design).follow(top.posture, goal - 4 * move)
+                two = following(design).follow(top.posture, goal + 4 * move)
                 if {top.stop, one.stop, two.stop} != {"target"}:
                     continue
                 q = [height(design, end.posture, limb) for end in (one, top, two)]
                 if not q[0] * q[1] < 0 or not q[1] * q[2] < 0:
                     continue
-                end = follow(design, one.posture, goal + 4 * move)
+                end = following(design).follow(one.posture, goal + 4 * move)
                 other = "+" if q[1] > 0 else "−"
                 line = f"limb {limb + 1} passed into working mode {other} and back"
                 assert line in end.text.split("; ")
@@ -389,7 +391,7 @@ def roomy() -> tuple[FiveRPURDesign, Posture]:
     """A start from which ρ₃ reaches both ends of its stroke unhindered."""
     design = preset("rpur-a3a3")
     for start in starts(design, 12, seed=30):
-        ends = [follow(design, start, _moved(start, 2, to)) for to in (250.0, 400.0)]
+        ends = [following(design).follow(start, _moved(start, 2, to)) for to in (250.0, 400.0)]
         if all(end.stop == "target" and not end.text for end in ends):
             return design, start
     raise AssertionError("no such start")
@@ -404,18 +406,18 @@ def _moved(start: Posture, i: int, to: float) -> list[float]:
 def test_a_motion_stops_at_the_end_of_a_stroke() -> None:
     design, start = roomy()
     for to, end, name in ((470.0, 400.0, "max"), (200.0, 250.0, "min")):
-        stopped = follow(design, start, _moved(start, 2, to))
+        stopped = following(design).follow(start, _moved(start, 2, to))
         assert (stopped.stop, stopped.limb) == ("stroke", 3)
         assert stopped.text == f"limb 3 is at the end of its stroke (ρ₃ {name} = {end:g} mm)"
         assert stopped.posture.joints[2] == end
         assert stopped.posture.reachable
         whole = to - start.joints[2]
         assert stopped.fraction == pytest.approx((end - start.joints[2]) / whole)
-        reached = follow(design, start, _moved(start, 2, end))
+        reached = following(design).follow(start, _moved(start, 2, end))
         assert (reached.stop, reached.text, reached.fraction) == ("target", "", 1.0)
         assert distance(reached.posture, stopped.posture) < 1e-9
         # At the end already: nothing moves.
-        still = follow(design, stopped.posture, _moved(stopped.posture, 2, to))
+        still = following(design).follow(stopped.posture, _moved(stopped.posture, 2, to))
         assert (still.stop, still.limb) == ("stroke", 3)
         assert still.fraction == pytest.approx(0.0, abs=1e-9)
         assert distance(still.posture, stopped.posture) < 1e-9
@@ -429,18 +431,18 @@ def test_a_limb_beyond_its_stroke_may_come_back_but_not_go_further() -> None:
     short = posture(low, start.pose, start.mode)
     assert not short.reachable
     # Moving another limb leaves it where it is.
-    other = follow(low, short, _moved(short, 0, short.joints[0] + 1e-3))
+    other = following(low).follow(short, _moved(short, 0, short.joints[0] + 1e-3))
     assert other.posture.joints[2] == pytest.approx(middle, abs=1e-9)
-    back = follow(low, short, _moved(short, 2, middle + 8))
+    back = following(low).follow(short, _moved(short, 2, middle + 8))
     assert back.posture.joints[2] == pytest.approx(middle + 8)
-    further = follow(low, short, _moved(short, 2, middle - 3))
+    further = following(low).follow(short, _moved(short, 2, middle - 3))
     assert (further.stop, further.limb) == ("stroke", 3)
     assert further.posture.joints[2] == pytest.approx(middle, abs=1e-9)
 
 
 def test_staying_is_arriving() -> None:
     design, start = roomy()
-    end = follow(design, start, start.joints)
+    end = following(design).follow(start, start.joints)
     assert (end.stop, end.text, end.fraction) == ("target", "", 1.0)
     assert distance(end.posture, start) < 1e-10
 
@@ -448,7 +450,7 @@ def test_staying_is_arriving() -> None:
 def test_from_an_open_posture_there_is_nothing_to_follow() -> None:
     design = preset("rpur-table1")
     start = posture(design, (0.0, 900.0, 300.0, 0.0, 0.0), "+++++")
-    end = follow(design, start, [300.0] * 5)
+    end = following(design).follow(start, [300.0] * 5)
     assert (end.stop, end.fraction) == ("stalled", 0.0)
     np.testing.assert_array_equal(end.posture.joints, start.joints)
     assert end.text.startswith("limbs 1, 2, 3, 4, 5 cannot close at this pose")
@@ -458,7 +460,7 @@ def test_from_an_open_posture_there_is_nothing_to_follow() -> None:
 def test_what_are_not_joints_is_refused(joints: Any) -> None:
     design, start = preset("rpur-table1"), starts(preset("rpur-table1"), 1, seed=9)[0]
     with pytest.raises(InputError, match="joints"):
-        follow(design, start, joints)
+        following(design).follow(start, joints)
 
 
 def test_in_an_architecturally_singular_design_nothing_moves() -> None:
@@ -468,7 +470,7 @@ def test_in_an_architecturally_singular_design_nothing_moves() -> None:
         if start.mode[0] != start.mode[1]:
             continue
         goal = np.add(start.joints, [3.0, -3.0, 0.0, 0.0, 0.0])
-        end = follow(design, start, goal)
+        end = following(design).follow(start, goal)
         assert (end.stop, end.fraction) == ("singularity", 0.0)
         assert "stands in a parallel singularity" in end.text
         assert distance(end.posture, start) == 0.0
@@ -495,7 +497,7 @@ def test_degenerate_machines_always_get_an_answer_that_holds(
     start = posture(design, pose, mode)
     assume(start.closes)
     goal = np.add(start.joints, move)
-    end = follow(design, start, goal)
+    end = following(design).follow(start, goal)
     assert end.posture.closes
     assert end.posture.residual < 1e-9
     assert 0.0 <= end.fraction <= 1.0

@@ -10,12 +10,11 @@ import pytest
 from kinematics.answers.solutions import ForwardSolutions, Posture
 from kinematics.designs.files import load_design
 from kinematics.mechanisms.five_rpur.arrangements import arrangements
-from kinematics.mechanisms.five_rpur.continuation.following import follow
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.forward.assembly import forward
 from kinematics.mechanisms.five_rpur.inverse import posture
 from kinematics.mechanisms.five_rpur.velocity import characteristic_length, wrench_matrix
-from tests.kinematics.mechanisms.five_rpur.machines import distance
+from tests.kinematics.mechanisms.five_rpur.machines import distance, following
 
 SMALL, LARGE = 0.3, 60.0  # mm, of the moves
 
@@ -61,20 +60,20 @@ def walk(
     for _ in range(moves):
         size = SMALL * (LARGE / SMALL) ** rng.uniform()
         goal = np.clip(np.add(here.joints, size * rng.normal(size=5)), 40.0, 890.0)
-        end = follow(design, here, goal)
+        end = following(design).follow(here, goal)
         assert end.stop in ("target", "singularity")
         there = end.posture
         assert there.residual < 1e-10
         # No singularity was passed; the way back leads back, small steps lead there as well.
         assert np.sign(determinant(design, there)) == sign
-        back = follow(design, there, here.joints)
+        back = following(design).follow(there, here.joints)
         assert back.stop == "target"
         exact = 1e-8 / min(1.0, abs(determinant(design, there)))
         assert distance(back.posture, here) < 1e-6
         small = here
         for part in np.arange(1, 21) / 20:
             joints = (1 - part) * np.array(here.joints) + part * np.array(there.joints)
-            small = follow(design, small, joints).posture
+            small = following(design).follow(small, joints).posture
         if end.stop == "singularity":
             # Short of it by a little in one go, by a little more in 20 steps.
             assert distance(small, there) < 0.05
