@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 
-from kinematics.designs.files import change_table
 from kinematics.facets.facet import required
 from kinematics.facets.faceted import Faceted
 from kinematics.mechanism import D, Design, DesignField
@@ -51,8 +50,7 @@ class Machine(Faceted[D]):
             InputError: the design has no such number.
             DesignError: the design would not be valid with it.
         """
-        table = change_table(self.table, self.fields, path, value)
-        return Machine(self.mechanism.read_design(table, origin="", name=self.design.name))
+        return Machine(self.mechanism.edited(path, value))
 
 
 @lru_cache(maxsize=64)

@@ -136,6 +136,15 @@ class Mechanism(ABC, Generic[D]):
     def design_fields(self) -> tuple[DesignField, ...]:
         """Every number of the design that may be edited; paths lead into `design_table`."""
 
+    @abstractmethod
+    def edited(self, path: Sequence[str | int], value: float) -> D:
+        """The design with one number, a path of `design_fields`, changed and checked again.
+
+        Raises:
+            InputError: the design has no such number.
+            DesignError: the design would not be valid with it.
+        """
+
     def findings(self) -> tuple[Finding, ...]:
         """What is worth knowing about the design before it moves; warnings among them."""
         return ()
@@ -221,13 +230,17 @@ class Mechanism(ABC, Generic[D]):
 
 # --- discovery -----------------------------------------------------------------------------
 
+MAIN = "five_rpur"
+"""The kind that is named first where all are listed."""
+
 
 @cache
 def _places() -> dict[str, tuple[str, str]]:
     """Module and class of every kind; only the packages' own `__init__` are loaded for it."""
     rooms = import_module("kinematics.mechanisms")  # by name: nothing above is imported here
     found: dict[str, tuple[str, str]] = {}
-    for room in pkgutil.iter_modules(rooms.__path__, f"{rooms.__name__}."):
+    packages = pkgutil.iter_modules(rooms.__path__, f"{rooms.__name__}.")
+    for room in sorted(packages, key=lambda room: not room.name.endswith(MAIN)):
         for kind, name in import_module(room.name).KINDS.items():
             found[kind] = (f"{room.name}.mechanism", name)
     return found

@@ -262,7 +262,7 @@ def test_a_ball_is_a_sphere() -> None:
     place = _here("rpur-table1").place
     ball = compute.ball(place, True)
     assert isinstance(ball, Sphere)
-    at = place.machine.transform(place.mode)[:3, 3]
+    at = place.machine.transform(place.pose, place.mode)[:3, 3]
     assert ball.center == pytest.approx(at)
     nearest = _here("rpur-table1").nearest("parallel", "constraint")
     assert nearest is not None

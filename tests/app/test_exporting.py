@@ -20,7 +20,6 @@ from kinematics.designs.files import load_design, presets, read_design
 from kinematics.errors import ComputationError, InputError
 from kinematics.facets.solids import build_solid
 from kinematics.machine import machine_of
-from kinematics.mechanism import mechanism_class
 from kinematics.screws.spatial import homogeneous, rotation_y, rotation_z
 from kinematics.solids import csg
 
@@ -106,7 +105,7 @@ def test_other_endings_are_refused(path: str) -> None:
 
 def test_names_say_what_the_solid_is() -> None:
     design = load_design("rpur-table1")
-    axes = mechanism_class("five_rpur").coordinates[3:]
+    axes = machine_of(load_design("rpur-table1")).coordinates[3:]
 
     def name(key: str, phi: float, theta: float, *modes: str) -> str:
         orientation = tuple(zip(axes, np.radians([phi, theta]).tolist(), strict=True))

@@ -181,7 +181,8 @@ def test_the_curves_of_every_machine_make_a_sound_picture(name: str) -> None:
     for spec in machine_of(design).singularities.loci:
         at = 0.0 if spec.key == "section" else None
         curves = machine_of(design).singularities.locus(spec.key, home.pose, home.mode, at)
-        circle = next(iter(machine_of(design).circles.about(home.pose, home.mode)), None)
+        circles = machine_of(design).circles
+        circle = None if circles is None else next(iter(circles.about(home.pose, home.mode)), None)
         drawn = plot.figure(spec, curves, circle)
         root = _svg(drawn.content)
         paths = [p for p in root.iter("path") if "locus" in p.get("class", "")]

@@ -25,7 +25,6 @@ from app.review.state import Review, new_review
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 from kinematics.machine import machine_of
-from kinematics.mechanism import mechanism_class
 
 
 @pytest.fixture(scope="module")
@@ -136,7 +135,7 @@ def test_a_named_way_does_not_go_to_a_machine_without_it(bar: Review) -> None:
 
 
 def test_a_plane_is_two_coordinates(rpur: Review) -> None:
-    axes = rpur.mechanism.coordinates
+    axes = rpur.machine.coordinates
     assert plane_of(rpur.plan, axes) == (0, 1)
     assert plane_of(replace(rpur.plan, plane=("theta", "y")), axes) == (4, 1)
 
@@ -239,4 +238,4 @@ def test_the_largest_path_fits_into_a_session_file(rpur: Review) -> None:
 
 def test_the_default_plan_is_sound_nowhere_but_without_a_machine() -> None:
     assert Plan().start == ()
-    assert mechanism_class("five_bar").paths.named()[0].name == "line"
+    assert machine_of(load_design("five-bar")).paths.named()[0].name == "line"

@@ -78,7 +78,7 @@ def test_every_mechanism_runs_straight_from_home(name: str) -> None:
     # What is played is what was sampled, and O′ is where it was drawn.
     at = float(found.times[7])
     np.testing.assert_allclose(computed.pose_at(at), found.poses[7], atol=1e-9)
-    spot = review.machine.transform(review.mode)[:3, 3]
+    spot = review.machine.transform(found.poses[7], review.mode)[:3, 3]
     np.testing.assert_allclose(computed.spots[7], spot, atol=1e-9)
     distance = compute.distances(computed.asked, found.poses[7:8])
     posture = review.machine.inverse.posture(computed.pose_at(at), review.mode)

@@ -61,6 +61,9 @@ class FiveBar(Mechanism[FiveBarDesign]):
     def design_fields(self) -> tuple[DesignField, ...]:
         return designs.design_fields(self.design)
 
+    def edited(self, path: Sequence[str | int], value: float) -> FiveBarDesign:
+        return designs.with_field(self.design, path, value)
+
     def findings(self) -> tuple[Finding, ...]:
         return remarks.findings(self.design)
 

@@ -64,6 +64,9 @@ class FourSPSSPR(Mechanism[FourSPSSPRDesign]):
     def design_fields(self) -> tuple[DesignField, ...]:
         return designs.design_fields(self.design)
 
+    def edited(self, path: Sequence[str | int], value: float) -> FourSPSSPRDesign:
+        return designs.with_field(self.design, path, value)
+
     def findings(self) -> tuple[Finding, ...]:
         return findings.findings(self.design)
 

@@ -62,6 +62,9 @@ class Tripod(Mechanism[TripodDesign]):
     def design_fields(self) -> tuple[DesignField, ...]:
         return designs.design_fields(self.design)
 
+    def edited(self, path: Sequence[str | int], value: float) -> TripodDesign:
+        return designs.with_field(self.design, path, value)
+
     def findings(self) -> tuple[Finding, ...]:
         return home.findings(self.design)
 

@@ -14,22 +14,21 @@ from kinematics.answers.trajectories import Quantity
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 from kinematics.machine import machine_of
-from kinematics.mechanism import mechanism_class
 from kinematics.trajectories.along import Along
 
 FIVE = load_design("five-bar")
-M = mechanism_class("five_bar")
+M = machine_of(FIVE)
 UNIT = (1.0, 1.0)
 BENT = ((0.0, 804.0), (100.0, 700.0), (-100.0, 600.0))
 
 
 def _run(path: t.Path, law: t.Law, samples: int = 101, **options: object) -> t.Trajectory:
     options = {"distances": False} | options
-    return t.trajectory(M, FIVE, path, law, "+-", samples=samples, **options)  # type: ignore[arg-type]
+    return t.trajectory(M, path, law, "+-", samples=samples, **options)  # type: ignore[arg-type]
 
 
 def _dense(path: t.Path, law: t.Law, what: Quantity, count: int = 40_001) -> np.ndarray:
-    along = Along(M, FIVE, path, law, "+-")
+    along = Along(M, path, law, "+-")
     times = np.linspace(0.0, law.duration, count)
     rates, accelerations, _ = along.asked(times, None)
     most: np.ndarray = np.abs(rates if what == "rate" else accelerations).max(axis=0)
@@ -47,7 +46,7 @@ def _lissajous(points: int = 5000) -> t.Path:
 def test_the_largest_values_are_those_of_the_trajectory(samples: int) -> None:
     (way,) = [each for each in machine_of(FIVE).paths.named() if each.name == "rest-to-rest"]
     found = _run(way.path, way.law, samples)
-    along = Along(M, FIVE, way.path, way.law, way.mode)
+    along = Along(M, way.path, way.law, way.mode)
     for n, what in enumerate(("rate", "acceleration")):
         most, times = found.largest(what)  # type: ignore[arg-type]
         np.testing.assert_allclose(most, _dense(way.path, way.law, what), rtol=1e-7)  # type: ignore[arg-type]
@@ -71,7 +70,7 @@ def test_a_path_that_is_finer_than_its_samples() -> None:
     most, times = found.largest("acceleration")
     assert (dense <= most).all()
     np.testing.assert_allclose(most, dense, rtol=1e-3)  # it has a kink at every point
-    there = np.abs(Along(M, FIVE, path, law, "+-").asked(times, None)[1])
+    there = np.abs(Along(M, path, law, "+-").asked(times, None)[1])
     np.testing.assert_allclose(np.diag(there), most, rtol=1e-12)
     limit = float(0.5 * (sampled[1] + dense[1]))
     told = _run(path, law, limits=t.Limits(accelerations=(1e9, limit))).events
@@ -84,7 +83,7 @@ def test_a_limit_is_exceeded_from_when_to_when() -> None:
     limit = radians(39.0)
     found = _run(way.path, way.law, 4, limits=t.Limits(rates=(9.0, limit)))
     (event,) = found.events
-    along = Along(M, FIVE, way.path, way.law, way.mode)
+    along = Along(M, way.path, way.law, way.mode)
     ends = np.array([event.start, event.end, event.at])
     rates = np.abs(along.asked(ends, None)[0][:, 1])
     np.testing.assert_allclose(rates[:2], limit, rtol=1e-7)
@@ -100,7 +99,7 @@ def test_corners_that_are_passed_at_speed_are_told(kind: str, samples: int) -> N
     corner = next(event for event in found.events if event.kind == "corner")
     assert corner.pose == pytest.approx(BENT[1], abs=1e-6)
     assert corner.start == corner.end == corner.at
-    along = Along(M, FIVE, path, law, "+-")
+    along = Along(M, path, law, "+-")
     sides = along.asked(corner.at + np.array([-1e-7, 1e-7]), None)[0]
     assert corner.value == pytest.approx(np.abs(np.diff(sides, axis=0)).max(), rel=1e-4)
     assert not found.sound
@@ -221,7 +220,7 @@ def test_an_excursion_tells_where_it_begins_how_far_it_goes_and_when_it_ends() -
     bow = t.spline([(-300.0, 700.0), (-10.0, 980.0), (300.0, 700.0)], UNIT)
     for samples in (7, 101):
         (event,) = _run(bow, t.law("linear", 2.0), samples).events
-        along = Along(M, FIVE, bow, t.law("linear", 2.0), "+-")
+        along = Along(M, bow, t.law("linear", 2.0), "+-")
         times = np.linspace(event.start, event.end, 4001)
         over = [max(r.amount for r in along.posture(x).reasons) for x in times[1:-1]]
         assert event.value == pytest.approx(max(over), abs=1e-4)

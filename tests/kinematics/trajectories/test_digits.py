@@ -10,21 +10,20 @@ import pytest
 from kinematics import trajectories as t
 from kinematics.designs.files import load_design
 from kinematics.machine import Machine, machine_of
-from kinematics.mechanism import Design, mechanism_class
 from kinematics.trajectories.digits import FEWEST, MOST, rounded
 
 FIVE = load_design("five-bar")
-M = mechanism_class("five_bar")
+M = machine_of(FIVE)
 
 
 def _named(name: str, samples: int, duration: float | None = None) -> t.Trajectory:
     (way,) = [each for each in machine_of(FIVE).paths.named() if each.name == name]
     law = way.law if duration is None else t.law(way.law.kind, duration)
-    return t.trajectory(M, FIVE, way.path, law, way.mode, samples=samples, distances=False)
+    return t.trajectory(M, way.path, law, way.mode, samples=samples, distances=False)
 
 
 def _true_deviation(
-    kind: Machine[Any], design: Design, found: t.Trajectory, coefficients: np.ndarray
+    machine: Machine[Any], found: t.Trajectory, coefficients: np.ndarray
 ) -> np.ndarray:
     """σ of FK(polynomial) − path, by Horner's rule on the numbers as they are."""
     joints = np.zeros_like(found.joints)
@@ -32,11 +31,9 @@ def _true_deviation(
         joints = joints * found.times[:, None] + column
     error = []
     for pose, row in zip(found.poses, joints, strict=True):
-        posture = machine_of(design).inverse.posture(tuple(pose.tolist()), found.mode)
+        posture = machine.inverse.posture(tuple(pose.tolist()), found.mode)
         error.append(
-            np.subtract(
-                machine_of(design).following.follow(posture, row.tolist()).posture.pose, pose
-            )
+            np.subtract(machine.following.follow(posture, row.tolist()).posture.pose, pose)
         )
     deviation: np.ndarray = np.std(error, axis=0, ddof=1)
     return deviation
@@ -45,11 +42,11 @@ def _true_deviation(
 @pytest.mark.parametrize(("degree", "duration"), [(3, 2.0), (8, 2.0), (12, 2.0), (12, 40.0)])
 def test_printed_polynomials_do_what_their_error_says(degree: int, duration: float) -> None:
     found = _named("rest-to-rest", 101, duration)
-    fits = t.fit(M, FIVE, found, degree)
+    fits = t.fit(M, found, degree)
     assert fits.carried
     assert fits.trouble == ""
     printed = rounded(fits.coefficients, fits.digits)
-    true = _true_deviation(M, FIVE, found, printed)
+    true = _true_deviation(M, found, printed)
     np.testing.assert_allclose(true, fits.deviation[0], rtol=0.0101)
     if fits.digits > FEWEST:  # with one less it is not so, of the pose, its rates or accelerations
         fewer = rounded(fits.coefficients, fits.digits - 1)
@@ -67,9 +64,9 @@ def test_printed_polynomials_do_what_their_error_says(degree: int, duration: flo
 @pytest.mark.parametrize("duration", [2.0, 40.0])
 def test_where_powers_of_t_cancel_the_error_is_of_what_is_printed(duration: float) -> None:
     found = _named("rest-to-rest", 201, duration)
-    fits = t.fit(M, FIVE, found, 20)
+    fits = t.fit(M, found, 20)
     assert fits.digits == MOST or fits.carried
-    true = _true_deviation(M, FIVE, found, rounded(fits.coefficients, fits.digits))
+    true = _true_deviation(M, found, rounded(fits.coefficients, fits.digits))
     np.testing.assert_allclose(true, fits.deviation[0], rtol=0.0101)
 
 
@@ -90,7 +87,7 @@ def test_a_fit_of_nothing_needs_few_digits_and_angles_are_told_in_theirs() -> No
 
 
 def test_why_no_machine_follows_a_bad_fit() -> None:
-    fits = t.fit(M, FIVE, _named("rest-to-rest", 101), 1)
+    fits = t.fit(M, _named("rest-to-rest", 101), 1)
     assert np.isnan(fits.deviation[0]).all()
     assert "at t = 1.9800 s it stops before a parallel singularity" in fits.trouble
     assert fits.digits >= FEWEST

@@ -12,11 +12,10 @@ from kinematics import trajectories as t
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 from kinematics.machine import machine_of
-from kinematics.mechanism import mechanism_class
 from tests.conftest import ROOT
 
 FIVE = load_design("five-bar")
-M = mechanism_class("five_bar")
+M = machine_of(FIVE)
 UNIT = (1.0, 1.0)
 
 
@@ -28,7 +27,7 @@ def reference() -> dict[str, Any]:
 
 def _named(name: str, samples: int) -> t.Trajectory:
     (way,) = [each for each in machine_of(FIVE).paths.named() if each.name == name]
-    return t.trajectory(M, FIVE, way.path, way.law, way.mode, samples=samples, distances=False)
+    return t.trajectory(M, way.path, way.law, way.mode, samples=samples, distances=False)
 
 
 # As printed: from the highest power down.
@@ -48,7 +47,7 @@ EQUATIONS = {
 
 @pytest.mark.parametrize(("name", "degree", "samples"), EQUATIONS)
 def test_equations_16_to_19_to_every_printed_digit(name: str, degree: int, samples: int) -> None:
-    fits = t.fit(M, FIVE, _named(name, samples), degree)
+    fits = t.fit(M, _named(name, samples), degree)
     for row, printed in zip(fits.coefficients, EQUATIONS[name, degree, samples], strict=True):
         for value, text in zip(row[::-1], printed, strict=True):
             decimals = len(text.partition(".")[2])
@@ -62,7 +61,7 @@ def test_equations_16_to_19_to_every_printed_digit(name: str, degree: int, sampl
 def test_the_true_errors_of_the_fits(
     reference: dict[str, Any], name: str, key: str, degree: int, samples: int
 ) -> None:
-    fits = t.fit(M, FIVE, _named(name, samples), degree)
+    fits = t.fit(M, _named(name, samples), degree)
     known = reference[key]
     for errors, wanted in zip(fits.deviation, ("std_pos", "std_vel", "std_acc"), strict=True):
         np.testing.assert_allclose(errors / 10.0, known[wanted], rtol=1e-9)
@@ -92,7 +91,7 @@ def test_rates_and_accelerations_are_those_of_the_joints() -> None:
 def test_forces_hold_the_load_and_distances_are_told() -> None:
     (way,) = [each for each in machine_of(FIVE).paths.named() if each.name == "rest-to-rest"]
     load = [3.0, -100.0, 0, 0, 0, 0]
-    found = t.trajectory(M, FIVE, way.path, way.law, way.mode, samples=21, load=load)
+    found = t.trajectory(M, way.path, way.law, way.mode, samples=21, load=load)
     power = (found.forces * found.joint_rates).sum(axis=1) + found.pose_rates @ load[:2]
     np.testing.assert_allclose(power, 0.0, atol=1e-6)
     assert [name.limb for name in found.names] == [1, 2]
@@ -104,7 +103,7 @@ def test_forces_hold_the_load_and_distances_are_told() -> None:
 def test_the_line_leaves_the_workspace_at_the_known_time() -> None:
     path = t.line((0.0, 738.644), (200.0, 938.644), UNIT)
     for samples in (5, 101):
-        found = t.trajectory(M, FIVE, path, t.law("linear", 2.0), "+-", samples=samples)
+        found = t.trajectory(M, path, t.law("linear", 2.0), "+-", samples=samples)
         (event,) = found.events
         assert event.kind == "outside"
         assert event.start == pytest.approx(1.42056286, abs=1e-7)
@@ -115,23 +114,23 @@ def test_the_line_leaves_the_workspace_at_the_known_time() -> None:
         assert np.isnan(found.joints[-1]).any()
         assert found.reachable[0]
     with pytest.raises(InputError, match="leaves the workspace"):
-        t.fit(M, FIVE, found, 3)
+        t.fit(M, found, 3)
 
 
 def test_an_excursion_between_two_samples_is_found() -> None:
     path = t.line((-150.0, 937.0), (150.0, 937.0), UNIT)  # beyond both limbs' reach near the middle
     edge = machine_of(FIVE).inverse.posture((0.0, 937.0), "+-")
     assert not edge.reachable
-    found = t.trajectory(M, FIVE, path, t.law("linear", 1.0), "+-", samples=2)
+    found = t.trajectory(M, path, t.law("linear", 1.0), "+-", samples=2)
     assert [event.kind for event in found.events] == ["outside"]
     high = t.line((-300.0, 640.0), (300.0, 640.0), UNIT)
-    assert not t.trajectory(M, FIVE, high, t.law("linear", 1.0), "+-", samples=2).events
+    assert not t.trajectory(M, high, t.law("linear", 1.0), "+-", samples=2).events
 
 
 @pytest.mark.parametrize("samples", [4, 31, 101])
 def test_a_crossing_is_found_with_time_and_place(samples: int) -> None:
     path = t.line((0.0, 700.0), (0.0, 300.0), UNIT)
-    found = t.trajectory(M, FIVE, path, t.law("linear", 4.0), "+-", samples=samples)
+    found = t.trajectory(M, path, t.law("linear", 4.0), "+-", samples=samples)
     crossed = [event for event in found.events if event.kind == "singularity"]
     assert len(crossed) == 1
     assert crossed[0].pose[1] == pytest.approx(415.69219381653, abs=1e-6)
@@ -142,13 +141,13 @@ def test_a_crossing_is_found_with_time_and_place(samples: int) -> None:
 def test_two_crossings_between_samples_are_found() -> None:
     # Through the narrow top of the extended curve and out again within one step.
     path = t.line((-60.0, 414.5), (60.0, 414.5), UNIT)
-    found = t.trajectory(M, FIVE, path, t.law("linear", 1.0), "+-", samples=12)
+    found = t.trajectory(M, path, t.law("linear", 1.0), "+-", samples=12)
     assert any(event.kind == "singularity" for event in found.events)
 
 
 def test_near_ones_are_told_but_stop_nothing() -> None:
     path = t.line((-200.0, 425.0), (200.0, 425.0), UNIT)
-    found = t.trajectory(M, FIVE, path, t.law("linear", 1.0), "+-", samples=101, near=15.0)
+    found = t.trajectory(M, path, t.law("linear", 1.0), "+-", samples=101, near=15.0)
     (event,) = found.events
     assert event.kind == "near"
     assert event.value == pytest.approx(425.0 - 415.6921938, abs=1e-4)
@@ -160,9 +159,7 @@ def test_limits_and_the_duration_that_keeps_them() -> None:
     (way,) = [each for each in machine_of(FIVE).paths.named() if each.name == "rest-to-rest"]
     limits = t.Limits(rates=(0.3, 0.3), accelerations=(1.0, 1.0), forces=(1e4, 1e9))
     load = [0, -100.0, 0, 0, 0, 0]
-    found = t.trajectory(
-        M, FIVE, way.path, way.law, way.mode, load=load, limits=limits, distances=False
-    )
+    found = t.trajectory(M, way.path, way.law, way.mode, load=load, limits=limits, distances=False)
     kinds = {(event.kind, event.joint) for event in found.events}
     assert ("rate", 0) in kinds
     assert ("rate", 1) in kinds
@@ -175,24 +172,24 @@ def test_limits_and_the_duration_that_keeps_them() -> None:
     slow = t.duration_within(found, limits)
     assert slow > way.law.duration
     kept = t.trajectory(
-        M, FIVE, way.path, t.law("quintic", slow * 1.001), way.mode, distances=False,
+        M, way.path, t.law("quintic", slow * 1.001), way.mode, distances=False,
         limits=t.Limits(limits.rates, limits.accelerations),
     )  # fmt: skip
     assert kept.events == ()
     with pytest.raises(InputError, match="2 positive numbers"):
-        t.trajectory(M, FIVE, way.path, way.law, way.mode, limits=t.Limits(rates=(1.0,)))
+        t.trajectory(M, way.path, way.law, way.mode, limits=t.Limits(rates=(1.0,)))
 
 
 def test_a_leap_of_a_joint_is_told() -> None:
     path = t.line((-240.0, 120.0), (-240.0, -120.0), UNIT)  # over A_1
-    found = t.trajectory(M, FIVE, path, t.law("linear", 1.0), "++", samples=100, distances=False)
+    found = t.trajectory(M, path, t.law("linear", 1.0), "++", samples=100, distances=False)
     assert any(event.kind == "jump" and event.joint == 0 for event in found.events)
 
 
 def test_angles_run_on_beyond_half_a_turn() -> None:
     circle = [(-300.0 + 90 * np.cos(a), 90 * np.sin(a)) for a in np.linspace(0.3, 6.5, 60)]
     path = t.spline(circle, UNIT)
-    found = t.trajectory(M, FIVE, path, t.law("linear", 1.0), "++", samples=201, distances=False)
+    found = t.trajectory(M, path, t.law("linear", 1.0), "++", samples=201, distances=False)
     assert np.abs(np.diff(found.joints, axis=0)).max() < 0.5
 
 
@@ -210,16 +207,16 @@ def test_playback() -> None:
 def test_mistakes() -> None:
     path, law = t.line((0.0, 700.0), (0.0, 600.0), UNIT), t.law("linear", 1.0)
     with pytest.raises(InputError, match="no mode"):
-        t.trajectory(M, FIVE, path, law, "+++++")
+        t.trajectory(M, path, law, "+++++")
     with pytest.raises(InputError, match="samples"):
-        t.trajectory(M, FIVE, path, law, "+-", samples=1)
+        t.trajectory(M, path, law, "+-", samples=1)
     with pytest.raises(InputError, match="load"):
-        t.trajectory(M, FIVE, path, law, "+-", load=[1.0])
-    found = t.trajectory(M, FIVE, path, law, "+-", samples=5, distances=False)
+        t.trajectory(M, path, law, "+-", load=[1.0])
+    found = t.trajectory(M, path, law, "+-", samples=5, distances=False)
     with pytest.raises(InputError, match="degree"):
-        t.fit(M, FIVE, found, 21)
+        t.fit(M, found, 21)
     with pytest.raises(InputError, match="more than 5"):
-        t.fit(M, FIVE, found, 5)
+        t.fit(M, found, 5)
 
 
 def test_another_mechanism_runs_the_same_room() -> None:

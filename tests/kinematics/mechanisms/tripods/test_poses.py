@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kinematics.errors import InputError
-from kinematics.mechanism import mechanism_class
+from kinematics.machine import machine_of
 from kinematics.mechanisms.tripods import inverse, posing, study
 from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind, TripodDesign
 from kinematics.mechanisms.tripods.forward import distances
@@ -126,8 +126,8 @@ def test_at_90_degrees_a_3_spr_has_no_position(mode: str) -> None:
     near = inverse.posture(design, (100.0, 0.5 * np.pi - 1e-4, 0.3), mode)
     assert min(near.joints) > 1e5
     assert inverse.posture(machine("three_rps"), (100.0, 0.5 * np.pi, 0.3), mode).closes
-    assert not mechanism_class("three_spr").clearances.of(there)
-    drawn = mechanism_class("three_spr").drawing(there)
+    assert not machine_of(design).clearances.of(there)
+    drawn = machine_of(design).drawing(there)
     assert {bar.role for bar in drawn.bars} >= {"gap"}
     assert np.isfinite([bar.end for bar in drawn.bars]).all()
 
@@ -142,7 +142,7 @@ def test_reasons_name_limb_bound_and_amount() -> None:
     first = there.reasons[0]
     assert first.amount == pytest.approx(there.joints[first.limb - 1] - 120.0)
     assert "ρ max = 120 mm" in first.text
-    known = mechanism_class("three_rps").inverse([there.pose])
+    known = machine_of(design).inverse([there.pose])
     np.testing.assert_allclose(known.joints[0, 1], there.joints)
     assert known.modes == MODES
     assert not known.within_stroke[0, 1]

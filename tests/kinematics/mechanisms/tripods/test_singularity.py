@@ -7,7 +7,6 @@ import pytest
 from scipy.optimize import brentq
 
 from kinematics.machine import machine_of
-from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.tripods import (
     forward,
     inverse,
@@ -101,7 +100,7 @@ def test_both_modes_meet_at_180_degrees(kind: Kind) -> None:
         np.testing.assert_allclose(change.at.joints, change.other.joints, atol=1e-10)
         back = singularities.in_other_mode(design, change.other)
         np.testing.assert_allclose(back.pose, change.at.pose, atol=1e-12)
-        (lost,) = mechanism_class(kind).singularities.at(there)
+        (lost,) = machine_of(design).singularities.at(there)
         assert lost.kind == "constraint"
         assert lost.limbs == (1, 2, 3)
         assert lost.measure < 1e-12
