@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from itertools import product
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +11,7 @@ from hypothesis import strategies as st
 
 from kinematics.answers.sections import Box, Sphere
 from kinematics.errors import InputError
-from kinematics.machine import Machine
+from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.inscribed.contacts import Region
@@ -443,12 +442,10 @@ def test_boxes_in_thin_vertex_spaces(link, stroke, theta):
 
 
 def test_through_the_mechanism():
-    from kinematics.mechanisms.five_rpur.mechanism import MECHANISM
-
-    mechanism: Machine[Any] = MECHANISM
-    design = preset("rpur-table1")
+    sections = machine_of(preset("rpur-table1")).sections
+    assert sections is not None
     pose = (0.0, 0.0, 0.0, -0.3, 0.5)
-    ball, found = mechanism.sphere(design, pose, None), mechanism.box(design, pose, None)
+    ball, found = sections.ball(pose, None), sections.box(pose, None)
     assert ball is not None
     assert found is not None
     assert ball.radius > 60.0
