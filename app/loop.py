@@ -13,7 +13,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -24,26 +24,30 @@ from app.features.design.panel import DesignPanel
 from app.features.map.panel import MapPanel
 from app.features.map.part import Mapping
 from app.features.move.panel import MovePanel
+from app.features.move.state import Place, Visit
 from app.features.review.files import ExportedFile, build_file, solid_name
 from app.features.review.panel import ReviewPanel
 from app.features.section.panel import SectionPanel
 from app.features.section.part import Slicing
+from app.features.singularities.compute import beside
 from app.features.singularities.panel import SingularitiesPanel
 from app.features.singularities.part import Controlling
+from app.features.singularities.state import Control
 from app.features.solutions.panel import SolutionsPanel
 from app.features.solutions.part import Solving
 from app.features.trajectory.panel import TrajectoryPanel
 from app.features.trajectory.part import Moving
+from app.features.workspace.compute import SolidWish, modes_of, wishes
 from app.features.workspace.panel import WorkspacePanel
 from app.features.workspace.part import Regioning
 from app.jobs.parts import Part
 from app.jobs.worker import Built, Busy, Event, Failed, Worker
 from app.review import session
 from app.review import view as compute
-from app.review.changes import Change, Place, Visit
+from app.review.changes import Change
 from app.review.history import History
 from app.review.requests import Request
-from app.review.state import Review, is_planar
+from app.review.state import Options, Review, is_planar
 from app.scene.machine import FIELD_OF_VIEW, Scene, machine_bounds
 from app.scene.morph import Morph
 from app.widgets.desk import Hands, Panel, Save, Sheet, safely
@@ -107,6 +111,7 @@ class Page:
         )
         self._morph: Morph | None = None
         self._view: compute.View | None = None
+        self._wishes: tuple[SolidWish, ...] = ()
         self._header: Header | None = None
         self.panels: list[Panel] = []  # the header first
         self._built: dict[str, Built] = {}
@@ -310,7 +315,7 @@ class Page:
                     self.complain(text)
                     self._notes = (text,)  # whoever opens the page later reads it too
                 if resolution == "preview":  # better no solid than one of another pose
-                    for wish in compute.wishes(self._history.present):
+                    for wish in wishes(self._history.present):
                         if wish.what == what:
                             self._built.pop(wish.spec.key, None)
                 return bool(text)
@@ -323,7 +328,7 @@ class Page:
                     and ranks.index(before.resolution) >= ranks.index(resolution)
                 ):
                     return False
-                if all(w.what != wish.what for w in compute.wishes(self._history.present)):
+                if all(w.what != wish.what for w in wishes(self._history.present)):
                     return False  # the hand has moved on
                 self._built[wish.spec.key] = event
                 if not self._framed_with_solids:
@@ -336,8 +341,9 @@ class Page:
     def _publish(self) -> None:
         """Bring everything to the present review."""
         review = self._history.present
-        view = self._view = compute.view(review)
-        self.worker.want(view.wishes)
+        view = self._view = replace(compute.view(review), beside=beside(review))
+        self._wishes = wishes(review)
+        self.worker.want(self._wishes)
         with self.server.atomic():
             if review.design.mechanism != self._kind:
                 self._assemble(self.sheet())
@@ -345,10 +351,10 @@ class Page:
             self.scene.show(self._shown(), dragging=bool(self._dragging))
             self._show_solids(view)
             self._draw_panels()
-            framed = review.design, review.control.compare
+            framed = review.design, review[Control].compare
             if self._framed != framed:
                 # Again when the first solid is there: it is larger than the machine.
-                self._framed, self._framed_with_solids = framed, not view.wishes
+                self._framed, self._framed_with_solids = framed, not self._wishes
                 self._fit()
             for part in self._parts:
                 part.follow()
@@ -385,6 +391,7 @@ class Page:
         assert self._view is not None
         return Sheet(
             self._view,
+            self._wishes,
             dict(self._built),
             self._notes,
             bool(self._history.past),
@@ -397,7 +404,7 @@ class Page:
             panel.draw(sheet)
 
     def _show_solids(self, view: compute.View) -> None:
-        wished = {wish.spec.key: wish for wish in view.wishes}
+        wished = {wish.spec.key: wish for wish in self._wishes}
         for spec in view.review.machine.solid_specs:
             wish, built = wished.get(spec.key), self._built.get(spec.key)
             if wish is None:
@@ -468,9 +475,9 @@ class Page:
         return self.apply(Place(pose, held=self._grips), None)
 
     def _theme(self, review: Review) -> None:
-        if review.options.dark == self._dark:
+        if review[Options].dark == self._dark:
             return
-        self._dark = review.options.dark
+        self._dark = review[Options].dark
         self.gui.configure_theme(
             dark_mode=self._dark,
             show_logo=False,
@@ -491,7 +498,7 @@ class Page:
     def _fit(self) -> None:
         review = self._history.present
         drawing = review.machine.drawing(review.posture)
-        other = compute.beside(review)
+        other = beside(review)
         low, high = machine_bounds(drawing, *([] if other is None else [other.drawing]))
         for built in self._built.values():
             if built.solid.triangles:
@@ -501,7 +508,7 @@ class Page:
         for more in (self._regions.bounds, self._moving.bounds):
             if more is not None:
                 low, high = np.minimum(low, more[0]), np.maximum(high, more[1])
-        planar = is_planar(review)
+        planar = is_planar(review.machine)
         position, target = self.scene.frame((low, high), from_above=planar)
         first = self.server.initial_camera
         first.near, first.far = drawing.size / 100.0, drawing.size * 80.0
@@ -519,7 +526,7 @@ class Page:
 
     def _export(self, save: Save) -> None:
         review = self._history.present
-        wish = next((w for w in compute.wishes(review) if w.spec.key == save.key), None)
+        wish = next((w for w in wishes(review) if w.spec.key == save.key), None)
         if wish is None:
             self.complain("that solid is not shown any more", save.client)
             return
@@ -528,7 +535,7 @@ class Page:
             for c, v in zip(review.machine.coordinates, review.pose, strict=True)
             if c.unit == "rad"
         )
-        modes = compute.modes_of(review, wish.spec)
+        modes = modes_of(review, wish.spec)
         name = solid_name(review.design, save.key, angles, modes)
         request = next(r for res, r in wish.requests.items() if res == save.resolution)
 

@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING, Literal, TypeVar
 
-from app.review.view import SolidWish
+from app.features.workspace.compute import SolidWish
 from kinematics.errors import BohemiaError
 from kinematics.facets.solids import Resolution, SolidRequest
 

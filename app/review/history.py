@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from app.review.changes import Change, MoveCut, Place, change
+from app.review.changes import Change, change
 from app.review.state import Review
 
 QUIET_GAP = 1.0  # s; a gesture that pauses longer than this becomes a step of its own in undo
@@ -28,15 +28,14 @@ class History:
         present, note = change(self.present, what)
         if present == self.present:
             return self, note
-        held = what.held if isinstance(what, Place | MoveCut) else 0
         joined = (
             bool(what.gesture)
             and what.gesture == self.gesture
-            and (now - self.changed_at < QUIET_GAP or 0 != held == self.held)
+            and (now - self.changed_at < QUIET_GAP or 0 != what.held == self.held)
             and not self.future
         )
         past = self.past if joined else (*self.past, self.present)[-MAX_HISTORY:]
-        return History(present, past, (), what.gesture, now, held), note
+        return History(present, past, (), what.gesture, now, what.held), note
 
     def undo(self) -> History:
         if not self.past:

@@ -1,36 +1,107 @@
-"""The whole state of a review: one frozen value, and what makes it sound.
+"""The whole state of a review as one frozen value: where the machine stands, and a slice for each
+feature.
 
-Lengths in mm and angles in rad; whoever reads a widget converts. Nothing here knows viser.
+Lengths in mm and angles in rad; whoever reads a widget converts. Nothing here knows viser, nor any
+feature: their slices are found in the files `state` of their folders.
 """
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, replace
-from typing import Any, Literal
+from dataclasses import dataclass, fields, replace
+from functools import cache
+from typing import Any, ClassVar, Self, TypeVar
 
-from app.features.trajectory.state import NO_PLAN, Plan, fresh_plan
-from app.review.modes import matching
+from app.features import each
+from app.review import content as session
 from kinematics.answers.solutions import Posture
 from kinematics.errors import InputError
-from kinematics.facets.solids import SurfaceKind
 from kinematics.machine import Machine, machine_of
-from kinematics.mechanism import Coordinate, Design
-
-ModeChoice = Literal["all", "current"]
-Sort = Literal["distance", "condition", "height", "mode"]
-SORTS: tuple[Sort, ...] = ("distance", "condition", "height", "mode")
-SAME_MODE = "same"
-FAR = 1e4  # mm; a plane may stand this far off, where it cuts nothing
-MAX_RATIO, MAX_RATIOS = 100.0, 12  # of machines whose profiles are compared
-LARGEST = 1e9  # of a rate or of a load; squares of it are numbers yet
-MAX_CELLS = 91  # of a map along one axis
+from kinematics.mechanism import Design
 
 
-@dataclass(frozen=True, slots=True)
-class Options:
+@dataclass(frozen=True)
+class Slice:
+    """What one feature keeps of a review: a frozen value in which every field has a default.
+
+    Attributes:
+        filed_as: what it is called in a session file.
+    """
+
+    filed_as: ClassVar[str]
+
+    @classmethod
+    def fresh(cls, review: Review) -> Self:
+        """That of a machine which nobody has touched; the review has no slice of this kind yet."""
+        return cls()
+
+    def checked(self, review: Review) -> Self:
+        """The same, once it is known to be sound.
+
+        Raises:
+            InputError: it cannot be of this review's machine.
+        """
+        return self
+
+    def carried(self, before: Review, review: Review) -> Self:
+        """What of it serves another machine; the review has that one's fresh slice."""
+        try:
+            return self.checked(review)
+        except InputError:
+            return review[type(self)]
+
+    # --- in a session file
+
+    def written(self, review: Review) -> dict[str, Any]:
+        """What `read` reads, by its keys in the file."""
+        return {self.filed_as: {f.name: self.write(f.name, review) for f in fields(self)}}
+
+    @classmethod
+    def read(cls, content: dict[str, Any], review: Review, origin: str) -> Self:
+        """That of a file; what an older one does not have is as in ``review``, a fresh one.
+
+        Raises:
+            InputError: something in it cannot be used; one sentence.
+        """
+        given = session.table(content, cls.filed_as, origin)
+        values = {}
+        for f in fields(cls):
+            if f.name not in given:
+                continue
+            what = f"{origin}: {cls.filed_as}: {f.name}"
+            value = values[f.name] = cls.taken(f.name, given[f.name], review, what)
+            # A bool is an int to Python, and not to whoever writes a file.
+            if type(value) is not type(f.default):
+                raise InputError(f"{what} is not of the right kind")
+        try:
+            return replace(review[cls], **values).checked(review)
+        except InputError as error:
+            raise InputError(f"{origin}: {cls.filed_as}: {error}") from None
+
+    def write(self, name: str, review: Review) -> Any:
+        """A field as it stands in the file."""
+        return getattr(self, name)
+
+    @classmethod
+    def taken(cls, name: str, value: Any, review: Review, what: str) -> Any:
+        """A field as it was found in the file.
+
+        Raises:
+            InputError: it cannot be used; the sentence begins with ``what``.
+        """
+        if isinstance(value, list):
+            return tuple(session.number(v, what) for v in value)
+        usual = next(f.default for f in fields(cls) if f.name == name)
+        return session.number(value, what) if isinstance(usual, float) else value
+
+
+S = TypeVar("S", bound=Slice)
+
+
+@dataclass(frozen=True)
+class Options(Slice):
     """What is drawn beside the solids, and how."""
 
+    filed_as: ClassVar[str] = "options"
     machine: bool = True
     labels: bool = False
     frames: bool = True
@@ -40,121 +111,31 @@ class Options:
     dark: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Shown:
-    """One solid that is on display."""
-
-    key: str
-    opacity: float
-
-
-@dataclass(frozen=True, slots=True)
-class Atlas:
-    """How the solutions for the present actuators are shown.
-
-    ``mixed`` asks for those of simplified designs in which the limbs of an arrangement stand in
-    different working modes. ``modes`` filters the list: "" for all, `SAME_MODE` for the present
-    working mode, else patterns that `app.review.modes.matching` understands.
-    """
-
-    ghosts: bool = False
-    mixed: bool = False
-    sort: Sort = "distance"
-    within_stroke: bool = False
-    modes: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Cut:
-    """The plane in which the workspace is cut: whether it is on display, and where, mm."""
-
-    on: bool = False
-    at: float = 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class Span:
-    """Evenly spaced values of one coordinate, both ends included; rad or mm."""
-
-    low: float = -0.5 * math.pi
-    high: float = 0.5 * math.pi
-    count: int = 37
-
-
-@dataclass(frozen=True, slots=True)
-class Chart:
-    """What a map shows (a key of the mechanism's `MapSpec`) and over which two spans."""
-
-    quantity: str = "volume"
-    first: Span = Span()
-    second: Span = Span()
-
-
-@dataclass(frozen=True, slots=True)
-class Control:
-    """What is shown of how well the platform is held.
-
-    Attributes:
-        wrenches: the lines along which the limbs push, and the constraints.
-        clearances: the ways to whatever is nearest.
-        locus: the singular surface, in the aspects' solid and in the section.
-        chart: a key of the mechanism's `LocusSpec`s, whose curves are drawn; "" for none.
-        shade: a key of the mechanism's `Measure`s, by which aspects and section are coloured.
-        compare: the mechanism's counterpart stands beside it, with the same numbers.
-        ratios: h₂/h₁ of further machines whose profile is drawn.
-        load: [F, T] on the platform at O′, N and N·mm, base frame.
-        forces: what the limbs push and pull under the load, drawn on them.
-        arrow: the load's force as an arrow to drag.
-        rates, accelerations: of the pose coordinates, mm/s and rad/s and their derivatives, whose
-            motion is drawn; () for none.
-    """
-
-    wrenches: bool = False
-    clearances: bool = False
-    locus: bool = True
-    chart: str = ""
-    shade: str = ""
-    compare: bool = False
-    ratios: tuple[float, ...] = ()
-    load: tuple[float, ...] = (0.0, 0.0, -100.0, 0.0, 0.0, 0.0)
-    forces: bool = False
-    arrow: bool = False
-    rates: tuple[float, ...] = ()
-    accelerations: tuple[float, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Flat:
-    """Regions of a workspace that lies in a plane: whether they are on display, and which."""
-
-    on: bool = True
-    key: str = "workspace"
-    locus: bool = True
-
-
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Review:
     """Everything a review consists of; equal reviews look the same.
 
-    ``modes`` says which working modes the workspace is of: all, the current one, or a set;
-    ``surface`` what its solid is made of. ``gives_way`` is the key of the pose coordinate that
-    follows from the others, where a mechanism has such; "" leaves that to the mechanism.
+    ``gives_way`` is the key of the pose coordinate that follows from the others, where a mechanism
+    has such; "" leaves that to the mechanism.
     """
 
     design: Design
     pose: tuple[float, ...]
     mode: str
-    modes: ModeChoice | tuple[str, ...] = "all"
-    solids: tuple[Shown, ...] = (Shown("workspace", 0.35),)
-    options: Options = Options()
-    atlas: Atlas = Atlas()
-    cut: Cut = Cut()
-    chart: Chart = Chart()
-    surface: SurfaceKind = "facets"
-    control: Control = Control()
     gives_way: str = ""
-    flat: Flat = Flat()
-    plan: Plan = NO_PLAN
+    slices: tuple[Slice, ...] = ()
+
+    def __getitem__(self, kind: type[S]) -> S:
+        """The slice of this kind."""
+        for piece in self.slices:
+            if isinstance(piece, kind):
+                return piece
+        raise KeyError(kind)
+
+    def having(self, *pieces: Slice) -> Review:
+        """The same with these slices instead of those of their kinds."""
+        others = {type(piece): piece for piece in pieces}
+        return replace(self, slices=tuple(others.get(type(s), s) for s in self.slices))
 
     @property
     def machine(self) -> Machine[Any]:
@@ -166,179 +147,35 @@ class Review:
         axes = self.machine.coordinates
         return next((n for n, c in enumerate(axes) if c.key == self.gives_way), None)
 
+    def giving_way(self, key: str) -> Review:
+        """The same with another coordinate that follows from the others.
+
+        Raises:
+            InputError: it is none that may.
+        """
+        known = [self.machine.coordinates[n].key for n in self.machine.dependent]
+        if key and key not in known:
+            raise InputError(f"what gives way is one of {', '.join(known)}, not {key!r}")
+        return replace(self, gives_way=key)
+
     @property
     def posture(self) -> Posture:
         return self.machine.inverse.posture(self.pose, self.mode)
 
-    @property
-    def solver_modes(self) -> tuple[str, ...] | None:
-        """The working modes as solvers take them: None means all together."""
-        if self.modes == "all":
-            return None
-        return (self.mode,) if self.modes == "current" else tuple(self.modes)
 
-    def shown(self, key: str) -> Shown | None:
-        return next((s for s in self.solids if s.key == key), None)
+@cache
+def kinds() -> tuple[type[Slice], ...]:
+    """The kinds of slices that a review has, one a feature that keeps anything."""
+    return (Options, *(kind for module in each("state") for kind in module.SLICES))
 
 
 def new_review(design: Design) -> Review:
     """A review of ``design`` at its home posture."""
     home = machine_of(design).home
     review = Review(design, home.pose, home.mode)
-    # A solid in another space than the machine's is shown when it is asked for.
-    known = {spec.key for spec in review.machine.solid_specs if not spec.of_present_mode}
-    return replace(
-        review,
-        solids=tuple(s for s in review.solids if s.key in known),
-        cut=Cut(at=point_in_section(review)[0]),
-        plan=fresh_plan(review),
-        control=Control(load=usual_load(review)),
-    )
+    return replace(review, slices=tuple(kind.fresh(review) for kind in kinds()))
 
 
-def is_planar(review: Review) -> bool:
+def is_planar(machine: Machine[Any]) -> bool:
     """Whether the platform moves in a plane, x and y."""
-    axes = review.machine.coordinates
-    return all(axis.key in ("x", "y") for axis in axes)
-
-
-def usual_load(review: Review) -> tuple[float, ...]:
-    """100 N downwards, as the machine stands on the page: [F, T], N and N·mm."""
-    return (0.0, -100.0, 0.0, 0.0, 0.0, 0.0) if is_planar(review) else Control().load
-
-
-def point_in_section(review: Review) -> tuple[float, float, float]:
-    """The platform's position (mm) in the frame of sections: along the normal, then in the plane.
-
-    Zeros for a mechanism that has no sections.
-    """
-    machine = review.machine
-    if machine.sections is None:
-        return 0.0, 0.0, 0.0
-    frame = machine.sections.frame(review.pose)
-    position = machine.transform(review.pose, review.mode)[:3, 3]
-    x, y, z = frame[:3, :3].T @ (position - frame[:3, 3])
-    return float(x), float(y), float(z)
-
-
-def within_reach(review: Review, at: float) -> tuple[float, str]:
-    """A plane's place (mm), kept where something can be, and a sentence if it had to be kept.
-
-    Raises:
-        InputError: it is no finite number.
-    """
-    spec = review.machine.section_spec
-    name = "the section" if spec is None else spec.normal
-    sides = [max(abs(c.lower), abs(c.upper)) for c in review.machine.coordinates if c.unit == "mm"]
-    far = max(FAR, float(math.ceil(math.hypot(*sides))))
-    return within(Coordinate("at", name, "mm", -far, far), at)
-
-
-def checked_chart(chart: Chart, review: Review) -> Chart:
-    """The same, once it is known to be sound; its spans within the coordinates' ranges.
-
-    Raises:
-        InputError: the mechanism has no such map, or a span is none.
-    """
-    spec = review.machine.map_spec
-    if spec is None:
-        raise InputError("this mechanism has no map")
-    known = [quantity.key for quantity in spec.quantities]
-    if chart.quantity not in known:
-        raise InputError(f"a map shows {', '.join(known)}, not {chart.quantity!r}")
-    coordinates = review.machine.coordinates
-    for index, span in zip(spec.axes, (chart.first, chart.second), strict=True):
-        symbol = coordinates[index].symbol
-        if not (math.isfinite(span.low) and math.isfinite(span.high)):
-            raise InputError(f"the ends of {symbol} must be finite numbers")
-        if span.low >= span.high:
-            raise InputError(f"{symbol} must end above where it begins")
-        if not 2 <= span.count <= MAX_CELLS:
-            raise InputError(f"a map has from 2 to {MAX_CELLS} values of {symbol}")
-        for end in (span.low, span.high):
-            if beyond := within(coordinates[index], end)[1]:
-                raise InputError(beyond.replace("is kept", "must stay"))
-    return chart
-
-
-def checked_control(control: Control, review: Review) -> Control:
-    """The same, once it is known to be sound.
-
-    Raises:
-        InputError: the mechanism has no such measure or chart, or the load is not six finite
-            numbers.
-    """
-    machine = review.machine
-    measures = [measure.key for measure in machine.measures.specs]
-    if control.shade and control.shade not in measures:
-        raise InputError(f"colour shows {', '.join(measures)}, not {control.shade!r}")
-    charts = [spec.key for spec in machine.singularities.loci]
-    if control.chart and control.chart not in charts:
-        raise InputError(f"a chart of loci is one of {', '.join(charts)}, not {control.chart!r}")
-    if any(not (math.isfinite(r) and 0.0 < r <= MAX_RATIO) for r in control.ratios):
-        raise InputError(f"a ratio is a positive number up to {MAX_RATIO:g}")
-    if len(control.ratios) > MAX_RATIOS:
-        raise InputError(f"at most {MAX_RATIOS} ratios can be compared")
-    axes = machine.coordinates
-    for name, values in (("rates", control.rates), ("accelerations", control.accelerations)):
-        if values and (len(values) != len(axes) or not all(abs(v) <= LARGEST for v in values)):
-            symbols = ", ".join(c.symbol for c in axes)
-            raise InputError(f"{name} are {len(axes)} numbers within ±{LARGEST:.0e}, of {symbols}")
-    if len(control.load) != 6 or not all(abs(v) <= LARGEST for v in control.load):
-        raise InputError(
-            f"a load is six numbers within ±{LARGEST:.0e}: three forces (N), three moments (N·mm)"
-        )
-    return control
-
-
-def checked_way(key: str, review: Review) -> str:
-    """The same, once it is known to be a coordinate that may give way, or "".
-
-    Raises:
-        InputError: it is none.
-    """
-    axes = review.machine.coordinates
-    known = [axes[n].key for n in review.machine.dependent]
-    if key and key not in known:
-        raise InputError(f"what gives way is one of {', '.join(known)}, not {key!r}")
-    return key
-
-
-def checked_flat(flat: Flat, review: Review) -> Flat:
-    """The same, once it is known to be sound.
-
-    Raises:
-        InputError: the mechanism has no such regions.
-    """
-    known = [spec.key for spec in review.machine.region_specs]
-    if known and flat.key not in known:
-        raise InputError(f"regions are {', '.join(known)}, not {flat.key!r}")
-    return flat
-
-
-def checked(atlas: Atlas, machine: Machine[Any]) -> Atlas:
-    """The same, once it is known to be sound.
-
-    Raises:
-        InputError: there is no such order, or a filter that is no working mode.
-    """
-    if atlas.sort not in SORTS:
-        raise InputError(f"solutions are sorted by {', '.join(SORTS)}, not by {atlas.sort!r}")
-    if atlas.modes not in ("", SAME_MODE):
-        matching(atlas.modes, machine.modes)
-    return atlas
-
-
-def within(coordinate: Coordinate, value: float) -> tuple[float, str]:
-    """A typed number, kept finite and in the range that is offered."""
-    if not math.isfinite(value):
-        raise InputError(f"{coordinate.symbol} must be a finite number")
-    kept = min(max(value, coordinate.lower), coordinate.upper)
-    # A round trip through degrees may leave the range by an ulp; that is not worth a sentence.
-    if abs(kept - value) <= 1e-9 * max(1.0, abs(value)):
-        return kept, ""
-    scale, unit = (1.0, "mm") if coordinate.unit == "mm" else (180.0 / math.pi, "°")
-    return kept, (
-        f"{coordinate.symbol} is kept within {coordinate.lower * scale:g} … ".replace("-", "−")
-        + f"{coordinate.upper * scale:g} {unit}."
-    )
+    return all(axis.key in ("x", "y") for axis in machine.coordinates)

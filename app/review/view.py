@@ -4,25 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import lru_cache
+from dataclasses import dataclass
 from typing import Any, Literal
-
-import numpy as np
 
 from app.review.modes import page_mode
 from app.review.state import Review
-from kinematics.answers.clearances import Clearance
-from kinematics.answers.drawings import Body, Drawing
-from kinematics.answers.singularities import ModeChange
-from kinematics.answers.solutions import Finding, Margin, Posture
+from app.review.units import in_page_units, page_unit
+from kinematics.answers.drawings import Drawing
+from kinematics.answers.solutions import Margin, Posture
 from kinematics.arrays import Array
-from kinematics.facets.solids import RESOLUTIONS, Resolution, SolidRequest, SolidSpec
-from kinematics.machine import Machine, machine_of
-from kinematics.mechanism import Coordinate, Design
+from kinematics.machine import Machine
+from kinematics.mechanism import Design
 
-OTHER = 5 * 4  # limbs of a counterpart are counted from here; its colours are the same again
-APART = 3.4  # of the machine's size: how far it stands away
 NEAR = 0.05  # of the stroke: closer to its end than this is "near"
 
 Level = Literal["good", "near", "bad"]
@@ -52,25 +45,10 @@ class Status:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class SolidWish:
-    """One solid to show: what to compute for it, where to put it, how to draw it."""
-
-    spec: SolidSpec
-    requests: dict[Resolution, SolidRequest]
-    placement: Array
-    opacity: float
-
-    @property
-    def what(self) -> tuple[object, ...]:
-        """Equal while the same solid is wished, at whatever resolution."""
-        return self.requests["preview"].arguments
-
-
-@dataclass(frozen=True, eq=False, slots=True)
 class Beside:
     """The counterpart of a machine at the same coordinates and in the same mode.
 
-    ``joints`` and ``drawing`` count its limbs from `OTHER` + 1; the drawing stands in the base
+    ``joints`` and ``drawing`` count its limbs from 21; the drawing stands in the base
     frame as a whole, ``offset`` (3,) mm away from where it belongs.
     """
 
@@ -91,99 +69,20 @@ class View:
     platform: Array
     status: Status
     joints: tuple[JointRow, ...]
-    wishes: tuple[SolidWish, ...]
-    inside: bool
-    findings: tuple[Finding, ...]
-    mode_change: ModeChange | None
-    beside: Beside | None
+    beside: Beside | None = None
 
 
 def view(review: Review) -> View:
-    """The view of a review; a few milliseconds, no solids."""
-    machine, design = review.machine, review.design
-    posture = review.posture
-    rows = joint_rows(machine, posture)
+    """The view of a review; a few milliseconds."""
+    machine, posture = review.machine, review.posture
     return View(
         review=review,
         posture=posture,
         drawing=machine.drawing(posture),
         platform=machine.transform(review.pose, review.mode),
         status=status(review, posture),
-        joints=rows,
-        wishes=wishes(review),
-        inside=machine.inverse.inside(review.pose, review.solver_modes),
-        findings=findings(design),
-        mode_change=machine.singularities.mode_change(posture),
-        beside=beside(review),
+        joints=joint_rows(machine, posture),
     )
-
-
-def beside(review: Review) -> Beside | None:
-    """The counterpart, where it is to be compared with."""
-    if not review.control.compare:
-        return None
-    design = next(iter(review.machine.counterparts), None)
-    if design is None:
-        return None
-    machine = machine_of(design)
-    posture = machine.inverse.posture(review.pose, review.mode)
-    drawing = machine.drawing(posture)
-    platform = machine.transform(posture.pose, posture.mode)
-    offset = np.array([APART * drawing.size, 0.0, 0.0])
-
-    def moved(point: tuple[float, ...]) -> tuple[float, float, float]:
-        x, y, z = (np.asarray(point) + offset).tolist()
-        return x, y, z
-
-    def fixed(body: Body) -> Body:
-        points = np.array(body.points)
-        if body.frame == "platform":
-            points = points @ platform[:3, :3].T + platform[:3, 3]
-        return replace(
-            body, name=f"other {body.name}", points=tuple(map(moved, points.tolist())), frame="base"
-        )
-
-    bars = tuple(
-        replace(
-            bar,
-            name=f"other {bar.name}",
-            start=moved(bar.start),
-            end=moved(bar.end),
-            limb=None if bar.limb is None else bar.limb + OTHER,
-        )
-        for bar in drawing.bars
-    )
-    rows = joint_rows(machine, posture)
-    return Beside(
-        design,
-        posture,
-        replace(drawing, bars=bars, bodies=tuple(map(fixed, drawing.bodies)), points=(), axes=()),
-        tuple(replace(row, limb=row.limb + OTHER) for row in rows),
-        offset,
-    )
-
-
-def in_page_units(coordinate: Coordinate, value: float) -> float:
-    """mm stay, radians become degrees."""
-    return value if coordinate.unit == "mm" else math.degrees(value)
-
-
-def how_far(way: Clearance, decimals: int = 1) -> str:
-    """ "47.5 mm", or of a way that is a turn "53.7°"."""
-    value, unit = way.distance, " mm"
-    if way.angle is not None:
-        value, unit = math.copysign(math.degrees(way.angle), way.distance), "°"
-    return f"{round(value, decimals) + 0.0:.{decimals}f}{unit}".replace("-", "−")
-
-
-def from_page_units(coordinate: Coordinate, value: float) -> float:
-    """mm stay, degrees become radians."""
-    return value if coordinate.unit == "mm" else math.radians(value)
-
-
-def page_unit(coordinate: Coordinate) -> str:
-    """The unit that stands behind a number on the page."""
-    return "mm" if coordinate.unit == "mm" else "°"
 
 
 def joint_rows(machine: Machine[Any], posture: Posture) -> tuple[JointRow, ...]:
@@ -288,39 +187,3 @@ def _other_mode(review: Review, posture: Posture) -> str:
     if nearest is None:
         return f"No {noun} reaches this pose." if noun else ""
     return f"Within reach in {mode_text(review.machine, nearest)}."
-
-
-def wishes(review: Review) -> tuple[SolidWish, ...]:
-    """The solids on display with what each depends on."""
-    machine = review.machine
-    if machine.solids is None:
-        return ()
-    solids = machine.solids
-    specs = {spec.key: spec for spec in solids.specs}
-    return tuple(
-        SolidWish(
-            specs[s.key],
-            {
-                r: solids.request(
-                    s.key, review.pose, modes_of(review, specs[s.key]), r, review.surface
-                )
-                for r in RESOLUTIONS
-            },
-            solids.placement(s.key, review.pose),
-            s.opacity,
-        )
-        for s in review.solids
-    )
-
-
-def modes_of(review: Review, spec: SolidSpec) -> tuple[str, ...] | None:
-    """The modes that a solid is of: None for all of them, or where they do not matter."""
-    if spec.of_present_mode:
-        return (review.mode,)
-    return review.solver_modes if spec.uses_modes else None
-
-
-@lru_cache(maxsize=32)
-def findings(design: Design) -> tuple[Finding, ...]:
-    """What is worth knowing about a design, kept while it is on the page."""
-    return machine_of(design).findings

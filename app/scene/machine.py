@@ -13,8 +13,9 @@ import viser
 import viser.transforms as tf
 from scipy.spatial import ConvexHull
 
-from app.review.state import is_planar
-from app.review.view import SolidWish, View, short_title
+from app.features.workspace.compute import SolidWish
+from app.review.state import Options, is_planar
+from app.review.view import View, short_title
 from app.scene import painting, palette
 from app.scene.creases import crease_lines
 from app.scene.painting import Coat
@@ -133,7 +134,7 @@ class Scene:
 
     def show(self, view: View, *, dragging: bool) -> None:
         """Bring the machine, its frames and marks to a view."""
-        options, drawing = view.review.options, view.drawing
+        options, drawing = view.review[Options], view.drawing
         rows, bars, bodies = view.joints, drawing.bars, drawing.bodies
         if view.beside is not None:
             other = view.beside
@@ -320,7 +321,7 @@ class Scene:
             self._forget(name)
             # Seen from above the corner in front is beyond the picture's edge.
             corner = 0.5 * reach
-            side = -corner if is_planar(view.review) else corner
+            side = -corner if is_planar(view.review.machine) else corner
             self._label("/labels/grid", f"grid {GRID:.0f} mm", (side, -corner, floor), visible)
         self._set(name, node, visible=visible)
         self._set("/labels/grid", self._nodes["/labels/grid"], visible=visible)

@@ -119,7 +119,7 @@ def scale(values: Array, *, high: bool, limits: tuple[float | None, float | None
     low = limits[0] if limits[0] is not None else low
     if limits[1] is not None and not high:
         top = limits[1]
-    if not top > low:
+    if not top - low > 1e-12 * max(abs(low), abs(top), 1e-280):
         top = low + max(abs(low), 1.0) * 1e-6
     return Scale(np.linspace(low, top, STEPS + 1), high)
 

@@ -8,8 +8,8 @@ from collections.abc import Callable
 
 import viser
 
-from app.review.state import Span
-from app.review.view import from_page_units, in_page_units, page_unit
+from app.features.map.state import Span
+from app.review.units import from_page_units, in_page_units, page_unit
 from app.widgets.desk import Desk, answer, esc, put
 from app.widgets.plots import number
 from kinematics.errors import InputError

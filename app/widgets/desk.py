@@ -15,10 +15,10 @@ import viser
 from app.features.review.files import ExportedFile
 from app.features.section.compute import Drawn, Region
 from app.features.singularities.compute import Here
-from app.features.solutions.atlas import Atlas, Known
+from app.features.solutions.atlas import Known, Listed
 from app.features.solutions.folds import Ahead
 from app.features.trajectory.compute import Computed, Reach
-from app.features.workspace.compute import Laid
+from app.features.workspace.compute import Laid, SolidWish
 from app.jobs.worker import Built
 from app.review.changes import Change
 from app.review.requests import Request
@@ -107,6 +107,7 @@ class Sheet:
     """What panels draw: the view, and the solids that stand on display."""
 
     view: View
+    wishes: tuple[SolidWish, ...]
     built: dict[str, Built]
     notes: tuple[str, ...]
     can_undo: bool
@@ -121,7 +122,7 @@ class Solutions:
     ``trouble`` and ``fold_trouble`` say why there are none of them, if that is so.
     """
 
-    atlas: Atlas
+    atlas: Listed
     known: Known | None
     ahead: tuple[Ahead, ...]
     fold: Ahead | None

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from app.features.solutions.atlas import Row, number
 from app.review.modes import page_mode
-from app.review.view import in_page_units
+from app.review.units import in_page_units
 from app.scene import palette
 from app.terminal.tables import condition_text
 from app.widgets.desk import esc, tone

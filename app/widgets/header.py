@@ -6,8 +6,10 @@ import math
 import time
 
 from app.features.singularities.compute import Here
+from app.features.solutions.state import Atlas
 from app.jobs.worker import Busy
-from app.review.view import View, how_far
+from app.review.units import how_far
+from app.review.view import View
 from app.scene import palette
 from app.widgets.boxes import NUMBERS_GO_BACK
 from app.widgets.desk import (
@@ -146,7 +148,7 @@ def _legend(view: View) -> str:
     items.append(f"{chip(palette.NEAR)}near its end")
     items.append(f"{chip(palette.BEYOND)}singular, beyond a limit")
     items.append(f"{chip(palette.WORKSPACE)}workspace")
-    if view.review.atlas.ghosts:
+    if view.review[Atlas].ghosts:
         items.append(f"{chip(palette.GHOST)}other solutions")
     spans = "".join(
         f'<span style="white-space:nowrap;margin-right:0.9em">{i}</span>' for i in items

@@ -5,9 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, cast
 
-from app.review.changes import GoHome, SetAtlas, SetOption, SetPlan, Show, ShowCut
+from app.features.move.state import GoHome
+from app.features.section.state import Cut, ShowCut
+from app.features.solutions.state import Atlas, SetAtlas
+from app.features.trajectory.state import Plan, SetPlan
+from app.features.workspace.state import Show, Workspace
+from app.review.changes import SetOption
 from app.review.requests import Play
-from app.review.state import Review
+from app.review.state import Options, Review
 from app.widgets.desk import Desk, safely
 
 
@@ -15,7 +20,7 @@ def add_hotkeys(desk: Desk, present: Callable[[], Review]) -> None:
     """Add every command; ``present`` gives the review at the time at which one is used."""
 
     def toggled(name: str) -> Callable[[], None]:
-        return lambda: desk.send(SetOption(name, not getattr(present().options, name)))
+        return lambda: desk.send(SetOption(name, not getattr(present()[Options], name)))
 
     commands: tuple[tuple[str, str, str, Callable[[], None]], ...] = (
         ("Undo", "Take back the last change", "ctrl+Z", desk.undo),
@@ -29,32 +34,32 @@ def add_hotkeys(desk: Desk, present: Callable[[], Review]) -> None:
             "Workspace",
             "Show or hide the workspace solid",
             "W",
-            lambda: desk.send(Show("workspace", present().shown("workspace") is None)),
+            lambda: desk.send(Show("workspace", present()[Workspace].shown("workspace") is None)),
         ),
         (
             "Aspects",
             "Show or hide the aspects of the present mode",
             "A",
-            lambda: desk.send(Show("aspects", present().shown("aspects") is None)),
+            lambda: desk.send(Show("aspects", present()[Workspace].shown("aspects") is None)),
         ),
         (
             "Section",
             "Show or hide the section of the workspace",
             "X",
-            lambda: desk.send(ShowCut(not present().cut.on)),
+            lambda: desk.send(ShowCut(not present()[Cut].on)),
         ),
         (
             "Trajectory",
             "Show or hide the trajectory and its plots",
             "T",
-            lambda: desk.send(SetPlan((("on", not present().plan.on),))),
+            lambda: desk.send(SetPlan((("on", not present()[Plan].on),))),
         ),
         ("Play", "Play the trajectory, or pause", "P", lambda: desk.ask(Play())),
         (
             "Ghosts",
             "Show or hide the platform in all other solutions",
             "G",
-            lambda: desk.send(SetAtlas("ghosts", not present().atlas.ghosts)),
+            lambda: desk.send(SetAtlas("ghosts", not present()[Atlas].ghosts)),
         ),
     )
     for label, description, hotkey, act in commands:

@@ -9,7 +9,7 @@ from typing import Any
 
 import viser
 
-from app.review.view import from_page_units, in_page_units, page_unit
+from app.review.units import from_page_units, in_page_units, page_unit
 from app.widgets.desk import Desk, put
 from app.widgets.plots import number
 from kinematics.errors import InputError

@@ -9,7 +9,7 @@ import numpy as np
 import viser
 
 from app.features.trajectory.compute import Reach
-from app.review.view import in_page_units, page_unit
+from app.review.units import in_page_units, page_unit
 from app.scene import palette
 from app.widgets.desk import Desk
 from app.widgets.plots import STEPS, TURN, Axes, Figure, Plot, number, scales, ticks

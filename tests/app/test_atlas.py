@@ -8,10 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from app.features.move.state import Move, Visit
 from app.features.solutions.atlas import HERE, Known, atlas, mixes, number, offers_mixed, pose_text
+from app.features.solutions.state import SAME_MODE, Atlas, SetAtlas
 from app.review import view as compute
-from app.review.changes import Move, SetAtlas, Visit, change
-from app.review.state import SAME_MODE, Review, new_review
+from app.review.changes import change
+from app.review.state import Review, new_review
 from kinematics.answers.solutions import ForwardSolutions, Merged, Refreshed
 from kinematics.designs.files import load_design
 from kinematics.machine import machine_of
@@ -22,7 +24,7 @@ MACHINE = mechanism_class("five_rpur")
 
 def known_of(review: Review) -> Known:
     (found,) = machine_of(review.design).forward(
-        [review.posture.joints], mixed_modes=review.atlas.mixed
+        [review.posture.joints], mixed_modes=review[Atlas].mixed
     )
     return Known(review.design, mixes(review), found)
 

@@ -8,27 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.review.changes import (
-    ChooseModes,
-    Drive,
-    EditDesign,
-    Fade,
-    Flip,
-    GoHome,
-    Move,
-    MoveCut,
-    Place,
-    SetAtlas,
-    SetChart,
-    SetOption,
-    Show,
-    ShowCut,
-    UseDesign,
-    Visit,
-    change,
-)
+from app.features.design.state import EditDesign, UseDesign
+from app.features.map.state import Chart, SetChart, Span
+from app.features.move.state import Drive, Flip, GoHome, Move, Place, Visit
+from app.features.section.state import Cut, MoveCut, ShowCut, point_in_section
+from app.features.solutions.state import Atlas, SetAtlas
+from app.features.workspace.state import ChooseModes, Fade, Show, Workspace, solver_modes
+from app.review.changes import SetOption, change
 from app.review.history import History
-from app.review.state import Atlas, Chart, Review, Span, new_review, point_in_section
+from app.review.state import Review, new_review
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 
@@ -41,7 +29,7 @@ def review() -> Review:
 def test_a_new_review_stands_at_a_reachable_home(review: Review) -> None:
     assert review.posture.reachable
     assert review.posture.nearest.amount > 5.0
-    assert review.shown("workspace") is not None
+    assert review[Workspace].shown("workspace") is not None
 
 
 def test_moving_a_coordinate_changes_only_that_one(review: Review) -> None:
@@ -125,7 +113,7 @@ def test_flip_takes_only_working_modes(review: Review) -> None:
 def test_another_design_keeps_what_is_shown(review: Review) -> None:
     shown, _ = change(review, Show("limb2/H1", True))
     other, _ = change(shown, UseDesign(load_design("rpur-table2")))
-    assert [s.key for s in other.solids] == ["workspace", "limb2/H1"]
+    assert [s.key for s in other[Workspace].solids] == ["workspace", "limb2/H1"]
     assert other.posture.reachable
     assert other.design.name == "rpur-table2"
 
@@ -141,9 +129,9 @@ def test_an_edit_is_checked_as_a_file_would_be(review: Review) -> None:
 def test_show_keeps_the_order_and_refuses_the_unknown(review: Review) -> None:
     some, _ = change(review, Show("limb3/whole", True))
     some, _ = change(some, Show("limb1/H2", True))
-    assert [s.key for s in some.solids] == ["workspace", "limb1/H2", "limb3/whole"]
+    assert [s.key for s in some[Workspace].solids] == ["workspace", "limb1/H2", "limb3/whole"]
     none, _ = change(some, Show("limb1/H2", False))
-    assert none.shown("limb1/H2") is None
+    assert none[Workspace].shown("limb1/H2") is None
     with pytest.raises(InputError):
         change(review, Show("limb9/whole", True))
 
@@ -151,18 +139,18 @@ def test_show_keeps_the_order_and_refuses_the_unknown(review: Review) -> None:
 def test_fading_changes_only_the_named(review: Review) -> None:
     some, _ = change(review, Show("limb1/whole", True))
     faded, _ = change(some, Fade(("limb1/whole",), 0.6))
-    assert faded.shown("limb1/whole").opacity == 0.6  # type: ignore[union-attr]
-    assert faded.shown("workspace") == review.shown("workspace")
+    assert faded[Workspace].shown("limb1/whole").opacity == 0.6  # type: ignore[union-attr]
+    assert faded[Workspace].shown("workspace") == review[Workspace].shown("workspace")
     with pytest.raises(InputError):
         change(review, Fade(("workspace",), 2.0))
 
 
 def test_modes_of_the_workspace(review: Review) -> None:
-    assert review.solver_modes is None
+    assert solver_modes(review) is None
     current, _ = change(review, ChooseModes("current"))
-    assert current.solver_modes == (review.mode,)
+    assert solver_modes(current) == (review.mode,)
     chosen, _ = change(review, ChooseModes(("+-+-+", "-----")))
-    assert chosen.solver_modes == ("+-+-+", "-----")
+    assert solver_modes(chosen) == ("+-+-+", "-----")
 
 
 # --- history ------------------------------------------------------------------------------
@@ -259,25 +247,25 @@ def test_how_solutions_are_shown_is_checked(review: Review) -> None:
     shown, _ = change(review, SetAtlas("ghosts", True))
     shown, _ = change(shown, SetAtlas("sort", "height"))
     shown, _ = change(shown, SetAtlas("modes", "?+?++, −−+++"))
-    assert shown.atlas == Atlas(ghosts=True, sort="height", modes="?+?++, −−+++")
+    assert shown[Atlas] == Atlas(ghosts=True, sort="height", modes="?+?++, −−+++")
     with pytest.raises(InputError, match="sorted by"):
         change(review, SetAtlas("sort", "colour"))
     with pytest.raises(InputError, match="not a working mode"):
         change(review, SetAtlas("modes", "+?"))
     other, _ = change(shown, UseDesign(load_design("rpur-table2")))
-    assert other.atlas == shown.atlas
+    assert other[Atlas] == shown[Atlas]
 
 
 # --- section and map ----------------------------------------------------------------------
 
 
 def test_the_section_of_a_new_review_goes_through_the_platform(review: Review) -> None:
-    assert not review.cut.on
-    assert review.cut.at == pytest.approx(review.pose[0])  # at home φ = θ = 0, so x′ = x
+    assert not review[Cut].on
+    assert review[Cut].at == pytest.approx(review.pose[0])  # at home φ = θ = 0, so x′ = x
     turned, _ = change(review, Move(4, 0.3))
     x, _, z = review.pose[:3]
     assert point_in_section(turned)[0] == pytest.approx(math.cos(0.3) * x - math.sin(0.3) * z)
-    assert turned.cut == review.cut  # the plane stays where a person put it
+    assert turned[Cut] == review[Cut]  # the plane stays where a person put it
 
 
 def test_a_drag_of_the_plane_is_one_step(review: Review) -> None:
@@ -285,9 +273,9 @@ def test_a_drag_of_the_plane_is_one_step(review: Review) -> None:
     for n in range(30):
         history, note = history.apply(MoveCut(float(n)), 0.1 + 0.05 * n)
         assert note == ""
-    assert history.present.cut.at == 29.0
-    assert history.undo().present.cut.at == review.cut.at
-    assert history.undo().present.cut.on
+    assert history.present[Cut].at == 29.0
+    assert history.undo().present[Cut].at == review[Cut].at
+    assert history.undo().present[Cut].on
     assert history.undo().undo().present == review
 
 
@@ -296,14 +284,14 @@ def test_one_grip_of_the_plane_is_one_step_however_long_it_pauses(review: Review
     for n, at in enumerate((10.0, 20.0, 30.0)):
         history, _ = history.apply(MoveCut(at, held=1), 5.0 * n)
     history, _ = history.apply(MoveCut(40.0, held=2), 20.0)
-    assert history.undo().present.cut.at == 30.0
+    assert history.undo().present[Cut].at == 30.0
     assert history.undo().undo().present == review
 
 
 def test_a_plane_beyond_everything_is_kept_within_reach(review: Review) -> None:
     there, note = change(review, MoveCut(1e9))
     assert "x′ is kept within" in note
-    assert there.cut.at == 1e4
+    assert there[Cut].at == 1e4
     assert change(review, MoveCut(1200.0))[1] == ""
     with pytest.raises(InputError, match="x′ must be a finite number"):
         change(review, MoveCut(math.nan))
@@ -311,7 +299,7 @@ def test_a_plane_beyond_everything_is_kept_within_reach(review: Review) -> None:
 
 def test_the_settings_of_a_map_are_checked(review: Review) -> None:
     good = Chart("pieces", Span(-0.1, 0.2, 5), Span(0.0, 1.0, 2))
-    assert change(review, SetChart(good))[0].chart == good
+    assert change(review, SetChart(good))[0][Chart] == good
     for bad, message in (
         (replace(good, quantity="mass"), "not 'mass'"),
         (replace(good, first=Span(0.2, 0.2, 5)), "φ must end above"),
@@ -328,6 +316,6 @@ def test_another_design_keeps_section_and_map(review: Review) -> None:
     shown, _ = change(review, ShowCut(True))
     shown, _ = change(shown, SetChart(Chart("pieces", Span(-0.1, 0.2, 5), Span(0.0, 1.0, 2))))
     other, _ = change(shown, UseDesign(load_design("rpur-table2")))
-    assert other.cut.on
-    assert other.cut.at == pytest.approx(point_in_section(other)[0])
-    assert other.chart == shown.chart
+    assert other[Cut].on
+    assert other[Cut].at == pytest.approx(point_in_section(other)[0])
+    assert other[Chart] == shown[Chart]

@@ -7,9 +7,13 @@ import math
 import numpy as np
 import pytest
 
+from app.features.move.state import Flip, Move
+from app.features.workspace.compute import inside, wishes
+from app.features.workspace.state import ChooseModes, Show
 from app.review import view as compute
-from app.review.changes import ChooseModes, Flip, Move, Show, change
+from app.review.changes import change
 from app.review.state import Review, new_review
+from app.review.units import from_page_units, in_page_units, page_unit
 from kinematics.designs.files import load_design, presets
 
 
@@ -23,7 +27,7 @@ def test_every_preset_has_a_view_with_a_reachable_home(name: str) -> None:
     review = new_review(load_design(name))
     view = compute.view(review)
     assert view.posture.reachable
-    assert view.inside
+    assert inside(view.review)
     mode = compute.mode_text(review.machine, review.mode)
     assert view.status.text.startswith(f"Reachable · {mode}")
     assert len(view.joints) == len(review.machine.joints)
@@ -40,7 +44,7 @@ def test_an_unreachable_pose_says_which_limb_and_by_how_much(review: Review) -> 
     view = compute.view(change(review, Move(2, high))[0])
     assert view.status.level == "bad"
     assert view.status.text.startswith("Not reachable · mode ")
-    assert not view.inside
+    assert not inside(view.review)
     worst = max(view.posture.reasons, key=lambda r: r.amount)
     assert worst.text in view.status.text
     bad = [row for row in view.joints if row.level == "bad"]
@@ -85,9 +89,9 @@ def test_a_limb_that_cannot_close_shows_by_how_much(review: Review) -> None:
 
 
 def test_wishes_depend_on_the_orientation_but_not_on_the_position(review: Review) -> None:
-    here = compute.wishes(review)[0]
-    there = compute.wishes(change(review, Move(0, 55.0))[0])[0]
-    turned = compute.wishes(change(review, Move(3, 0.1))[0])[0]
+    here = wishes(review)[0]
+    there = wishes(change(review, Move(0, 55.0))[0])[0]
+    turned = wishes(change(review, Move(3, 0.1))[0])[0]
     assert here.what == there.what
     assert here.what != turned.what
 
@@ -95,23 +99,23 @@ def test_wishes_depend_on_the_orientation_but_not_on_the_position(review: Review
 def test_a_limbs_solid_is_only_moved(review: Review) -> None:
     shown, _ = change(review, Show("limb4/whole", True))
     turned, _ = change(shown, Move(4, 0.3))
-    before, after = compute.wishes(shown)[1], compute.wishes(turned)[1]
+    before, after = wishes(shown)[1], wishes(turned)[1]
     assert before.what == after.what
     assert not np.allclose(before.placement, after.placement)
 
 
 def test_the_modes_of_the_workspace_reach_the_request(review: Review) -> None:
-    every = compute.wishes(review)[0].what
-    current = compute.wishes(change(review, ChooseModes("current"))[0])[0].what
+    every = wishes(review)[0].what
+    current = wishes(change(review, ChooseModes("current"))[0])[0].what
     assert every != current
 
 
 def test_page_units() -> None:
     review = new_review(load_design("rpur-table1"))
     coordinates = review.machine.coordinates
-    assert [compute.page_unit(c) for c in coordinates] == ["mm", "mm", "mm", "°", "°"]
+    assert [page_unit(c) for c in coordinates] == ["mm", "mm", "mm", "°", "°"]
     for c in coordinates:
-        assert compute.from_page_units(c, compute.in_page_units(c, 0.75)) == pytest.approx(0.75)
+        assert from_page_units(c, in_page_units(c, 0.75)) == pytest.approx(0.75)
 
 
 def test_the_mode_that_reaches_a_pose_flips_the_fewest_limbs(review: Review) -> None:

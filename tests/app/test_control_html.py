@@ -16,7 +16,9 @@ from app.features.singularities import compute
 from app.features.singularities import html as told
 from app.features.singularities.compute import Here
 from app.features.singularities.part import counterpart, spot_of
-from app.review.changes import SetControl, change
+from app.features.singularities.state import SetControl
+from app.features.workspace.state import Shown, Workspace
+from app.review.changes import change
 from app.review.state import new_review
 from app.scene import painting, palette
 from app.widgets.desk import Controlled, Logged
@@ -228,7 +230,7 @@ def test_nothing_known_is_nothing_said() -> None:
 
 def test_pieces_say_in_which_the_platform_is() -> None:
     review = new_review(load_design("rps-3"))
-    shown = replace(review, solids=(SimpleNamespace(key="aspects", opacity=0.5),))  # type: ignore[arg-type]
+    shown = review.having(replace(review[Workspace], solids=(Shown("aspects", 0.5),)))
     pieces = tuple(
         SimpleNamespace(volume=v, sign=s) for v, s in ((3e6, 1), (2e6, -1), *[(1e3, 0)] * 12)
     )

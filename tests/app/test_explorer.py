@@ -11,11 +11,14 @@ from typing import Any
 
 import pytest
 
+from app.features.design.state import EditDesign, UseDesign
+from app.features.move.state import Drive, Move
 from app.features.solutions.explorer import Explorer
+from app.features.solutions.state import SetAtlas
 from app.jobs.lane import Done, Lost
 from app.jobs.worker import Busy
 from app.review import view as compute
-from app.review.changes import Drive, EditDesign, Move, SetAtlas, UseDesign, change
+from app.review.changes import change
 from app.review.state import Review, new_review
 from kinematics.designs.files import load_design
 from kinematics.errors import BohemiaError

@@ -11,35 +11,22 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from app.features.design.state import EditDesign, UseDesign
+from app.features.map.state import Chart, SetChart, Span
+from app.features.move.state import Drive, Flip, GiveWay, GoHome, Move, Place, Visit
 from app.features.section import compute as slicer
+from app.features.section.state import MoveCut, ShowCut
+from app.features.singularities.compute import OTHER, beside
 from app.features.singularities.part import counterpart, spot_of
+from app.features.singularities.state import Control, SetControl
+from app.features.solutions.state import SetAtlas
 from app.features.workspace import compute as regions
+from app.features.workspace.state import ChooseModes, Fade, Flat, SetFlat, Show
 from app.review import session
 from app.review import view as compute
-from app.review.changes import (
-    Change,
-    ChooseModes,
-    Drive,
-    EditDesign,
-    Fade,
-    Flip,
-    GiveWay,
-    GoHome,
-    Move,
-    MoveCut,
-    Place,
-    SetAtlas,
-    SetChart,
-    SetControl,
-    SetFlat,
-    Show,
-    ShowCut,
-    UseDesign,
-    Visit,
-    change,
-)
+from app.review.changes import Change, change
 from app.review.history import History
-from app.review.state import Chart, Control, Flat, Review, Span, new_review
+from app.review.state import Review, new_review
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 from kinematics.machine import machine_of
@@ -144,7 +131,7 @@ def test_changes_are_taken_or_refused_in_words_and_undone(name: str, steps: list
         assert slicer.wish(review).region.design == review.design
     assert spot_of(review).posture.reasons == view.posture.reasons
     other = counterpart(review)
-    assert (other is None) == (view.beside is None)
+    assert (other is None) == (beside(review) is None)
     _assert_kept(review)
     for _ in history.past:
         history = history.undo()
@@ -159,11 +146,11 @@ def _assert_kept(review: Review) -> None:
     text = session.to_text(review)
     again = session.from_text(text, origin="x")
     assert again.pose == pytest.approx(review.pose, rel=1e-12, abs=1e-12)
-    assert replace(again, pose=review.pose, chart=review.chart) == review
+    assert replace(again, pose=review.pose).having(review[Chart]) == review
     for name in ("first", "second"):
-        span, kept = getattr(again.chart, name), getattr(review.chart, name)
+        span, kept = getattr(again[Chart], name), getattr(review[Chart], name)
         assert (span.low, span.high) == pytest.approx((kept.low, kept.high), abs=1e-12)
-    assert again.chart.quantity == review.chart.quantity
+    assert again[Chart].quantity == review[Chart].quantity
 
 
 def _busy(name: str) -> Review:
@@ -187,12 +174,9 @@ def _busy(name: str) -> Review:
     )
     flats = machine_of(design).region_specs
     dependent = machine_of(design).dependent
-    return replace(
-        review,
-        control=control,
-        flat=Flat(False, flats[-1].key if flats else "workspace", False),
-        gives_way=axes[dependent[-1]].key if dependent else "",
-    )
+    flat = Flat(False, flats[-1].key if flats else "workspace", False)
+    way = axes[dependent[-1]].key if dependent else ""
+    return replace(review, gives_way=way).having(control, flat)
 
 
 @pytest.mark.parametrize("name", MACHINES)
@@ -206,7 +190,7 @@ def test_another_mechanism_takes_over_what_it_has_too(one: str, other: str) -> N
     before = _busy(one)
     after, _ = change(before, UseDesign(_design(other)))
     design = after.design
-    kept, had = after.control, before.control
+    kept, had = after[Control], before[Control]
     assert kept.shade == (
         had.shade if had.shade in [m.key for m in machine_of(design).measures.specs] else ""
     )
@@ -217,10 +201,10 @@ def test_another_mechanism_takes_over_what_it_has_too(one: str, other: str) -> N
     assert kept.accelerations == (had.accelerations if same else ())
     for name in ("wrenches", "clearances", "locus", "compare", "ratios", "load", "forces", "arrow"):
         assert getattr(kept, name) == getattr(had, name)
-    assert (after.flat.on, after.flat.locus) == (False, False)
+    assert (after[Flat].on, after[Flat].locus) == (False, False)
     flats = [s.key for s in machine_of(design).region_specs]
-    assert not flats or after.flat.key == (
-        before.flat.key if before.flat.key in flats else "workspace"
+    assert not flats or after[Flat].key == (
+        before[Flat].key if before[Flat].key in flats else "workspace"
     )
     assert after.gives_way == (before.gives_way if machine_of(design).dependent else "")
     assert after.posture.reachable
@@ -264,7 +248,7 @@ def test_older_sessions_still_open(name: str) -> None:
         del content[key]
     again = session.from_text(json.dumps(content), origin="x")
     fresh = new_review(review.design)
-    assert (again.control, again.flat, again.gives_way) == (fresh.control, fresh.flat, "")
+    assert (again[Control], again[Flat], again.gives_way) == (fresh[Control], fresh[Flat], "")
 
 
 def test_a_mode_that_is_none_is_told_in_the_mechanisms_words() -> None:
@@ -320,15 +304,15 @@ def test_the_counterpart_stands_beside_at_the_same_coordinates(name: str) -> Non
     review, _ = change(_home(_design(name)), SetControl("compare", True))
     moved, _ = change(review, Place((review.pose[0] * 0.98, 0.3, 1.0)))
     view = compute.view(moved)
-    assert view.beside is not None
-    there = view.beside
-    kind = replace(moved, design=there.design).mechanism
-    assert kind.kind != moved.mechanism.kind
+    there = beside(moved)
+    assert there is not None
+    kind = replace(moved, design=there.design).machine
+    assert kind.kind != moved.machine.kind
     assert there.posture == machine_of(there.design).inverse.posture(moved.pose, moved.mode)
     true = machine_of(there.design).drawing(there.posture)
     for bar, own in zip(there.drawing.bars, true.bars, strict=True):
         assert bar.start == pytest.approx(tuple(own.start + there.offset))
-        assert bar.limb == (None if own.limb is None else own.limb + compute.OTHER)
+        assert bar.limb == (None if own.limb is None else own.limb + OTHER)
     at = machine_of(there.design).transform(there.posture.pose, there.posture.mode)
     for body, own_body in zip(there.drawing.bodies, true.bodies, strict=True):
         assert body.frame == "base"

@@ -7,8 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from app.features.move.state import Place, Visit
 from app.review import view
-from app.review.changes import Place, Visit, change
+from app.review.changes import change
 from app.review.state import Review, new_review
 from app.scene.morph import DURATION, Morph, between
 from kinematics.designs.files import load_design

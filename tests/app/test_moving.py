@@ -8,13 +8,15 @@ from typing import Any
 import numpy as np
 import pytest
 
+from app.features.move.state import Place
 from app.features.trajectory import compute
 from app.features.trajectory.compute import Asked, Computed
 from app.features.trajectory.part import Moving, rounded_up
 from app.features.trajectory.player import Player
 from app.features.trajectory.playing import _Rested
+from app.features.trajectory.state import Plan, SetPlan
 from app.jobs.lane import Done, Job, Lost
-from app.review.changes import Change, Place, SetPlan, change
+from app.review.changes import Change, change
 from app.review.requests import Distances, LeaveWay, NextWarning, Play, Scrub, Shortest, StopHere
 from app.review.state import Review, new_review
 from app.review.view import View, view
@@ -179,7 +181,7 @@ def test_warnings_are_gone_through_and_limits_kept(desk: Desk) -> None:
     assert desk.part.playing.player.phase == pytest.approx(starts[0])
     desk.part.take(Shortest())
     desk.part.follow()
-    assert desk.stage.review.plan.duration > 2.0
+    assert desk.stage.review[Plan].duration > 2.0
     desk.do(desk.wanted[0])
     found = desk.part._computed
     assert found is not None

@@ -12,12 +12,16 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from app.features.design.state import UseDesign
+from app.features.move.state import Flip, GoHome, Place
 from app.features.singularities.compute import Here
+from app.features.singularities.state import Control, SetControl
+from app.features.workspace.state import Flat, SetFlat
 from app.review import session
-from app.review.changes import Flip, GoHome, Place, Restore, SetControl, SetFlat, UseDesign
+from app.review.changes import Restore
 from app.review.requests import SaveLoci, SaveRegions
 from app.review.state import Review, new_review
-from app.review.view import how_far
+from app.review.units import how_far
 from app.scene import palette
 from kinematics.designs.files import load_design
 from kinematics.machine import machine_of
@@ -120,7 +124,7 @@ def test_dragging_the_handle_and_putting_it_back(opened: Open, name: str) -> Non
     for phase in ("start", "update", "end"):
         page.drag("/handle", at.tolist(), phase)
     assert page.review.pose != home.pose
-    true = home.mechanism.transform(page.review.pose, page.review.mode)
+    true = home.machine.transform(page.review.pose, page.review.mode)
     assert page.node("/handle").position == pytest.approx(true[:3, 3], abs=1e-9)
     page.press("Undo")
     assert page.review == home
@@ -166,7 +170,7 @@ def test_the_load_is_dragged_and_the_limbs_hold_it(opened: Open, name: str) -> N
     assert (tip - view.platform[:3, 3]) / scale == pytest.approx(LOAD[:3])
     page.drag("/control/tip", view.platform[:3, 3] + scale * np.array([10.0, 0.0, -40.0]))
     page.drag("/control/tip", page.node("/control/tip").position, "end")
-    assert page.review.control.load == (10.0, 0.0, -40.0, *LOAD[3:])
+    assert page.review[Control].load == (10.0, 0.0, -40.0, *LOAD[3:])
     page.put("Arrow to drag", False)
     page.put("Forces on the limbs", False)
     for name in ("/control/load", "/control/tip", "/control/labels/force"):
@@ -180,7 +184,7 @@ def test_rates_are_typed_and_the_actuators_answer(opened: Open, name: str) -> No
     axes = machine_of(design).coordinates
     page.put("Rates", ", ".join("10" for _ in axes))
     rates = tuple(10.0 if c.unit == "mm" else math.radians(10.0) for c in axes)
-    assert page.review.control.rates == pytest.approx(rates)
+    assert page.review[Control].rates == pytest.approx(rates)
     motion = _here(page).motion
     assert motion is not None
     # Against a difference of the inverse kinematics, along the rates that are true.
@@ -203,7 +207,7 @@ def test_rates_are_typed_and_the_actuators_answer(opened: Open, name: str) -> No
         assert "numbers with commas" in page.told[-1]
         assert page.widget("Rates").value.count(",") == len(axes) - 1
     page.put("Rates", "")
-    assert page.review.control.rates == ()
+    assert page.review[Control].rates == ()
     assert not page.seen("/control/rates")
 
 
@@ -217,7 +221,7 @@ def test_every_chart_is_drawn_pointed_at_and_saved(opened: Open, name: str) -> N
             continue
         page.do(GoHome())
         page.put("Chart", spec.title)
-        assert page.review.control.chart == spec.key
+        assert page.review[Control].chart == spec.key
         pictures = [h for h in page.html() if f'aria-label="{spec.title}' in h]
         assert len(pictures) == 1
         picture = re.search(r"<svg.*</svg>", pictures[0], re.DOTALL)
@@ -248,7 +252,7 @@ def test_every_chart_is_drawn_pointed_at_and_saved(opened: Open, name: str) -> N
         assert csv.data.count(b"\n") > len(known.points)
         ElementTree.fromstring(svg.data.decode())
     page.put("Chart", "Nothing")
-    assert page.review.control.chart == ""
+    assert page.review[Control].chart == ""
     assert not any('class="locus' in h for h in page.html())
     assert not page.told
 
@@ -336,7 +340,7 @@ def test_a_review_is_opened_as_it_was_saved(opened: Open, name: str) -> None:
     kept = page.review
     page.open("rps-3" if name != "rps-3" else "five-bar")
     page.do(Restore(session.from_text(saved, origin="x")))
-    assert page.review.control == kept.control
+    assert page.review[Control] == kept[Control]
     assert page.review.pose == pytest.approx(kept.pose, abs=1e-12)
     assert json.loads(session.to_text(page.review)) == json.loads(saved)
     assert not page.told
@@ -393,7 +397,7 @@ def test_side_by_side_with_its_counterpart(opened: Open, name: str) -> None:
     assert moved.posture.pose == page.review.pose
     page.open("spr-3" if name == "rps-3" else "rps-3")
     controlled = page.page._control.controlled()
-    assert page.review.control.compare
+    assert page.review[Control].compare
     assert controlled.beside is not None
     assert controlled.beside.place.design.mechanism != page.review.design.mechanism
     page.do(SetControl("compare", False))
@@ -405,7 +409,7 @@ def test_side_by_side_with_its_counterpart(opened: Open, name: str) -> None:
 def test_the_operation_mode_changes_only_where_modes_meet(opened: Open, name: str) -> None:
     page = opened(name)
     home = page.review
-    other = next(m for m in home.mechanism.modes if m != home.mode)
+    other = next(m for m in home.machine.modes if m != home.mode)
     page.put("Mode", other)
     assert "begins at a tilt of 180°" in page.told[-1]
     assert page.review == home
@@ -430,7 +434,7 @@ def test_the_operation_mode_changes_only_where_modes_meet(opened: Open, name: st
 def test_the_profile_goes_to_an_altitude_and_compares_ratios(opened: Open, name: str) -> None:
     page = opened(name)
     page.put("Further h₂/h₁", "0.5, 1, 2")
-    assert page.review.control.ratios == (0.5, 1.0, 2.0)
+    assert page.review[Control].ratios == (0.5, 1.0, 2.0)
     ((_, profile), *_) = page.page._control.controlled().profiles
     more = {c.title for c in profile.curves if not c.own}
     assert more >= {"h₂/h₁ = 1", f"h₂/h₁ = {'2' if name == 'rps-3' else '0.5'}"}
@@ -439,7 +443,7 @@ def test_the_profile_goes_to_an_altitude_and_compares_ratios(opened: Open, name:
     for text in ("a", "0.5, -1", "nan", "1e999"):
         page.put("Further h₂/h₁", text)
         assert "ratio" in page.told[-1]
-        assert page.review.control.ratios == (0.5, 1.0, 2.0)
+        assert page.review[Control].ratios == (0.5, 1.0, 2.0)
         assert page.widget("Further h₂/h₁").value == "0.5, 1, 2"
 
 
@@ -514,12 +518,12 @@ def test_another_five_bar_keeps_what_is_shown_of_its_plane(opened: Open) -> None
     page = opened("five-bar")
     page.do(SetFlat("key", "aspects"))
     page.put("half base r₃ (mm)", 200.0)
-    assert page.review.flat.key == "aspects"
+    assert page.review[Flat].key == "aspects"
     page.do(UseDesign(page.review.design), UseDesign(load_design("five-bar")))
-    assert page.review.flat.key == "aspects"
+    assert page.review[Flat].key == "aspects"
     assert page.seen("/regions/fill")
     page.open("sps-spr")
-    assert page.review.flat.key == "workspace"
+    assert page.review[Flat].key == "workspace"
 
 
 def test_five_bar_modes_turn_over_limb_by_limb(opened: Open) -> None:

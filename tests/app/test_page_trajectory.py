@@ -7,7 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from app.review.changes import Place, Restore, SetControl, SetPlan
+from app.features.move.state import Place
+from app.features.singularities.state import SetControl
+from app.features.trajectory.state import Plan, SetPlan
+from app.review.changes import Restore
 from app.review.requests import LeaveWay, SaveTrajectory, Scrub, StopHere
 from app.review.state import new_review
 from kinematics.designs.files import load_design
@@ -85,13 +88,13 @@ def test_way_points_are_taken_typed_and_removed(shared: Seat) -> None:
     assert "5 samples" in page.text()
     page.put("Way points", "0, 804\n50, 76o")
     assert "Way point 2: numbers" in page.text()
-    assert len(page.review.plan.points) == 2
+    assert len(page.review[Plan].points) == 2
     page.put("Way points", "0, 804\n50, 760\n-40, 700")
-    assert page.review.plan.points[2] == (-40.0, 700.0)
+    assert page.review[Plan].points[2] == (-40.0, 700.0)
     page.press("Present pose", "Remove last")
-    assert len(page.review.plan.points) == 2
+    assert len(page.review[Plan].points) == 2
     page.press("Present pose", "Clear")
-    assert page.review.plan.points == ()
+    assert page.review[Plan].points == ()
     assert "at least two way points" in page.text()
 
 
@@ -99,7 +102,7 @@ def test_laws_limits_and_polynomials(shared: Seat) -> None:
     page = _open(shared, "five-bar")
     page.put("It runs", "Straight line from rest to rest, quintic")
     page.put("Rates (°/s)", "20")
-    assert np.degrees(page.review.plan.rates) == pytest.approx((20.0, 20.0))
+    assert np.degrees(page.review[Plan].rates) == pytest.approx((20.0, 20.0))
     assert "Rate of θ₂ reaches" in page.text()
     page.put("Rates (°/s)", "20, 30, 40")
     assert "one number for all joints, or 2" in page.text()
@@ -123,11 +126,11 @@ def test_a_stroke_is_drawn_and_undone(shared: Seat) -> None:
     sketch = next(h for h in handles if h.order > page.widget("Upwards").order)
     sketch._impl.value = "0 700 20 690 45 700 60 720 1234.5"
     page._tell(sketch)
-    assert page.review.plan.stroke[1] == (20.0, 690.0)
+    assert page.review[Plan].stroke[1] == (20.0, 690.0)
     assert "5 samples" in page.text()
     page.page.undo()
     page.settle()
-    assert page.review.plan.stroke == ()
+    assert page.review[Plan].stroke == ()
     assert not page.seen("/trajectory/")
 
 
@@ -152,7 +155,7 @@ def test_another_machine_leaves_nothing_of_the_last(shared: Seat) -> None:
     page.put("To", "100, 700")
     assert page.seen("/trajectory/line")
     page.open("rps-3")
-    assert page.review.plan.on
+    assert page.review[Plan].on
     assert not page.seen("/trajectory/")
     assert "press “To here”" in page.text()
 
@@ -161,9 +164,9 @@ def test_a_way_with_a_law_of_its_own_runs_by_that(shared: Seat) -> None:
     page = _open(shared, "five-bar")
     page.put("Time law", "Quintic, rest to rest")
     page.put("To", "100, 700")
-    assert page.review.plan.law == "quintic"
+    assert page.review[Plan].law == "quintic"
     page.put("It runs", "Straight line at constant velocity")
-    assert page.review.plan.law == ""
+    assert page.review[Plan].law == ""
     assert "quintic" not in page.text()
 
 

@@ -9,13 +9,16 @@ from typing import Any
 import numpy as np
 import pytest
 
+from app.features.move.state import Place
 from app.features.singularities import compute
 from app.features.singularities.painter import Painter
 from app.features.singularities.part import spot_of
+from app.features.singularities.state import SetControl
+from app.features.workspace.compute import SolidWish, wishes
+from app.features.workspace.state import Show
 from app.jobs.worker import Built
-from app.review.changes import Place, SetControl, Show, change
+from app.review.changes import change
 from app.review.state import Review, new_review
-from app.review.view import SolidWish, wishes
 from app.scene import painting, palette
 from kinematics.designs.files import load_design
 from kinematics.facets.solids import build_solid

@@ -9,17 +9,18 @@ from typing import Any
 import numpy as np
 import pytest
 
+from app.features.design.state import UseDesign
 from app.features.trajectory.state import (
     MOST_POINTS,
     Plan,
-    fresh_plan,
+    SetPlan,
     missing,
     path_of,
     plane_of,
     trimmed,
 )
 from app.review import session
-from app.review.changes import SetPlan, UseDesign, change
+from app.review.changes import change
 from app.review.history import History
 from app.review.state import Review, new_review
 from kinematics.designs.files import load_design
@@ -42,12 +43,12 @@ def _set(review: Review, **values: Any) -> Review:
 
 
 def test_a_fresh_plan_is_the_machines_own_or_begins_at_home(rpur: Review, bar: Review) -> None:
-    assert bar.plan.way == "line"
-    assert not missing(bar.plan)
-    assert rpur.plan.way == "straight"
-    assert rpur.plan.start == rpur.pose
-    assert "To here" in missing(rpur.plan)
-    assert not rpur.plan.on
+    assert bar[Plan].way == "line"
+    assert not missing(bar[Plan])
+    assert rpur[Plan].way == "straight"
+    assert rpur[Plan].start == rpur.pose
+    assert "To here" in missing(rpur[Plan])
+    assert not rpur[Plan].on
 
 
 @pytest.mark.parametrize(
@@ -83,7 +84,7 @@ def test_each_way_makes_its_path(rpur: Review) -> None:
     home = np.array(rpur.pose)
     along = np.array([1.0, 0.5, 0.0, 0.0, 0.0])
     poses = tuple(tuple((home + d * along).tolist()) for d in (0.0, 10.0, 25.0))
-    plan = replace(rpur.plan, end=poses[2])
+    plan = replace(rpur[Plan], end=poses[2])
     path, law = path_of(plan, machine_of(design))
     assert path.length == pytest.approx(np.hypot(25.0, 12.5))
     assert (law.kind, law.duration) == ("quintic", 1.0)
@@ -110,10 +111,10 @@ def test_typing_is_one_step_of_undo_and_buttons_are_one_each(rpur: Review) -> No
         history, _ = history.apply(typed, 0.1 * n)
     assert len(history.past) == 1
     for n in range(2):
-        points = (*history.present.plan.points, tuple(v + n for v in rpur.pose))
+        points = (*history.present[Plan].points, tuple(v + n for v in rpur.pose))
         history, _ = history.apply(SetPlan((("points", points),)), 0.4 + 0.1 * n)
     assert len(history.past) == 3
-    assert history.undo().present.plan.points == (rpur.pose,)
+    assert history.undo().present[Plan].points == (rpur.pose,)
 
 
 @pytest.mark.parametrize("name", ["rpur-table2", "five-bar", "sps-spr", "rps-3"])
@@ -122,22 +123,22 @@ def test_a_plan_goes_with_another_machine_as_far_as_it_can(name: str, rpur: Revi
     design = load_design(name)
     after, _ = change(before, UseDesign(design))
     same = design.mechanism == rpur.design.mechanism
-    assert after.plan.on
-    assert after.plan.law == "cubic"
-    assert bool(after.plan.points) == same
-    assert bool(after.plan.rates) == same
-    assert after.plan.way in (fresh_plan(after).way, rpur.plan.way)
+    assert after[Plan].on
+    assert after[Plan].law == "cubic"
+    assert bool(after[Plan].points) == same
+    assert bool(after[Plan].rates) == same
+    assert after[Plan].way in (Plan.fresh(after).way, rpur[Plan].way)
 
 
 def test_a_named_way_does_not_go_to_a_machine_without_it(bar: Review) -> None:
     after, _ = change(bar, UseDesign(load_design("rps-3")))
-    assert after.plan == fresh_plan(after)
+    assert after[Plan] == Plan.fresh(after)
 
 
 def test_a_plane_is_two_coordinates(rpur: Review) -> None:
     axes = rpur.machine.coordinates
-    assert plane_of(rpur.plan, axes) == (0, 1)
-    assert plane_of(replace(rpur.plan, plane=("theta", "y")), axes) == (4, 1)
+    assert plane_of(rpur[Plan], axes) == (0, 1)
+    assert plane_of(replace(rpur[Plan], plane=("theta", "y")), axes) == (4, 1)
 
 
 def test_long_strokes_are_thinned_out_and_keep_their_ends() -> None:
@@ -186,18 +187,18 @@ def _full(review: Review) -> Review:
 @pytest.mark.parametrize("name", ["rpur-table1", "five-bar", "sps-spr", "rps-3", "spr-3"])
 def test_a_session_keeps_all_of_it(name: str) -> None:
     review = _full(new_review(load_design(name)))
-    again = session.from_text(session.to_text(review), origin="x").plan
+    again = session.from_text(session.to_text(review), origin="x")[Plan]
     for field in ("start", "end", "points", "file", "stroke", "rates", "accelerations"):
-        kept, had = getattr(again, field), getattr(review.plan, field)
+        kept, had = getattr(again, field), getattr(review[Plan], field)
         np.testing.assert_allclose(np.array(kept), np.array(had), atol=1e-12)
         again = replace(again, **{field: had})
-    assert again == review.plan
+    assert again == review[Plan]
 
 
 def test_sessions_from_before_there_were_trajectories_still_open(bar: Review) -> None:
     content = json.loads(session.to_text(bar))
     del content["trajectory"]
-    assert session.from_text(json.dumps(content), origin="x").plan == bar.plan
+    assert session.from_text(json.dumps(content), origin="x")[Plan] == bar[Plan]
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import html
 import math
-from dataclasses import replace
 from xml.etree import ElementTree
 
 import numpy as np
@@ -14,8 +13,9 @@ from hypothesis import strategies as st
 
 from app.features.map import panel as maps
 from app.features.map.part import chart_request, of
+from app.features.map.state import Chart, Span
 from app.features.section.panel import profile
-from app.review.state import Chart, Span, new_review
+from app.review.state import new_review
 from app.widgets.plots import STEPS, TURN, Axes, Figure, _base, scales, ticks
 from kinematics.answers.sections import Quantity, SectionSpec, Volume
 from kinematics.designs.files import load_design
@@ -159,7 +159,7 @@ def test_the_profile_of_a_prism_is_a_box() -> None:
 def test_the_map_of_a_review_runs_over_its_spans() -> None:
     review = new_review(load_design("rpur-table1"))
     chart = Chart("pieces", Span(-0.5, 0.5, 3), Span(0.0, 1.0, 5))
-    asked = chart_request(replace(review, chart=chart))
+    asked = chart_request(review.having(chart))
     assert asked.first == pytest.approx((-0.5, 0.0, 0.5))
     assert asked.second == pytest.approx((0.0, 0.25, 0.5, 0.75, 1.0))
     assert [q.key for q in asked.quantities] == ["pieces"]

@@ -12,9 +12,12 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from app.features.design.state import EditDesign
+from app.features.move.state import Flip, Move
 from app.features.workspace import compute
 from app.features.workspace.part import region_colors, regions_file
-from app.review.changes import ChooseModes, EditDesign, Flip, Move, SetFlat, change
+from app.features.workspace.state import ChooseModes, Flat, SetFlat, Workspace
+from app.review.changes import change
 from app.review.state import Review, new_review
 from app.scene import palette
 from kinematics.designs.files import load_design
@@ -91,8 +94,8 @@ def test_everything_lies_in_the_plane_and_edges_are_as_long_as_the_outline(
 
 
 def test_where_the_present_mode_is_not_asked_for_the_first_one_is_drawn() -> None:
-    review = replace(_review("five-bar"), modes=("-+", "--"))
-    review = replace(review, flat=replace(review.flat, key="modes"))
+    review = _review("five-bar")
+    review = review.having(Workspace(("-+", "--")), replace(review[Flat], key="modes"))
     wanted = compute.wish(review)
     assert wanted is not None
     laid = compute.lay(wanted)

@@ -10,8 +10,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from app.features.map.state import Chart, Span
+from app.features.section.state import Cut
+from app.features.solutions.state import Atlas
+from app.features.workspace.state import Shown, Workspace
 from app.review import session
-from app.review.state import Atlas, Chart, Cut, Options, Review, Shown, Span, new_review
+from app.review.state import Options, Review, new_review
 from kinematics.designs.files import load_design, presets
 from kinematics.errors import InputError
 
@@ -19,14 +23,10 @@ from kinematics.errors import InputError
 @pytest.fixture(scope="module")
 def review() -> Review:
     fresh = new_review(load_design("rpur-table2"))
-    return replace(
-        fresh,
-        pose=(12.25, -7.5, 301.0, 0.2, -0.4),
-        mode="+-+-+",
-        modes=("+-+-+", "-----"),
-        solids=(Shown("workspace", 0.5), Shown("limb3/H2", 0.25)),
-        options=Options(labels=True, grid=False),
-    )
+    moved = replace(fresh, pose=(12.25, -7.5, 301.0, 0.2, -0.4), mode="+-+-+")
+    solids = (Shown("workspace", 0.5), Shown("limb3/H2", 0.25))
+    shown = Workspace(("+-+-+", "-----"), solids)
+    return moved.having(shown, Options(labels=True, grid=False))
 
 
 def test_what_is_written_reads_back(review: Review) -> None:
@@ -107,17 +107,16 @@ def test_what_is_too_large_is_refused() -> None:
 
 
 def test_how_solutions_are_shown_is_kept(review: Review) -> None:
-    shown = replace(
-        review, atlas=Atlas(ghosts=True, mixed=True, sort="condition", modes="+?+?+, -----")
-    )
-    assert session.from_text(session.to_text(shown), origin="x").atlas == shown.atlas
+    wanted = Atlas(ghosts=True, mixed=True, sort="condition", modes="+?+?+, -----")
+    shown = review.having(wanted)
+    assert session.from_text(session.to_text(shown), origin="x")[Atlas] == shown[Atlas]
 
 
 def test_sessions_from_before_there_were_solutions_still_open(review: Review) -> None:
     content = json.loads(session.to_text(review))
     del content["solutions"]
     again = session.from_text(json.dumps(content), origin="x")
-    assert again.atlas == Atlas()
+    assert again[Atlas] == Atlas()
     assert again.mode == review.mode
 
 
@@ -139,11 +138,11 @@ def test_broken_ways_of_showing_solutions(review: Review, given: object, message
 
 def test_section_and_map_are_kept(review: Review) -> None:
     chart = Chart("pieces", Span(-0.5, 0.25, 7), Span(0.0, 1.0, 11))
-    shown = replace(review, cut=Cut(on=True, at=-12.5), chart=chart)
+    shown = review.having(Cut(on=True, at=-12.5), chart)
     again = session.from_text(session.to_text(shown), origin="x")
-    assert again.cut == shown.cut
-    assert again.chart.quantity == "pieces"
-    for span, expected in ((again.chart.first, chart.first), (again.chart.second, chart.second)):
+    assert again[Cut] == shown[Cut]
+    assert again[Chart].quantity == "pieces"
+    for span, expected in ((again[Chart].first, chart.first), (again[Chart].second, chart.second)):
         assert (span.low, span.high) == pytest.approx((expected.low, expected.high), abs=1e-12)
         assert span.count == expected.count
 
@@ -153,7 +152,7 @@ def test_sessions_from_before_there_were_sections_and_maps_still_open(review: Re
     del content["section"], content["map"]
     again = session.from_text(json.dumps(content), origin="x")
     fresh = new_review(review.design)
-    assert (again.cut, again.chart) == (fresh.cut, fresh.chart)
+    assert (again[Cut], again[Chart]) == (fresh[Cut], fresh[Chart])
 
 
 @pytest.mark.parametrize(

@@ -8,9 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from app.features.move.state import Flip, Move
 from app.features.section import compute
-from app.review.changes import ChooseModes, Flip, Move, MoveCut, SetControl, Show, change
-from app.review.state import Review, new_review
+from app.features.section.state import MoveCut
+from app.features.singularities.state import SetControl
+from app.features.workspace.state import ChooseModes, Show
+from app.review.changes import change
+from app.review.state import Options, Review, new_review
 from kinematics.answers.sections import Section
 from kinematics.designs.files import load_design
 from kinematics.machine import machine_of
@@ -83,7 +87,7 @@ def test_the_platform_is_marked_only_where_it_stands_in_the_plane(review: Review
 
 
 def test_a_dark_page_asks_for_another_plot(review: Review) -> None:
-    dark = replace(review, options=replace(review.options, dark=True))
+    dark = review.having(replace(review[Options], dark=True))
     assert compute.wish(dark) != compute.wish(review)
 
 

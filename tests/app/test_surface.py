@@ -8,8 +8,11 @@ import json
 
 import pytest
 
-from app.review import session, view
-from app.review.changes import ChooseSurface, UseDesign, change
+from app.features.design.state import UseDesign
+from app.features.workspace import compute as view
+from app.features.workspace.state import ChooseSurface, Workspace
+from app.review import session
+from app.review.changes import change
 from app.review.history import History
 from app.review.state import new_review
 from app.terminal.tables import surface_text
@@ -24,12 +27,12 @@ def review():
 
 
 def test_the_choice_is_undone_and_survives_another_design(review):
-    assert review.surface == "facets"
+    assert review[Workspace].surface == "facets"
     history, _ = History(review).apply(ChooseSurface("true"), 0.0)
-    assert history.present.surface == "true"
+    assert history.present[Workspace].surface == "true"
     assert history.undo().present == review
     other, _ = change(history.present, UseDesign(load_design("rpur-table2")))
-    assert other.surface == "true"
+    assert other[Workspace].surface == "true"
 
 
 def test_the_choice_is_saved_and_read_again(review):

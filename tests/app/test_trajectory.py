@@ -27,8 +27,9 @@ from app.features.trajectory.plot import (
     strips,
 )
 from app.features.trajectory.scene import along, wrong
+from app.features.trajectory.state import SetPlan
 from app.features.trajectory.text import polynomial
-from app.review.changes import SetPlan, change
+from app.review.changes import change
 from app.review.state import Review, new_review
 from app.widgets.pose_boxes import shown_pose, typed_numbers, typed_pose, units
 from app.widgets.sketch import read_stroke, sketch_axes, sketch_figure, sketch_mark

@@ -11,9 +11,11 @@ from dataclasses import replace
 
 import pytest
 
+from app.features.move.state import Move
+from app.features.workspace import compute as view
+from app.features.workspace.state import Show
 from app.jobs.worker import Built, Busy, Event, Failed, Worker
-from app.review import view
-from app.review.changes import Move, Show, change
+from app.review.changes import change
 from app.review.state import Review, new_review
 from kinematics.designs.files import load_design
 from kinematics.errors import BohemiaError

@@ -18,9 +18,9 @@ from pathlib import Path
 import viser
 from websockets.sync.client import connect
 
+from app.features.move.state import Move
 from app.jobs.worker import Built
 from app.loop import Page
-from app.review.changes import Move
 from app.review.state import new_review
 from app.server import make_server
 from kinematics.designs.files import load_design

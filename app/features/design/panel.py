@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 
 import viser
 
+from app.features.design.state import EditDesign, UseDesign
 from app.features.review.files import design_file
-from app.review.changes import EditDesign, UseDesign
 from app.scene import palette
 from app.widgets.desk import (
     QUIET,
@@ -26,9 +26,11 @@ from app.widgets.desk import (
     safely,
     tone,
 )
+from kinematics.answers.solutions import Finding
 from kinematics.designs.files import MAX_BYTES, load_design, presets, read_design
 from kinematics.errors import InputError
-from kinematics.mechanism import DesignField
+from kinematics.machine import machine_of
+from kinematics.mechanism import Design, DesignField
 
 OWN = "(a design of your own)"
 
@@ -156,12 +158,18 @@ def _chosen(sheet: Sheet, titles: dict[str, str]) -> str:
     return design.name if load_design(design.name) == design else OWN
 
 
+@lru_cache(maxsize=32)
+def findings(design: Design) -> tuple[Finding, ...]:
+    """What is worth knowing about a design, kept while it is on the page."""
+    return machine_of(design).findings
+
+
 def _about(sheet: Sheet) -> str:
     design = sheet.view.review.design
     lines = [f"<b>{esc(design.title or design.name)}</b>"]
     if design.source:
         lines.append(f'<span style="opacity:0.75">{esc(design.source)}</span>')
-    for finding in sheet.view.findings:
+    for finding in findings(design):
         color = palette.BEYOND if finding.severity == "warning" else tone("quiet")
         lines.append(
             f'<div style="border-left:3px solid {color};padding-left:0.6em;margin-top:0.4em">'

@@ -9,10 +9,10 @@ import numpy as np
 import viser
 from scipy.ndimage import distance_transform_edt
 
-from app.review.changes import Place, SetChart
+from app.features.map.state import Chart, SetChart, Span
+from app.features.move.state import Place
 from app.review.requests import GoToBall, SaveMap, StartMap, StopMap
-from app.review.state import Chart, Span, checked_chart
-from app.review.view import from_page_units, in_page_units, page_unit
+from app.review.units import from_page_units, in_page_units, page_unit
 from app.scene import palette
 from app.widgets.boxes import SpanBox
 from app.widgets.desk import (
@@ -68,12 +68,12 @@ class MapPanel(Panel):
         self._axes = tuple(known[n] for n in self._spec.axes)
         self._titles = {q.title: q.key for q in self._spec.quantities}
         self._quantity = gui.add_dropdown(
-            "Show", tuple(self._titles), initial_value=self._title(review.chart.quantity)
+            "Show", tuple(self._titles), initial_value=self._title(review[Chart].quantity)
         )
         answer(desk, self._quantity, self._choose)
         self._spans = [
             SpanBox(desk, c, span, self._edit)
-            for c, span in zip(self._axes, _spans(review.chart), strict=True)
+            for c, span in zip(self._axes, _spans(review[Chart]), strict=True)
         ]
         self._wrong = gui.add_html("", visible=False)
         self._start = button(desk, "Start", self._begin, icon=viser.Icon.PLAYER_PLAY)
@@ -104,9 +104,9 @@ class MapPanel(Panel):
     def draw(self, sheet: Sheet) -> None:
         self._sheet = sheet
         review = sheet.view.review
-        put(self._desk, self._quantity, self._title(review.chart.quantity))
+        put(self._desk, self._quantity, self._title(review[Chart].quantity))
         if not self._wrong.visible:  # what is being typed stays until it can be used
-            for typed, span in zip(self._spans, _spans(review.chart), strict=True):
+            for typed, span in zip(self._spans, _spans(review[Chart]), strict=True):
                 typed.draw(span)
         self._draw_cross()
 
@@ -116,7 +116,7 @@ class MapPanel(Panel):
         put_prop(self._progress, "value", round(100.0 * charted.share, 1))
         put_prop(self._start, "visible", not running)
         put_prop(self._stop, "visible", running)
-        chosen = self._title(sheet.view.review.chart.quantity)
+        chosen = self._title(sheet.view.review[Chart].quantity)
         put_prop(self._state, "content", _state(charted, chosen))
         found = self._found = charted.map
         drawn = None if found is None else (charted.of, int(found.done.sum()), charted.stale)
@@ -144,14 +144,14 @@ class MapPanel(Panel):
 
     def _choose(self, title: str, client: viser.ClientHandle | None) -> None:
         review = self._sheet.view.review
-        self._desk.send(SetChart(replace(review.chart, quantity=self._titles[title])), client)
+        self._desk.send(SetChart(replace(review[Chart], quantity=self._titles[title])), client)
 
     def _edit(self, _: Any, client: viser.ClientHandle | None) -> None:
         """Take the spans as soon as they can be used; until then say what is wrong with them."""
         review = self._sheet.view.review
         try:
             first, second = (typed.read() for typed in self._spans)
-            chart = checked_chart(Chart(review.chart.quantity, first, second), review)
+            chart = Chart(review[Chart].quantity, first, second).checked(review)
         except InputError as error:
             put_prop(self._wrong, "content", red(_sentence(str(error))))
             put_prop(self._wrong, "visible", True)

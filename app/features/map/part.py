@@ -13,13 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.features.map.files import map_bytes
+from app.features.map.state import Chart, Span
 from app.features.review.files import ExportedFile, solid_name
+from app.features.workspace.state import solver_modes
 from app.jobs.executors import Workers, local_workers
 from app.jobs.parts import Stage
 from app.jobs.worker import LaneName
 from app.review.changes import Change
 from app.review.requests import SaveMap, StartMap, StopMap
-from app.review.state import Review, Span
+from app.review.state import Review
 from app.widgets.desk import Charted
 from kinematics.answers.sections import MapCells
 from kinematics.arrays import Array, Ints
@@ -208,7 +210,7 @@ class Mapping:
 
     def _known(self) -> _Known | None:
         """The map of the chosen quantity; while there is none, the newest one."""
-        wanted = self._stage.view.review.chart.quantity
+        wanted = self._stage.view.review[Chart].quantity
         chosen = [known for known in self._kept if known.request.quantities[0].key == wanted]
         return next(iter([*chosen, *self._kept[-1:]]), None)
 
@@ -262,7 +264,7 @@ class _Pool:
 
 def of(request: MapRequest, review: Review) -> bool:
     """Whether a map is of a review's design and working modes."""
-    return request.design == review.design and request.modes == review.solver_modes
+    return request.design == review.design and request.modes == solver_modes(review)
 
 
 def chart_request(review: Review) -> MapRequest:
@@ -271,12 +273,12 @@ def chart_request(review: Review) -> MapRequest:
     Raises:
         InputError: its mechanism has none.
     """
-    chart = review.chart
+    chart = review[Chart]
     return map_request(
         review.design,
         values(chart.first),
         values(chart.second),
-        modes=review.solver_modes,
+        modes=solver_modes(review),
         quantities=(chart.quantity,),
         pose=review.pose,
     )

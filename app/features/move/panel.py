@@ -9,9 +9,10 @@ from typing import Any
 
 import viser
 
-from app.review.changes import Drive, Flip, GiveWay, GoHome, Move, Place
+from app.features.move.state import Drive, Flip, GiveWay, GoHome, Move, Place
 from app.review.modes import page_mode, signed
-from app.review.view import JointRow, from_page_units, in_page_units, page_unit
+from app.review.units import from_page_units, in_page_units, page_unit
+from app.review.view import JointRow
 from app.scene import palette
 from app.widgets.desk import (
     Desk,
@@ -126,7 +127,7 @@ class MovePanel(Panel):
             put(self._desk, switch, sign == "+")
         if machine.mode_noun:
             put_prop(self._other, "content", _other_modes(sheet))
-            self._meeting = view.mode_change
+            self._meeting = machine.singularities.mode_change(view.posture)
             text = "" if self._meeting is None else box(esc(self._meeting.text))
             put_prop(self._change, "content", text)
             away = self._meeting is not None and not self._meeting.here

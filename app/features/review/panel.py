@@ -9,11 +9,11 @@ from typing import Any
 import viser
 
 from app.features.review.files import FORMATS, ExportedFile, sanitized
+from app.features.workspace.compute import SolidWish
 from app.jobs.worker import Built
 from app.review import session
 from app.review.changes import Restore, SetOption
 from app.review.state import Options
-from app.review.view import SolidWish
 from app.terminal.tables import LOCUS
 from app.widgets.desk import (
     QUIET,
@@ -84,7 +84,7 @@ class ReviewPanel(Panel):
             upload.on_upload(self._uploaded)
         with gui.add_folder("What is drawn"):
             self._options = {
-                name: gui.add_checkbox(title, getattr(sheet.view.review.options, name))
+                name: gui.add_checkbox(title, getattr(sheet.view.review[Options], name))
                 for name, title in OPTIONS.items()
             }
             for name, switch in self._options.items():
@@ -99,8 +99,8 @@ class ReviewPanel(Panel):
         self._review = sheet.view.review
         put_prop(self._undo, "disabled", not sheet.can_undo)
         put_prop(self._redo, "disabled", not sheet.can_redo)
-        titles = {wish.spec.title: (wish.spec.key, "") for wish in sheet.view.wishes}
-        for wish in sheet.view.wishes:
+        titles = {wish.spec.title: (wish.spec.key, "") for wish in sheet.wishes}
+        for wish in sheet.wishes:
             titles |= _parts(wish, sheet.built.get(wish.spec.key))
         if titles != self._keys or self._solid.options == ("none is shown",):
             self._keys = titles
@@ -109,7 +109,7 @@ class ReviewPanel(Panel):
                 self._solid.options = options
         put_prop(self._save, "disabled", not titles)
         for option in fields(Options):
-            put(self._desk, self._options[option.name], getattr(self._review.options, option.name))
+            put(self._desk, self._options[option.name], getattr(self._review[Options], option.name))
 
     def _export(self, client: viser.ClientHandle | None) -> None:
         chosen = self._keys.get(self._solid.value)

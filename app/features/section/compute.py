@@ -16,8 +16,11 @@ from typing import Any
 import numpy as np
 
 from app.features.section.plot import Bounds, Shade, section_bounds, section_svg
+from app.features.section.state import Cut, point_in_section
 from app.features.singularities.compute import placed
-from app.review.state import Review, point_in_section
+from app.features.singularities.state import Control
+from app.features.workspace.state import Workspace, solver_modes
+from app.review.state import Options, Review
 from app.scene.painting import scale
 from kinematics.answers.sections import Box, Section, Sphere, Volume
 from kinematics.arrays import Array
@@ -115,7 +118,7 @@ class Drawn:
 
 def region(review: Review) -> Region:
     """What is cut in a review whose mechanism has sections."""
-    machine, design, modes = review.machine, review.design, review.solver_modes
+    machine, design, modes = review.machine, review.design, solver_modes(review)
     request = required(machine.solids, "solids").request("workspace", review.pose, modes, "fine")
     what = (request.mechanism, *request.arguments)
     return Region(what, design, review.pose, modes)
@@ -124,15 +127,15 @@ def region(review: Review) -> Region:
 def wish(review: Review) -> Wish:
     """The section that a review shows."""
     x, y, z = point_in_section(review)
-    mark = (y, z) if abs(x - review.cut.at) < ON_PLANE else None
-    return Wish(region(review), review.cut.at, mark, review.options.dark, _lost(review))
+    mark = (y, z) if abs(x - review[Cut].at) < ON_PLANE else None
+    return Wish(region(review), review[Cut].at, mark, review[Options].dark, _lost(review))
 
 
 def _lost(review: Review) -> Lost | None:
     """What of control is shown in the section; nothing unless it is on display elsewhere too."""
-    control, machine = review.control, review.machine
+    control, machine = review[Control], review.machine
     traced = any(spec.key == CHART for spec in machine.singularities.loci)
-    locus = traced and control.locus and review.shown("aspects") is not None
+    locus = traced and control.locus and review[Workspace].shown("aspects") is not None
     if not (locus or control.shade):
         return None
     needs = any(m.key == control.shade and m.needs_load for m in machine.measures.specs)

@@ -9,10 +9,9 @@ import numpy as np
 import viser
 
 from app.features.section.compute import Drawn
+from app.features.section.state import Cut, MoveCut, ShowCut, point_in_section
 from app.features.solutions.atlas import number as signed
-from app.review.changes import MoveCut, ShowCut
 from app.review.requests import SaveSection
-from app.review.state import point_in_section
 from app.scene import palette
 from app.widgets.desk import (
     DIGITS,
@@ -65,10 +64,10 @@ class SectionPanel(Panel):
         assert spec is not None
         self._spec = spec
         self._on = gui.add_checkbox(
-            "Show the section", review.cut.on, hint="In the scene and as a plot (hotkey X)"
+            "Show the section", review[Cut].on, hint="In the scene and as a plot (hotkey X)"
         )
         answer(desk, self._on, lambda on, client: desk.send(ShowCut(on), client))
-        at = review.cut.at
+        at = review[Cut].at
         lengths = [c for c in review.machine.coordinates if c.unit == "mm"]
         # Until it is known where the workspace lies.
         self._range = (min(c.lower for c in lengths), max(c.upper for c in lengths))
@@ -82,7 +81,7 @@ class SectionPanel(Panel):
             digits=TYPED,
         )
         self._through = button(desk, "Through the platform", self._go_through)
-        self._window = gui.add_panel(visible=review.cut.on)
+        self._window = gui.add_panel(visible=review[Cut].on)
         self._window.dock_left()
         self._window.set_width(WIDTH)
         with self._window.add_tab(self._spec.title):
@@ -101,7 +100,7 @@ class SectionPanel(Panel):
 
     def draw(self, sheet: Sheet) -> None:
         self._sheet = sheet
-        cut = sheet.view.review.cut
+        cut = sheet.view.review[Cut]
         put(self._desk, self._on, cut.on)
         low, high = min(self._range[0], cut.at), max(self._range[1], cut.at)
         self._at.draw(math.floor(low), math.ceil(high), cut.at)
@@ -113,7 +112,7 @@ class SectionPanel(Panel):
             put_prop(self._numbers, "content", _first())
 
     def draw_sections(self, sheet: Sheet, sections: Sections) -> None:
-        drawn, cut = sections.drawn, sheet.view.review.cut
+        drawn, cut = sections.drawn, sheet.view.review[Cut]
         self._known = drawn
         if cut.on and drawn is not None:
             put_prop(self._plot, "content", _fluid(drawn.svg))
@@ -139,7 +138,7 @@ class SectionPanel(Panel):
         if self._profile_of is None:
             return
         figure = profile_axes(self._profile_of)
-        at = self._sheet.view.review.cut.at
+        at = self._sheet.view.review[Cut].at
         if figure is None or not figure.x[0] <= at <= figure.x[1]:
             self._profile.mark("")
             return

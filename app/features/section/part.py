@@ -9,16 +9,18 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
+from app.features.move.state import Visit
 from app.features.review.files import ExportedFile, solid_name
 from app.features.section import compute
 from app.features.section.compute import Drawn, Region, Wish
 from app.features.section.files import section_bytes
 from app.features.section.inscribed_scene import Inside
 from app.features.section.scene import Plane
+from app.features.section.state import Cut, MoveCut
 from app.jobs.lane import Done, Job, Lane, Lost
 from app.jobs.parts import Stage
 from app.jobs.worker import LaneName, Process, give_way
-from app.review.changes import Change, MoveCut, Visit
+from app.review.changes import Change
 from app.review.requests import Forget, GoToBall, Inscribe, SaveSection
 from app.review.state import Review
 from app.review.view import reaching_mode
@@ -121,7 +123,7 @@ class Slicing:
             if region in self._volumes:
                 self._measured = region
             self._measure()
-        wish = compute.wish(review) if review.cut.on else None
+        wish = compute.wish(review) if review[Cut].on else None
         if wish != self._wish:
             self._wish = wish
             job = None if wish is None else Job(wish, "the section", compute.draw, (wish,))
@@ -142,9 +144,9 @@ class Slicing:
         review = view.review
         self._plane.place(
             required(review.machine.sections, "exact sections").frame(review.pose),
-            review.cut.at,
+            review[Cut].at,
             None if self._drawn is None else self._drawn.extent,
-            on=review.cut.on,
+            on=review[Cut].on,
             dragging=bool(self._dragging),
         )
 
@@ -266,7 +268,7 @@ class Slicing:
         sheet = self._stage.sheet()
         found = self._sections()
         with self._stage.server.atomic():
-            if self._drawn is not None and sheet.view.review.cut.on:
+            if self._drawn is not None and sheet.view.review[Cut].on:
                 self._plane.fill(self._drawn)
             self._place()
             self._inside.show(found.ball, found.box)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import viser
 
 from app.features.singularities.html import ASPECTS, legend_html, pieces_html
-from app.review.changes import Fade, SetControl, Show
+from app.features.singularities.state import Control, SetControl
+from app.features.workspace.state import Fade, Show, Workspace
 from app.review.requests import FindFree, GoToFree
 from app.widgets.desk import Controlled, Desk, Sheet, answer, box, button, esc, put, put_prop
 
@@ -20,12 +21,12 @@ class AspectsFolder:
         self._desk = desk
         self._sheet = sheet
         self._measures = {m.title: m for m in review.machine.measures.specs}
-        shown = review.shown(ASPECTS)
+        shown = review[Workspace].shown(ASPECTS)
         with gui.add_folder("Aspects of the present mode"):
             self._aspects = gui.add_checkbox("Show", shown is not None, hint="Hotkey A")
             answer(desk, self._aspects, lambda on, client: desk.send(Show(ASPECTS, on), client))
             self._locus = gui.add_checkbox(
-                "Singular surface", review.control.locus, hint="Where control is lost"
+                "Singular surface", review[Control].locus, hint="Where control is lost"
             )
             answer(desk, self._locus, lambda on, client: desk.send(SetControl("locus", on), client))
             self._opacity = gui.add_slider(
@@ -39,7 +40,7 @@ class AspectsFolder:
             self._shade = gui.add_dropdown(
                 "Colour by",
                 (NOTHING, *self._measures),
-                initial_value=self._title(review.control.shade),
+                initial_value=self._title(review[Control].shade),
                 hint="Of the present mode, on the aspects and on the workspace",
             )
             answer(desk, self._shade, self._choose_shade)
@@ -62,12 +63,12 @@ class AspectsFolder:
     def draw(self, sheet: Sheet) -> None:
         self._sheet = sheet
         review = sheet.view.review
-        shown = review.shown(ASPECTS)
+        shown = review[Workspace].shown(ASPECTS)
         put(self._desk, self._aspects, shown is not None)
         if shown is not None:
             put(self._desk, self._opacity, shown.opacity)
-        put(self._desk, self._locus, review.control.locus)
-        put(self._desk, self._shade, self._title(review.control.shade))
+        put(self._desk, self._locus, review[Control].locus)
+        put(self._desk, self._shade, self._title(review[Control].shade))
         self.draw_solids(sheet)
 
     def draw_solids(self, sheet: Sheet) -> None:
@@ -85,7 +86,7 @@ class AspectsFolder:
         put_prop(self._hide, "visible", ball is not None)
 
     def _scale(self, controlled: Controlled) -> str:
-        shade = self._sheet.view.review.control.shade
+        shade = self._sheet.view.review[Control].shade
         measure = next((m for m in self._measures.values() if m.key == shade), None)
         if measure is None:
             return ""

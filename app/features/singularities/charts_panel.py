@@ -6,10 +6,11 @@ import math
 
 import viser
 
+from app.features.move.state import Move, Place
 from app.features.singularities import plot as loci
 from app.features.singularities.compute import Here
 from app.features.singularities.html import circles_html, comparison_html
-from app.review.changes import Move, Place, SetControl
+from app.features.singularities.state import Control, SetControl
 from app.review.requests import SaveLoci
 from app.review.view import short_title
 from app.widgets.desk import Controlled, Desk, Sheet, answer, box, clicked, esc, put, put_prop
@@ -50,7 +51,7 @@ class ChartFolder:
     def draw(self, sheet: Sheet) -> None:
         self._sheet = sheet
         titles = {spec.key: title for title, spec in self._specs.items()}
-        put(self._desk, self._chart, titles.get(sheet.view.review.control.chart, NOTHING))
+        put(self._desk, self._chart, titles.get(sheet.view.review[Control].chart, NOTHING))
         self._draw_cross()
 
     def draw_control(self, controlled: Controlled) -> None:
@@ -99,7 +100,7 @@ class ChartFolder:
                 plot.mark("" if at is None else loci.mark(spec, plot.figure.axes, at))
 
     def _spec(self) -> LocusSpec | None:
-        chart = self._sheet.view.review.control.chart
+        chart = self._sheet.view.review[Control].chart
         return next((spec for spec in self._specs.values() if spec.key == chart), None)
 
     def _choose(self, title: str, client: viser.ClientHandle | None) -> None:
@@ -137,7 +138,7 @@ class ProfileFolder:
             if others:
                 self._compare = gui.add_checkbox(
                     f"Beside the {short_title(machine_of(others[0]))}",
-                    review.control.compare,
+                    review[Control].compare,
                     hint="The same radii, stroke, altitude and orientation; in the scene too",
                 )
                 answer(
@@ -149,7 +150,7 @@ class ProfileFolder:
             self._plotted: object = None
             self._ratios = gui.add_text(
                 "Further h₂/h₁",
-                _shown(review.control.ratios),
+                _shown(review[Control].ratios),
                 hint="Numbers, as 0.5, 1, 2",
             )
             answer(desk, self._ratios, self._set_ratios)
@@ -157,7 +158,7 @@ class ProfileFolder:
 
     def draw(self, sheet: Sheet) -> None:
         self._sheet = sheet
-        control = sheet.view.review.control
+        control = sheet.view.review[Control]
         if self._compare is not None:
             put(self._desk, self._compare, control.compare)
         if _read(self._ratios.value) != control.ratios:
@@ -170,7 +171,7 @@ class ProfileFolder:
         put_prop(self._comparison, "content", comparison_html(here, controlled.beside))
         if not profiles:
             return
-        compared = self._sheet.view.review.control.compare
+        compared = self._sheet.view.review[Control].compare
         drawn = tuple(p.curves for _, p in profiles), compared
         if drawn != self._plotted:
             self._plotted = drawn

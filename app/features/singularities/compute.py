@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from app.features.singularities.state import Control
+from app.review.state import Review
+from app.review.view import Beside, joint_rows
 from kinematics.answers.circles import OrientationCircle, Profile
 from kinematics.answers.clearances import Clearance, Remedy
+from kinematics.answers.drawings import Body
 from kinematics.answers.loci import LocusCurves
 from kinematics.answers.motion import Motion, Statics, WrenchSystem
 from kinematics.answers.sections import Sphere
@@ -23,6 +27,10 @@ from kinematics.machine import Machine, machine_of, required
 from kinematics.mechanism import Design
 
 SLACK = 0.02  # of a stroke: facets of a solid lie a little beside its true surface
+
+
+OTHER = 5 * 4  # limbs of a counterpart are counted from here; its colours are the same again
+APART = 3.4  # of the machine's size: how far it stands away
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,3 +223,51 @@ def placed(machine: Machine[Any], pose: Sequence[float], points: Array) -> Array
         if c.key in ("x", "y", "z"):
             poses[:, n] = points[:, "xyz".index(c.key)]
     return poses
+
+
+# --- a machine beside its counterpart
+
+
+def beside(review: Review) -> Beside | None:
+    """The counterpart, where it is to be compared with."""
+    if not review[Control].compare:
+        return None
+    design = next(iter(review.machine.counterparts), None)
+    if design is None:
+        return None
+    machine = machine_of(design)
+    posture = machine.inverse.posture(review.pose, review.mode)
+    drawing = machine.drawing(posture)
+    platform = machine.transform(posture.pose, posture.mode)
+    offset = np.array([APART * drawing.size, 0.0, 0.0])
+
+    def moved(point: tuple[float, ...]) -> tuple[float, float, float]:
+        x, y, z = (np.asarray(point) + offset).tolist()
+        return x, y, z
+
+    def fixed(body: Body) -> Body:
+        points = np.array(body.points)
+        if body.frame == "platform":
+            points = points @ platform[:3, :3].T + platform[:3, 3]
+        return replace(
+            body, name=f"other {body.name}", points=tuple(map(moved, points.tolist())), frame="base"
+        )
+
+    bars = tuple(
+        replace(
+            bar,
+            name=f"other {bar.name}",
+            start=moved(bar.start),
+            end=moved(bar.end),
+            limb=None if bar.limb is None else bar.limb + OTHER,
+        )
+        for bar in drawing.bars
+    )
+    rows = joint_rows(machine, posture)
+    return Beside(
+        design,
+        posture,
+        replace(drawing, bars=bars, bodies=tuple(map(fixed, drawing.bodies)), points=(), axes=()),
+        tuple(replace(row, limb=row.limb + OTHER) for row in rows),
+        offset,
+    )

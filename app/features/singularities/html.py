@@ -8,8 +8,10 @@ import time
 import numpy as np
 
 from app.features.singularities.compute import Here
+from app.features.workspace.state import Workspace
 from app.jobs.worker import Built
-from app.review.view import how_far, short_title
+from app.review.units import how_far
+from app.review.view import short_title
 from app.scene import painting, palette
 from app.widgets.desk import Controlled, Logged, Sheet, box, chip, esc, red, tone, volume_text
 from kinematics.answers.clearances import Clearance, Remedy
@@ -159,7 +161,7 @@ _POSITIVE = {"N": "the limb pushes the platform", "N·mm": "the actuator turns i
 
 def pieces_html(sheet: Sheet) -> str:
     built: Built | None = sheet.built.get(ASPECTS)
-    if sheet.view.review.shown(ASPECTS) is None or built is None:
+    if sheet.view.review[Workspace].shown(ASPECTS) is None or built is None:
         return ""
     solid = built.solid
     if not solid.pieces:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from app.features.singularities.compute import Here
+from app.features.singularities.state import Control
 from app.review.view import View
 from app.scene import palette
 from app.scene.machine import Scene
@@ -74,7 +75,7 @@ class Loads:
 
     def show(self, view: View, here: Here | None) -> None:
         """Bring them to what is known of the present place."""
-        self._show_forces(here if view.review.control.forces else None, view.drawing.size)
+        self._show_forces(here if view.review[Control].forces else None, view.drawing.size)
         self._show_load(view)
         self._show_rates(view, here)
 
@@ -99,7 +100,7 @@ class Loads:
         self._arrow_set(self._forces, self._force_labels, arrows)
 
     def _show_load(self, view: View) -> None:
-        control = view.review.control
+        control = view.review[Control]
         origin = view.platform[:3, 3]
         tip = origin + self.scale(view) * np.array(control.load[:3])
         arrows = [(origin, tip, palette.LOAD, "")] if control.arrow else []

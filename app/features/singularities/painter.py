@@ -6,10 +6,11 @@ from collections import OrderedDict
 
 from app.features.singularities import compute
 from app.features.singularities.compute import Place
+from app.features.singularities.state import Control
+from app.features.workspace.compute import SolidWish
 from app.jobs.lane import Job
 from app.jobs.worker import Built
 from app.review.state import Review
-from app.review.view import SolidWish
 from app.scene import painting, palette
 from app.scene.painting import Coat, Scale
 from kinematics.arrays import Array
@@ -32,7 +33,7 @@ class Painter:
         for key, (built, points) in self._solids.items():
             what = _field_key(review, key, built)
             if what not in self._fields:
-                arguments = spot, review.control.shade, key, points
+                arguments = spot, review[Control].shade, key, points
                 jobs.append(Job(what, "the colours", compute.field, arguments, 0.0))
         return jobs
 
@@ -43,12 +44,12 @@ class Painter:
 
     def scale(self, review: Review) -> Scale | None:
         """The steps of the measure that is on display."""
-        if self._scale is None or not review.control.shade:
+        if self._scale is None or not review[Control].shade:
             return None
-        return self._scale[1] if self._scale[0] == review.control.shade else None
+        return self._scale[1] if self._scale[0] == review[Control].shade else None
 
     def coats(self, review: Review, wish: SolidWish, built: Built) -> tuple[Coat, ...]:
-        key, solid, control = wish.spec.key, built.solid, review.control
+        key, solid, control = wish.spec.key, built.solid, review[Control]
         shade = control.shade if wish.spec.limb is None else ""
         values: Array | None = None
         if shade and solid.triangles:
@@ -80,17 +81,17 @@ class Painter:
                 self._scale = shade, steps
                 return painting.shaded(solid, values, steps, color)
         if solid.piece_of is not None and len(solid.pieces):
-            return painting.pieces(solid, locus=review.control.locus)
+            return painting.pieces(solid, locus=review[Control].locus)
         return painting.plain(solid, color)
 
 
 def _field_key(review: Review, key: str, built: Built) -> tuple[object, ...]:
     load = next(
         (
-            review.control.load
+            review[Control].load
             for m in review.machine.measures.specs
-            if m.key == review.control.shade and m.needs_load
+            if m.key == review[Control].shade and m.needs_load
         ),
         None,
     )
-    return "field", key, built.solid, review.design, review.mode, review.control.shade, load
+    return "field", key, built.solid, review.design, review.mode, review[Control].shade, load

@@ -18,8 +18,8 @@ from app.features.singularities.html import (
     ways_html,
 )
 from app.features.singularities.rates_panel import MotionFolder
+from app.features.singularities.state import Control, SetControl
 from app.features.solutions.atlas import pose_text
-from app.review.changes import SetControl
 from app.review.requests import ChangeDesign, ClearLog, Escape, Swing
 from app.widgets.desk import (
     Controlled,
@@ -82,7 +82,7 @@ class SingularitiesPanel(Panel):
         self._aspects = AspectsFolder(desk, sheet) if has_aspects else None
         self._chart = ChartFolder(desk, sheet) if specs(sheet) else None
         self._profile = ProfileFolder(desk, sheet) if machine.circles is not None else None
-        load = review.control.load
+        load = review[Control].load
         with gui.add_folder("Load on the platform", expand_by_default=False):
             self._force = gui.add_vector3(
                 "Force (N)", (load[0], load[1], load[2]), step=1.0, hint="At O′, base frame"
@@ -105,7 +105,7 @@ class SingularitiesPanel(Panel):
 
     def draw(self, sheet: Sheet) -> None:
         self._sheet = sheet
-        control = sheet.view.review.control
+        control = sheet.view.review[Control]
         put(self._desk, self._wrenches, control.wrenches)
         put(self._desk, self._ways, control.clearances)
         put(self._desk, self._force, control.load[:3])
@@ -157,7 +157,7 @@ class SingularitiesPanel(Panel):
 
     def _switch(self, label: str, name: str, hint: str) -> viser.GuiInputHandle[bool]:
         made = self._desk.gui.add_checkbox(
-            label, getattr(self._sheet.view.review.control, name), hint=hint
+            label, getattr(self._sheet.view.review[Control], name), hint=hint
         )
         answer(self._desk, made, lambda on, client: self._desk.send(SetControl(name, on), client))
         return made

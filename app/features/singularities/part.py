@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from app.features.design.state import EditDesign
+from app.features.move.state import GoHome, Move, Place, Visit
 from app.features.review.files import ExportedFile, solid_name
 from app.features.singularities import compute
 from app.features.singularities.compute import Here
@@ -16,13 +18,15 @@ from app.features.singularities.files import locus_bytes
 from app.features.singularities.loads_scene import Loads
 from app.features.singularities.painter import Painter
 from app.features.singularities.scene import Held
+from app.features.singularities.state import Control, SetControl
+from app.features.workspace.compute import SolidWish
 from app.jobs.lane import Done, Job, Lane, Lost
 from app.jobs.parts import Stage
 from app.jobs.worker import Built, LaneName
-from app.review.changes import Change, EditDesign, GoHome, Move, Place, SetControl, Visit
+from app.review.changes import Change
 from app.review.requests import ChangeDesign, ClearLog, Escape, FindFree, GoToFree, SaveLoci, Swing
 from app.review.state import Review
-from app.review.view import SolidWish, View
+from app.review.view import View
 from app.scene.painting import Coat
 from app.widgets.desk import Controlled, Logged
 from kinematics.answers.circles import Profile
@@ -118,14 +122,14 @@ class Controlling:
     def _ask_slowly(self) -> None:
         review, spot = self._stage.view.review, spot_of(self._stage.view.review)
         jobs = [] if self._asked is None else [self._asked]
-        if review.control.chart:
+        if review[Control].chart:
             key = ("curves", *_chart_key(review))
-            arguments = spot, review.control.chart
+            arguments = spot, review[Control].chart
             jobs.append(Job(key, "the singular curves", compute.curves, arguments, REST))
             other = counterpart(review)
             if other is not None:
                 key = ("curves beside", *_chart_key(review))
-                arguments = other, review.control.chart
+                arguments = other, review[Control].chart
                 jobs.append(Job(key, "the counterpart's curves", compute.curves, arguments, REST))
         if review.machine.circles is not None:
             jobs.append(
@@ -133,11 +137,11 @@ class Controlling:
                     ("profiles", *_profile_key(review)),
                     "the profile",
                     compute.profiles,
-                    (spot, review.control.ratios),
+                    (spot, review[Control].ratios),
                     REST,
                 )
             )
-        if review.control.shade:
+        if review[Control].shade:
             jobs += self._painter.jobs(review, spot)
         self._slow.want(jobs)
 
@@ -231,7 +235,7 @@ class Controlling:
         self._loads.pulled = True
         view = self._stage.view
         force = self._loads.force_of(view, tip)
-        load = (*force, *view.review.control.load[3:])
+        load = (*force, *view.review[Control].load[3:])
         return self._stage.apply(SetControl("load", load), None)
 
     # --- the ball
@@ -331,7 +335,7 @@ class Controlling:
         """What panels draw of it."""
         review = self._stage.view.review
         curves = None
-        if self._curves is not None and review.control.chart:
+        if self._curves is not None and review[Control].chart:
             key = ("curves", *_chart_key(review))
             curves = self._curves[1] if self._curves[0] == key else None
         profiles: tuple[tuple[Design, Profile], ...] = ()
@@ -360,7 +364,7 @@ class Controlling:
             return None, None
         if here is not None and not _same_branch(here.place, other):
             here = None
-        if not review.control.chart or self._beside_of != _chart_key(review):
+        if not review[Control].chart or self._beside_of != _chart_key(review):
             curves = None
         return here, curves
 
@@ -377,7 +381,7 @@ class Controlling:
         if curves is None:
             self._stage.complain("There are no curves to save yet.", client)
             return
-        spec = next(s for s in review.machine.singularities.loci if s.key == review.control.chart)
+        spec = next(s for s in review.machine.singularities.loci if s.key == review[Control].chart)
         name = solid_name(review.design, f"singularities-{spec.key}", (), (review.mode,))
         data = locus_bytes(curves, spec, kind, title=review.design.title or review.design.name)
         file = ExportedFile(f"{name}.{kind}", data, MEDIA_TYPES[kind])
@@ -386,7 +390,7 @@ class Controlling:
 
 def spot_of(review: Review) -> Spot:
     """Where the machine stands, with its load."""
-    control = review.control
+    control = review[Control]
     return Spot(
         review.design,
         review.pose,
@@ -399,12 +403,12 @@ def spot_of(review: Review) -> Spot:
 
 def counterpart(review: Review) -> Spot | None:
     """The counterpart at the same coordinates, where it is to be compared with."""
-    others = review.machine.counterparts if review.control.compare else ()
+    others = review.machine.counterparts if review[Control].compare else ()
     return next((replace(spot_of(review), design=other) for other in others), None)
 
 
 def _profile_key(review: Review) -> tuple[object, ...]:
-    return review.design, review.control.ratios
+    return review.design, review[Control].ratios
 
 
 def _same_branch(one: Spot, other: Spot) -> bool:
@@ -427,6 +431,6 @@ def _held(review: Review, free: tuple[str, ...]) -> tuple[float, ...]:
 
 def _chart_key(review: Review) -> tuple[object, ...]:
     """All that the curves of the chosen chart depend on: its own two coordinates are free."""
-    chart = review.control.chart
+    chart = review[Control].chart
     spec = next(s for s in review.machine.singularities.loci if s.key == chart)
     return chart, review.design, review.mode, *_held(review, spec.axes)

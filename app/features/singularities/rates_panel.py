@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import viser
 
-from app.review.changes import SetControl
-from app.review.view import from_page_units, in_page_units, page_unit
+from app.features.singularities.state import Control, SetControl
+from app.review.units import from_page_units, in_page_units, page_unit
 from app.scene import palette
 from app.widgets.desk import Controlled, Desk, Sheet, answer, box, chip, esc, put, put_prop
 from kinematics.answers.motion import Motion
@@ -21,17 +21,17 @@ class MotionFolder:
         gui, review = desk.gui, sheet.view.review
         self._desk = desk
         self._axes = review.machine.coordinates
-        self._asked: tuple[float, ...] = review.control.rates
+        self._asked: tuple[float, ...] = review[Control].rates
         self._joints = review.machine.joints
         units = ", ".join(f"{c.symbol} ({page_unit(c)}/s)" for c in self._axes)
         with gui.add_folder("Velocity and acceleration", expand_by_default=False):
             self._rates = gui.add_text(
-                "Rates", _shown(self._axes, review.control.rates), hint=f"{units}, with commas"
+                "Rates", _shown(self._axes, review[Control].rates), hint=f"{units}, with commas"
             )
             answer(desk, self._rates, lambda text, client: self._set("rates", text, client))
             self._accelerations = gui.add_text(
                 "Accelerations",
-                _shown(self._axes, review.control.accelerations),
+                _shown(self._axes, review[Control].accelerations),
                 hint="Likewise, by s²; empty for none",
             )
             answer(
@@ -42,7 +42,7 @@ class MotionFolder:
             self._told = gui.add_html("")
 
     def draw(self, sheet: Sheet) -> None:
-        control = sheet.view.review.control
+        control = sheet.view.review[Control]
         self._asked = control.rates
         for handle, values in (
             (self._rates, control.rates),

@@ -8,7 +8,10 @@ import numpy as np
 
 from app.features.section.inscribed_scene import Ball
 from app.features.singularities.compute import Here
-from app.review.view import View, how_far
+from app.features.singularities.state import Control
+from app.review.state import Options
+from app.review.units import how_far
+from app.review.view import View
 from app.scene import palette
 from app.scene.machine import Scene, body_mesh, fresh, wxyz
 from kinematics.answers.clearances import Clearance
@@ -94,9 +97,9 @@ class Held:
 
     def show(self, view: View, here: Here | None, ball: Sphere | None) -> None:
         """Bring them to what is known of the present place."""
-        control, size = view.review.control, view.drawing.size
+        control, size = view.review[Control], view.drawing.size
         wrenches = here.wrenches if here is not None and control.wrenches else None
-        self._wrenches(wrenches, size, view.review.options.dark)
+        self._wrenches(wrenches, size, view.review[Options].dark)
         self._clearances(view, here if control.clearances else None)
         self._ball.show(ball)
 

@@ -13,9 +13,11 @@ from typing import Any
 
 import numpy as np
 
+from app.features.solutions.state import SAME_MODE, Atlas
 from app.review.modes import matching, page_mode
-from app.review.state import SAME_MODE, Review
-from app.review.view import View, in_page_units, page_unit
+from app.review.state import Review
+from app.review.units import in_page_units, page_unit
+from app.review.view import View
 from app.terminal import tables
 from kinematics.answers.solutions import ForwardSolutions, Merged, Refreshed
 from kinematics.arrays import Array
@@ -76,7 +78,7 @@ def offers_mixed(machine: Machine[Any]) -> bool:
 
 def mixes(review: Review) -> bool:
     """Whether solutions beyond the closed form are asked for, and there are any."""
-    return review.atlas.mixed and offers_mixed(review.machine)
+    return review[Atlas].mixed and offers_mixed(review.machine)
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +99,7 @@ class Row:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Atlas:
+class Listed:
     """What a page shows of the solutions.
 
     Attributes:
@@ -123,10 +125,10 @@ class Atlas:
     offers_mixed: bool
 
 
-NONE_YET = Atlas((), np.empty((0, 4, 4)), "", "", False, True, (), 0, False)
+NONE_YET = Listed((), np.empty((0, 4, 4)), "", "", False, True, (), 0, False)
 
 
-def atlas(view: View, known: Known | None) -> Atlas:
+def atlas(view: View, known: Known | None) -> Listed:
     """What to show of the solutions in a view; `NONE_YET` while there are none."""
     review, posture = view.review, view.posture
     offered = offers_mixed(review.machine)
@@ -148,7 +150,7 @@ def atlas(view: View, known: Known | None) -> Atlas:
     remarks += _news(review, known)
     if not stale and not any(row.here for row in rows):
         remarks.append((_elsewhere(offered, known.mixed, posture.mode), False))
-    return Atlas(
+    return Listed(
         rows=tuple(kept),
         placements=placements[[row.index for row in kept]],
         count=tables.real_of_complex(found),
@@ -190,7 +192,7 @@ def _rows(view: View, known: Known, placements: Array, *, stale: bool) -> list[R
 
 
 def _filtered(review: Review, rows: list[Row]) -> list[Row]:
-    wanted = review.atlas
+    wanted = review[Atlas]
     modes: Sequence[str] = review.machine.modes
     if wanted.modes == SAME_MODE:
         modes = (review.mode,)
@@ -200,7 +202,7 @@ def _filtered(review: Review, rows: list[Row]) -> list[Row]:
 
 
 def _sorted(review: Review, rows: list[Row]) -> list[Row]:
-    match review.atlas.sort:
+    match review[Atlas].sort:
         case "distance":
             return sorted(rows, key=lambda r: r.distance)
         case "condition":

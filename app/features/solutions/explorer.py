@@ -9,12 +9,12 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from app.features.solutions.atlas import Atlas, Known, atlas, mixes
+from app.features.move.state import Visit
+from app.features.solutions.atlas import Known, Listed, atlas, mixes
 from app.features.solutions.compute import Wish, job, solve
 from app.features.solutions.folds import Ahead, nearest_first
 from app.jobs.lane import Done, Job, Lane, Lost
 from app.jobs.worker import Busy
-from app.review.changes import Visit
 from app.review.history import QUIET_GAP
 from app.review.view import View
 from kinematics.answers.solutions import Posture, Refreshed
@@ -126,7 +126,7 @@ class Explorer:
             and self.known.stands_at(view.posture.joints)
         )
 
-    def atlas(self, view: View) -> Atlas:
+    def atlas(self, view: View) -> Listed:
         """The solutions as they are shown."""
         return atlas(view, self.known)
 

@@ -8,12 +8,12 @@ from typing import Any
 
 import viser
 
-from app.features.solutions.atlas import Atlas, Row
+from app.features.move.state import Drive, Visit
+from app.features.solutions.atlas import Listed, Row
 from app.features.solutions.folds import Ahead, title, words
-from app.review.changes import Drive, SetAtlas, Visit
+from app.features.solutions.state import SAME_MODE, Atlas, SetAtlas, Sort
 from app.review.modes import matching, page_mode, signed
 from app.review.requests import ChooseFold, FindAgain, RedrawSolutions, VisitSolution
-from app.review.state import SAME_MODE, Sort
 from app.scene import palette
 from app.widgets.desk import (
     Desk,
@@ -74,37 +74,37 @@ class SolutionsPanel(Panel):
         self._count = gui.add_html("")
         self._ghosts = gui.add_checkbox(
             "Ghosts",
-            review.atlas.ghosts,
+            review[Atlas].ghosts,
             hint="The platform in every other solution of the list; click one to go there "
             "(hotkey G)",
         )
         answer(desk, self._ghosts, lambda on, client: desk.send(SetAtlas("ghosts", on), client))
         self._mixed = gui.add_checkbox(
             "Mixed modes",
-            review.atlas.mixed,
+            review[Atlas].mixed,
             hint="Solutions in which the two limbs of an arrangement stand in different working "
             "modes, by the general method",
         )
         answer(desk, self._mixed, lambda on, client: desk.send(SetAtlas("mixed", on), client))
-        self._within = gui.add_checkbox("Within strokes", review.atlas.within_stroke)
+        self._within = gui.add_checkbox("Within strokes", review[Atlas].within_stroke)
         answer(
             desk, self._within, lambda on, client: desk.send(SetAtlas("within_stroke", on), client)
         )
         self._sort = gui.add_dropdown(
-            "Sort by", tuple(SORTED.values()), initial_value=SORTED[review.atlas.sort]
+            "Sort by", tuple(SORTED.values()), initial_value=SORTED[review[Atlas].sort]
         )
         answer(desk, self._sort, self._sorted_by)
         has_modes = any(self._known)
         self._choice = gui.add_dropdown(
             "Of",
             (EVERY, SAME, PATTERN),
-            initial_value=_choice(review.atlas.modes),
+            initial_value=_choice(review[Atlas].modes),
             visible=has_modes,
         )
         answer(desk, self._choice, self._choose)
         self._pattern = gui.add_text(
             "Pattern",
-            _pattern(review.atlas.modes, review.mode),
+            _pattern(review[Atlas].modes, review.mode),
             hint="One sign a limb, ? for either; several separated by commas: +?+++, −−+++",
             visible=False,
         )
@@ -141,7 +141,7 @@ class SolutionsPanel(Panel):
 
     def draw(self, sheet: Sheet) -> None:
         review = sheet.view.review
-        wanted = review.atlas
+        wanted = review[Atlas]
         self._axes = review.machine.coordinates
         self._mode = review.mode
         put(self._desk, self._ghosts, wanted.ghosts)
@@ -163,13 +163,13 @@ class SolutionsPanel(Panel):
         put_prop(self._empty, "visible", not atlas.rows and bool(atlas.hidden))
         put_prop(self._style, "content", style(stale=atlas.stale))
         # What belongs to other actuators stays as it is and fades: that is one message, not many.
-        drawn = (solutions.known, sheet.view.review.atlas, self._limit)
+        drawn = (solutions.known, sheet.view.review[Atlas], self._limit)
         if not (atlas.stale and drawn == self._drawn):
             self._draw_rows(atlas)
             self._drawn = drawn
         self._draw_folds(sheet, solutions)
 
-    def _draw_rows(self, atlas: Atlas) -> None:
+    def _draw_rows(self, atlas: Listed) -> None:
         rows = atlas.rows[: self._limit]
         while len(self._buttons) < len(rows):
             with self._folder:
@@ -293,7 +293,7 @@ def _quiet(text: str) -> str:
     return box(f'<span style="opacity:0.75">{esc(text)}</span>')
 
 
-def _count(atlas: Atlas, trouble: str) -> str:
+def _count(atlas: Listed, trouble: str) -> str:
     if trouble:
         return red(trouble)
     if not atlas.count:
@@ -308,7 +308,7 @@ def _count(atlas: Atlas, trouble: str) -> str:
     )
 
 
-def _remarks(atlas: Atlas) -> str:
+def _remarks(atlas: Listed) -> str:
     lines = [
         f'<div style="padding:0.1em 0;{f"color:{palette.BEYOND}" if singular else "opacity:0.85"}">'
         f"{esc(text[:1].upper() + text[1:])}</div>"
@@ -317,6 +317,6 @@ def _remarks(atlas: Atlas) -> str:
     return box("".join(lines)) if lines else ""
 
 
-def _empty(atlas: Atlas) -> str:
+def _empty(atlas: Listed) -> str:
     what = "the one solution" if atlas.hidden == 1 else f"all {atlas.hidden} solutions"
     return _quiet(f"The filter leaves out {what}.")

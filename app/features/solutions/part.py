@@ -5,15 +5,17 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING
 
+from app.features.move.state import Drive
 from app.features.solutions.compute import Wish
 from app.features.solutions.explorer import Explorer
 from app.features.solutions.scene import Ghosts
+from app.features.solutions.state import Atlas
 from app.jobs.lane import Done, Job, Lost
 from app.jobs.parts import Stage
 from app.jobs.worker import LaneName
-from app.review.changes import Change, Drive
+from app.review.changes import Change
 from app.review.requests import ChooseFold, FindAgain, RedrawSolutions, VisitSolution
-from app.review.state import Review
+from app.review.state import Options, Review
 from app.widgets.desk import Solutions
 from kinematics.errors import BohemiaError
 
@@ -105,7 +107,7 @@ class Solving:
         explorer.catch_up(view)
         # Who belongs to other actuators stays as it is while the hand moves: that costs nothing.
         review, current = view.review, explorer.is_current(view)
-        drawn = explorer.known, review.atlas, review.options.dark, explorer.trouble, current
+        drawn = explorer.known, review[Atlas], review[Options].dark, explorer.trouble, current
         if not current and explorer.known is not None and drawn == self._drawn:
             return
         self._drawn = drawn
@@ -125,5 +127,5 @@ class Solving:
                 panel.draw_solutions(sheet, solutions)
         self._stage.server.flush()
         done = time.monotonic()
-        pause = PAUSE_SEEN if review.atlas.ghosts else PAUSE_LISTED
+        pause = PAUSE_SEEN if review[Atlas].ghosts else PAUSE_LISTED
         self._from = done + pause * (done - now)

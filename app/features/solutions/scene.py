@@ -15,8 +15,10 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation
 
-from app.features.solutions.atlas import Atlas, joint_text
+from app.features.solutions.atlas import Listed, joint_text
 from app.features.solutions.folds import Ahead
+from app.features.solutions.state import Atlas
+from app.review.state import Options
 from app.review.view import View
 from app.scene import palette
 from app.scene.machine import Scene, cylinder, turns_z_to
@@ -58,14 +60,14 @@ class Ghosts:
         for batch in (self._faces, self._edges):
             batch.on_click(self._visit)
 
-    def show(self, view: View, atlas: Atlas, fold: Ahead | None) -> None:
+    def show(self, view: View, atlas: Listed, fold: Ahead | None) -> None:
         """Bring them to the solutions that pass the filter; all but the present one."""
-        wanted = view.review.atlas.ghosts
+        wanted = view.review[Atlas].ghosts
         others = [n for n, row in enumerate(atlas.rows) if not row.here] if wanted else []
         edges = outline([b for b in view.drawing.bodies if b.frame == "platform"])
         owners = [atlas.rows[n].identity for n in others]
         new = np.array([atlas.rows[n].new for n in others], dtype=bool)
-        shade = palette.ghost_color(stale=atlas.stale, dark=view.review.options.dark)
+        shade = palette.ghost_color(stale=atlas.stale, dark=view.review[Options].dark)
         colors = np.where(
             new[:, None], palette.linear(palette.PLATFORM), palette.linear(shade)
         ).astype(np.uint8)

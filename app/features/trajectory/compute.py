@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
+from app.features.singularities.state import Control
 from app.features.trajectory.state import (
     FILE,
     POINTS,
     STROKE,
     Plan,
-    axes_of,
     missing,
     path_of,
     plane_of,
@@ -105,7 +105,7 @@ class Reach:
 
 def asked(review: Review) -> Asked | None:
     """What a review asks for; None where there is nothing to compute."""
-    plan = review.plan
+    plan = review[Plan]
     if not plan.on or missing(plan):
         return None
     usual = Plan()
@@ -121,8 +121,8 @@ def asked(review: Review) -> Asked | None:
     plan = replace(plan, **{name: getattr(usual, name) for name in (*shown, *left)})
     follows = review.dependent
     if plan.file_open:
-        follows = [c.key for c in axes_of(review)].index(plan.file_open)
-    return Asked(review.design, review.mode, plan, review.control.load, follows)
+        follows = [c.key for c in review.machine.coordinates].index(plan.file_open)
+    return Asked(review.design, review.mode, plan, review[Control].load, follows)
 
 
 # --- called in the process ----------------------------------------------------------------
@@ -296,4 +296,4 @@ def parts(samples: int) -> list[tuple[int, ...]]:
 
 def drawn_axes(review: Review) -> tuple[int, int]:
     """The two coordinates in whose plane a stroke is drawn."""
-    return plane_of(review.plan, axes_of(review))
+    return plane_of(review[Plan], review.machine.coordinates)

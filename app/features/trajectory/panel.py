@@ -11,8 +11,7 @@ from app.features.trajectory.compute import Computed
 from app.features.trajectory.html import fits_html, summary_html
 from app.features.trajectory.paths_panel import WayFolder
 from app.features.trajectory.plot import figure, mark
-from app.features.trajectory.state import MOST_SAMPLES, SPEEDS, axes_of
-from app.review.changes import SetPlan
+from app.features.trajectory.state import MOST_SAMPLES, SPEEDS, Plan, SetPlan
 from app.review.requests import (
     Distances,
     LeaveWay,
@@ -91,9 +90,9 @@ class TrajectoryPanel(Panel):
         gui, review = desk.gui, sheet.view.review
         self._desk = desk
         self._sheet = sheet
-        self._axes = axes_of(review)
+        self._axes = review.machine.coordinates
         self._joints = review.machine.joints
-        plan = review.plan
+        plan = review[Plan]
         self._on = gui.add_checkbox(
             "Show the trajectory", plan.on, hint="In the scene and as plots (hotkey T)"
         )
@@ -126,7 +125,7 @@ class TrajectoryPanel(Panel):
         self._moment = Moment(0.0, playing=False, away=False, distance=float("nan"))
 
     def _add_time(self) -> None:
-        gui, desk, plan = self._desk.gui, self._desk, self._sheet.view.review.plan
+        gui, desk, plan = self._desk.gui, self._desk, self._sheet.view.review[Plan]
         with gui.add_folder("Time"):
             self._law = gui.add_dropdown("Time law", tuple(LAWS))
             self._duration = gui.add_number(
@@ -181,7 +180,7 @@ class TrajectoryPanel(Panel):
             answer(desk, typed.handle, self._typing(name, typed))
 
     def _add_window(self, sheet: Sheet) -> None:
-        gui, desk, plan = self._desk.gui, self._desk, sheet.view.review.plan
+        gui, desk, plan = self._desk.gui, self._desk, sheet.view.review[Plan]
         self._window = gui.add_panel(visible=plan.on)
         self._window.dock_left()
         self._window.set_width(WIDTH)
@@ -256,7 +255,7 @@ class TrajectoryPanel(Panel):
 
     def draw(self, sheet: Sheet) -> None:
         self._sheet = sheet
-        desk, plan = self._desk, sheet.view.review.plan
+        desk, plan = self._desk, sheet.view.review[Plan]
         put(desk, self._on, plan.on)
         self._way.draw(sheet)
         put(desk, self._law, next(t for t, kind in LAWS.items() if kind == plan.law))
@@ -280,7 +279,7 @@ class TrajectoryPanel(Panel):
             put_prop(self._window, "visible", False)
 
     def draw_trajectory(self, sheet: Sheet, moved: Moved) -> None:
-        plan = sheet.view.review.plan
+        plan = sheet.view.review[Plan]
         computed = self._computed = moved.computed
         hint = box("Show the trajectory to have it computed, drawn and plotted.")
         put_prop(self._summary, "content", summary_html(moved) if plan.on else hint)
@@ -325,6 +324,6 @@ class TrajectoryPanel(Panel):
         if computed is None or drawn is None or not self._moment.there:
             self._plot.mark("")
             return
-        plot = self._sheet.view.review.plan.plot
+        plot = self._sheet.view.review[Plan].plot
         at, measuring = self._moment.at, self._measuring
         self._plot.mark(mark(computed, plot, drawn.axes, at, measuring=measuring))

@@ -16,11 +16,11 @@ from app.features.trajectory.files import trajectory_csv
 from app.features.trajectory.playing import Playing
 from app.features.trajectory.plot import plots_svg
 from app.features.trajectory.scene import Trail
-from app.features.trajectory.state import STROKE, missing
+from app.features.trajectory.state import STROKE, Plan, SetPlan, missing
 from app.jobs.lane import Done, Job, Lane, Lost
 from app.jobs.parts import Stage
 from app.jobs.worker import LaneName
-from app.review.changes import Change, SetPlan
+from app.review.changes import Change
 from app.review.requests import Distances, SaveTrajectory, Shortest
 from app.review.state import Review
 from app.review.view import View
@@ -94,7 +94,7 @@ class Moving:
         self._trail.prepare(self._stage.view.drawing.size)
         self._computed = self._reach = self._told = None
         self.playing.forget()
-        if self._stage.view.review.plan.on:  # its window has been closed and is opened again
+        if self._stage.view.review[Plan].on:  # its window has been closed and is opened again
             self._fit_at = time.monotonic() + OPENED
 
     # --- what is wanted
@@ -124,7 +124,7 @@ class Moving:
             jobs.append(job)
         elif of is not None:
             jobs += self._further(of, review)
-        if review.plan.on and review.plan.way == STROKE:
+        if review[Plan].on and review[Plan].way == STROKE:
             plane = _reach_key(review)
             jobs.append(Job(("reach", plane), "the reach", compute.reach, plane))
         self._lane.want(jobs)
@@ -134,7 +134,7 @@ class Moving:
         computed = self._computed
         assert computed is not None
         jobs: list[Job] = []
-        degree = review.plan.degree
+        degree = review[Plan].degree
         if degree and self._fits_of != (of, degree):
             key = ("fit", of, degree)
             jobs.append(Job(key, "the polynomials", compute.fitted, (computed, degree), REST))
@@ -151,7 +151,7 @@ class Moving:
         return jobs
 
     def applied(self, change: Change, before: Review, note: str) -> None:
-        if isinstance(change, SetPlan) and ("on", not before.plan.on) in change.values:
+        if isinstance(change, SetPlan) and ("on", not before[Plan].on) in change.values:
             self._fit_at = time.monotonic() + OPENED  # the scene has another width then
 
     # --- what comes
@@ -223,7 +223,7 @@ class Moving:
     # --- the person's hand on it
 
     def _shorten(self, client: viser.ClientHandle | None) -> bool:
-        computed, plan = self._computed, self._stage.view.review.plan
+        computed, plan = self._computed, self._stage.view.review[Plan]
         if computed is None or not self._current:
             return False
         if not (plan.rates or plan.accelerations):
@@ -300,14 +300,14 @@ class Moving:
             computed = replace(computed, found=found)
         count = max(len(self._distance), 1)
         left = sum(map(len, self._parts))
-        wanted = (self._asked, review.plan.degree)
+        wanted = (self._asked, review[Plan].degree)
         reach = None
         if self._reach is not None and self._reach[0] == _reach_key(review):
             reach = self._reach[1]
         return Moved(
             computed,
             not self._current,
-            missing(review.plan),
+            missing(review[Plan]),
             1.0 - left / count,
             not self._given_up and bool(left),
             self._fits if self._fits_of == wanted else None,
@@ -329,7 +329,7 @@ class Moving:
             data = trajectory_csv(found, axes, joints)
         else:
             title = of.design.title or of.design.name
-            data = plots_svg(replace(computed, found=found), review.plan.plot, title)
+            data = plots_svg(replace(computed, found=found), review[Plan].plot, title)
         name = solid_name(of.design, "trajectory", (), (of.mode,) if of.mode else None)
         file = ExportedFile(f"{name}.{kind}", data.encode(), MEDIA_TYPES[kind])
         self._stage.apart(client, lambda: self._stage.download(file, client))

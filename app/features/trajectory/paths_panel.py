@@ -14,12 +14,12 @@ from app.features.trajectory.state import (
     POINTS,
     STRAIGHT,
     STROKE,
+    Plan,
     Pose,
-    axes_of,
+    SetPlan,
     plane_of,
     trimmed,
 )
-from app.review.changes import SetPlan
 from app.widgets.desk import (
     QUIET,
     Desk,
@@ -57,13 +57,13 @@ class WayFolder:
         gui, review = desk.gui, sheet.view.review
         self._desk = desk
         self._sheet = sheet
-        self._axes = axes = axes_of(review)
+        self._axes = axes = review.machine.coordinates
         named = review.machine.paths.named()
         self._named = {each.name: each for each in named}
         self._titles = {**{t.title: name for name, t in self._named.items()}} | {
             title: way for way, title in OWN_TITLES.items()
         }
-        plan, hint = review.plan, units(axes)
+        plan, hint = review[Plan], units(axes)
         with gui.add_folder("Path"):
             self._way = gui.add_dropdown(
                 "It runs", tuple(self._titles), initial_value=self._title(plan.way)
@@ -148,7 +148,7 @@ class WayFolder:
 
     def _edit_list(self, client: viser.ClientHandle | None) -> None:
         review = self._sheet.view.review
-        points = review.plan.points
+        points = review[Plan].points
         if self._list.value == LIST[0]:
             if points and points[-1] == review.pose:
                 raise InputError("this pose is the last way point already; move the machine on")
@@ -197,14 +197,14 @@ class WayFolder:
         keys = {c.symbol: c.key for c in self._axes}
         chosen = keys[self._across.value], keys[self._up.value]
         if chosen[0] == chosen[1]:
-            plan = self._sheet.view.review.plan
+            plan = self._sheet.view.review[Plan]
             before = [self._axes[n].key for n in plane_of(plan, self._axes)]
             chosen = (before[1], before[0])
         self._do(client, plane=chosen)
 
     def _stroked(self, stroke: Array, client: viser.ClientHandle | None) -> None:
         review = self._sheet.view.review
-        plane = plane_of(review.plan, self._axes)
+        plane = plane_of(review[Plan], self._axes)
         poses = np.tile(np.asarray(review.pose), (len(stroke), 1))
         for n, values in zip(plane, stroke.T, strict=True):
             turn = np.pi / 180.0 if self._axes[n].unit == "rad" else 1.0
@@ -217,7 +217,7 @@ class WayFolder:
     def draw(self, sheet: Sheet) -> None:
         """Bring the widgets to the review."""
         self._sheet = sheet
-        desk, plan = self._desk, sheet.view.review.plan
+        desk, plan = self._desk, sheet.view.review[Plan]
         put(desk, self._way, self._title(plan.way))
         if not self._trouble:  # what is being typed stays until it can be used
             self._start.draw(plan.start)
@@ -252,7 +252,7 @@ class WayFolder:
             self._sketch.mark("")
 
     def _said(self) -> str:
-        plan = self._sheet.view.review.plan
+        plan = self._sheet.view.review[Plan]
         named = self._named.get(plan.way)
         if named is not None:
             mode = self._sheet.view.review.mode
@@ -271,7 +271,7 @@ class WayFolder:
     def draw_trajectory(self, moved: Moved) -> None:
         """The plane of a stroke, with what was drawn in it."""
         review = self._sheet.view.review
-        plan, reach = review.plan, moved.reach
+        plan, reach = review[Plan], moved.reach
         if plan.way != STROKE or reach is None:
             return
         axes = [self._axes[n] for n in reach.plane]

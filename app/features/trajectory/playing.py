@@ -12,13 +12,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from app.features.move.state import Place
 from app.features.trajectory.compute import Computed
 from app.features.trajectory.player import Player
+from app.features.trajectory.state import Plan
 from app.jobs.parts import Stage
 from app.review import view as compute
-from app.review.changes import Place
 from app.review.requests import LeaveWay, NextWarning, Play, Scrub, StopHere
-from app.review.state import Review, within
+from app.review.state import Review
+from app.review.units import within
 from app.review.view import View
 
 if TYPE_CHECKING:
@@ -79,8 +81,8 @@ class Playing:
             if other:
                 duration = 1.0 if current is None else current.law.duration
                 self.leave()
-                self.player = Player(duration, review.plan.playback, review.plan.pace)
-        plan = review.plan
+                self.player = Player(duration, review[Plan].playback, review[Plan].pace)
+        plan = review[Plan]
         self.player = self.player.paced(plan.playback, plan.pace, time.monotonic())
 
     def leave(self) -> None:
@@ -185,7 +187,7 @@ class Playing:
         before, at = self._played_to, self.player.at(now)
         self._played_to = at
         computed = self.current
-        if computed is None or not self._stage.view.review.plan.halt:
+        if computed is None or not self._stage.view.review[Plan].halt:
             return
         low, high = min(before, at), max(before, at)
         if high - low > 0.5 * computed.law.duration:

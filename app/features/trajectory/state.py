@@ -8,8 +8,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, ClassVar, Literal, Self
 
+from app.review.changes import Change, Taken
+from app.review.state import Review, Slice
+from app.review.units import from_page_units, in_page_units
 from kinematics.answers.trajectories import Playback
 from kinematics.errors import InputError
 from kinematics.machine import Machine
@@ -28,9 +31,6 @@ from kinematics.trajectories import (
 )
 from kinematics.trajectories.fits import HIGHEST
 
-if TYPE_CHECKING:
-    from app.review.state import Review
-
 Pose = tuple[float, ...]
 Through = Literal["spline", "lines"]
 
@@ -43,10 +43,14 @@ PACE = 100.0  # mm/s, where no duration is given
 MOST_POINTS = 2000  # that a session keeps of one path
 MOST_SAMPLES = 2001  # on the page; the command line takes more
 TRIMMED = 300  # points of a stroke that are kept
+_ENDS, _LISTS = ("start", "end"), ("points", "file", "stroke")
+_TURNING = ("rates", "accelerations")  # limits that are of angles where a joint turns
+# What serves a machine whatever its coordinates are.
+_LASTING = ("on", "law", "playback", "pace", "halt", "samples", "degree", "plot", "through")
 
 
-@dataclass(frozen=True, slots=True)
-class Plan:
+@dataclass(frozen=True)
+class Plan(Slice):
     """A trajectory: where it runs, when, what is asked of it and how it is shown.
 
     Attributes:
@@ -72,6 +76,7 @@ class Plan:
         plot: what the plots show, one of `PLOTS`.
     """
 
+    filed_as: ClassVar[str] = "trajectory"
     on: bool = False
     way: str = STRAIGHT
     start: Pose = ()
@@ -105,50 +110,132 @@ class Plan:
         """As the library takes them."""
         return Limits(self.rates or None, self.accelerations or None, self.forces or None)
 
+    @classmethod
+    def fresh(cls, review: Review) -> Self:
+        """The machine's own first trajectory, else one from its home."""
+        named = review.machine.paths.named()
+        return cls(way=named[0].name if named else STRAIGHT, start=review.machine.home.pose)
 
-NO_PLAN = Plan()
+    def carried(self, before: Review, review: Review) -> Self:
+        """All of it, if the other design has the same coordinates."""
+        fresh = review[type(self)]
+        kept = replace(fresh, **{name: getattr(self, name) for name in _LASTING})
+        if not set(self.plane) <= {"", *(c.key for c in review.machine.coordinates)}:
+            return kept
+        known = {*OWN, *(each.name for each in review.machine.paths.named())}
+        try:
+            return (self if self.way in known else replace(self, way=fresh.way)).checked(review)
+        except InputError:
+            return kept
+
+    def checked(self, review: Review) -> Self:
+        machine = review.machine
+        named = [each.name for each in machine.paths.named()]
+        keys = [c.key for c in machine.coordinates]
+        for name, known, what in (
+            (self.way, (*OWN, *named), "a way"),
+            (self.through, ("spline", "lines"), "how points are joined"),
+            (self.law, ("", *LAWS), "a time law"),
+            (self.playback, PLAYBACKS, "a playback"),
+            (self.plot, PLOTS, "a plot"),
+        ):
+            if name not in known:
+                raise InputError(f"{what} is one of {', '.join(filter(None, known))}, not {name!r}")
+        _check_points(self, len(keys))
+        if self.file_open not in ("", *keys):
+            raise InputError(f"a file may leave a coordinate open, but {self.file_open!r} is none")
+        if not set(self.plane) <= {"", *keys}:
+            raise InputError(f"a stroke lies in two of {', '.join(keys)}")
+        if self.plane != ("", "") and ("" in self.plane or self.plane[0] == self.plane[1]):
+            raise InputError("a stroke is drawn in two different coordinates")
+        for value, low, high, what in (
+            (self.blend, 0.0, 1e6, "a corner's blend (mm)"),
+            (self.smooth, 0.0, 1e3, "smoothing (mm)"),
+            (self.duration, 0.0, 1e6, "a duration (s)"),
+            (self.speed, 1e-6, 1e9, "a speed (mm/s)"),
+            (self.acceleration, 1e-6, 1e12, "an acceleration (mm/s²)"),
+            (self.pace, SPEEDS[0], SPEEDS[-1], "the pace of a playback"),
+            (self.samples, 2, MOST_SAMPLES, "how many samples there are"),
+            (self.degree, 0, HIGHEST, "the degree of a polynomial"),
+        ):
+            if not (math.isfinite(value) and low <= value <= high):
+                raise InputError(f"{what} lies within {low:g} … {high:g}, got {value:g}")
+        if 0.0 < self.duration < 1e-6:
+            raise InputError("a duration is at least 1e-6 s, or 0 for the way's own")
+        count = len(machine.joints)
+        for what in ("rates", "accelerations", "forces"):
+            values: tuple[float, ...] = getattr(self, what)
+            fit = len(values) == count and all(math.isfinite(v) and v > 0.0 for v in values)
+            if values and not fit:
+                raise InputError(f"the limits of {what} are {count} positive numbers, or none")
+        return self
+
+    # --- in a session file: a pose is one line of numbers, so that paths stay short
+
+    def write(self, name: str, review: Review) -> Any:
+        value, axes = getattr(self, name), review.machine.coordinates
+        if name in _ENDS:
+            return _written(value, axes)
+        if name in _LISTS:
+            return [_written(pose, axes) for pose in value]
+        if name == "times":
+            return " ".join(map(repr, value))
+        if name in _TURNING:
+            joints = review.machine.joints
+            return [in_page_units(c, v) for c, v in zip(joints, value, strict=False)]
+        return value
+
+    @classmethod
+    def taken(cls, name: str, value: Any, review: Review, what: str) -> Any:
+        axes, joints = review.machine.coordinates, review.machine.joints
+        if name in _ENDS:
+            return _pose(value, axes, what)
+        if name in _LISTS and isinstance(value, list):
+            return tuple(_pose(each, axes, what) for each in value)
+        if name == "times":
+            return _numbers(value, what)
+        if name == "plane":
+            if not isinstance(value, list) or [type(key) for key in value] != [str, str]:
+                raise InputError(f"{what} is not of the right kind")
+            return tuple(value)
+        value = super().taken(name, value, review, what)
+        if name in _TURNING and isinstance(value, tuple) and len(value) == len(joints):
+            return tuple(from_page_units(c, v) for c, v in zip(joints, value, strict=True))
+        return value
 
 
-def fresh_plan(review: Review) -> Plan:
-    """Of a machine that nobody gave one: its own first trajectory, else one from its home."""
-    named = review.machine.paths.named()
-    home = review.machine.home.pose
-    return Plan(way=named[0].name if named else STRAIGHT, start=home)
+SLICES = (Plan,)
 
 
-def plan_for(review: Review, plan: Plan) -> Plan:
-    """What of a plan serves another design: all of it, if that has the same coordinates."""
-    kept = replace(
-        fresh_plan(review),
-        **{
-            name: getattr(plan, name)
-            for name in (
-                "on",
-                "law",
-                "playback",
-                "pace",
-                "halt",
-                "samples",
-                "degree",
-                "plot",
-                "through",
-            )
-        },
-    )
-    named = {each.name for each in review.machine.paths.named()}
-    if not set(plan.plane) <= {"", *(c.key for c in axes_of(review))}:
-        return kept
-    if plan.way not in (*OWN, *named):
-        plan = replace(plan, way=kept.way)
+@dataclass(frozen=True)
+class SetPlan(Change):
+    """Set some things of the trajectory, by name; values are of the kinds that `Plan` has."""
+
+    values: tuple[tuple[str, Any], ...]
+    gesture: str = ""
+
+    def apply(self, review: Review) -> Taken:
+        return review.having(replace(review[Plan], **dict(self.values)).checked(review)), ""
+
+
+def _written(pose: Pose, axes: Sequence[Coordinate]) -> str:
+    return " ".join(repr(in_page_units(c, v)) for c, v in zip(axes, pose, strict=False))
+
+
+def _pose(text: Any, axes: Sequence[Coordinate], what: str) -> Pose:
+    values = _numbers(text, what)
+    if values and len(values) != len(axes):
+        raise InputError(f"{what}: a pose has {len(axes)} numbers, got {len(values)}")
+    return tuple(from_page_units(c, v) for c, v in zip(axes, values, strict=False))
+
+
+def _numbers(text: Any, what: str) -> tuple[float, ...]:
+    if not isinstance(text, str):
+        raise InputError(f"{what} is not of the right kind")
     try:
-        return checked_plan(plan, review)
-    except InputError:
-        return kept
-
-
-def axes_of(review: Review) -> tuple[Coordinate, ...]:
-    """The pose coordinates of a review."""
-    return review.machine.coordinates
+        return tuple(map(float, text.split()))
+    except ValueError:
+        raise InputError(f"{what}: not numbers with spaces between them") from None
 
 
 def plane_of(plan: Plan, axes: Sequence[Coordinate]) -> tuple[int, int]:
@@ -156,54 +243,6 @@ def plane_of(plan: Plan, axes: Sequence[Coordinate]) -> tuple[int, int]:
     keys = [c.key for c in axes]
     first, second = (keys.index(k) if k in keys else n for n, k in enumerate(plan.plane))
     return first, second
-
-
-def checked_plan(plan: Plan, review: Review) -> Plan:
-    """The same, once it is known to be sound.
-
-    Raises:
-        InputError: a name that is none, points that are no poses, or numbers that cannot be.
-    """
-    named = [each.name for each in review.machine.paths.named()]
-    axes = axes_of(review)
-    joints = review.machine.joints
-    for name, known, what in (
-        (plan.way, (*OWN, *named), "a way"),
-        (plan.through, ("spline", "lines"), "how points are joined"),
-        (plan.law, ("", *LAWS), "a time law"),
-        (plan.playback, PLAYBACKS, "a playback"),
-        (plan.plot, PLOTS, "a plot"),
-    ):
-        if name not in known:
-            raise InputError(f"{what} is one of {', '.join(filter(None, known))}, not {name!r}")
-    _check_points(plan, len(axes))
-    if plan.file_open not in ("", *(c.key for c in axes)):
-        raise InputError(f"a file may leave a coordinate open, but {plan.file_open!r} is none")
-    if not set(plan.plane) <= {"", *(c.key for c in axes)}:
-        raise InputError(f"a stroke lies in two of {', '.join(c.key for c in axes)}")
-    if plan.plane != ("", "") and ("" in plan.plane or plan.plane[0] == plan.plane[1]):
-        raise InputError("a stroke is drawn in two different coordinates")
-    for value, low, high, what in (
-        (plan.blend, 0.0, 1e6, "a corner's blend (mm)"),
-        (plan.smooth, 0.0, 1e3, "smoothing (mm)"),
-        (plan.duration, 0.0, 1e6, "a duration (s)"),
-        (plan.speed, 1e-6, 1e9, "a speed (mm/s)"),
-        (plan.acceleration, 1e-6, 1e12, "an acceleration (mm/s²)"),
-        (plan.pace, SPEEDS[0], SPEEDS[-1], "the pace of a playback"),
-        (plan.samples, 2, MOST_SAMPLES, "how many samples there are"),
-        (plan.degree, 0, HIGHEST, "the degree of a polynomial"),
-    ):
-        if not (math.isfinite(value) and low <= value <= high):
-            raise InputError(f"{what} lies within {low:g} … {high:g}, got {value:g}")
-    if 0.0 < plan.duration < 1e-6:
-        raise InputError("a duration is at least 1e-6 s, or 0 for the way's own")
-    for what in ("rates", "accelerations", "forces"):
-        values: tuple[float, ...] = getattr(plan, what)
-        if values and not (
-            len(values) == len(joints) and all(math.isfinite(v) and v > 0.0 for v in values)
-        ):
-            raise InputError(f"the limits of {what} are {len(joints)} positive numbers, or none")
-    return plan
 
 
 def _check_points(plan: Plan, size: int) -> None:

@@ -8,10 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.features.section.compute import edges, segments
+from app.features.workspace.state import Flat, Workspace, solver_modes
 from app.review.state import Review
 from kinematics.answers.loci import LocusCurves
 from kinematics.answers.sections import Region, RegionSpec, Section
 from kinematics.arrays import Array
+from kinematics.facets.solids import RESOLUTIONS, Resolution, SolidRequest, SolidSpec
 from kinematics.machine import machine_of, required
 from kinematics.mechanism import Design
 
@@ -59,17 +61,67 @@ class Laid:
     locus: Array
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class SolidWish:
+    """One solid to show: what to compute for it, where to put it, how to draw it."""
+
+    spec: SolidSpec
+    requests: dict[Resolution, SolidRequest]
+    placement: Array
+    opacity: float
+
+    @property
+    def what(self) -> tuple[object, ...]:
+        """Equal while the same solid is wished, at whatever resolution."""
+        return self.requests["preview"].arguments
+
+
+def wishes(review: Review) -> tuple[SolidWish, ...]:
+    """The solids on display with what each depends on."""
+    machine = review.machine
+    if machine.solids is None:
+        return ()
+    solids = machine.solids
+    specs = {spec.key: spec for spec in solids.specs}
+    return tuple(
+        SolidWish(
+            specs[s.key],
+            {
+                r: solids.request(
+                    s.key, review.pose, modes_of(review, specs[s.key]), r, review[Workspace].surface
+                )
+                for r in RESOLUTIONS
+            },
+            solids.placement(s.key, review.pose),
+            s.opacity,
+        )
+        for s in review[Workspace].solids
+    )
+
+
+def modes_of(review: Review, spec: SolidSpec) -> tuple[str, ...] | None:
+    """The modes that a solid is of: None for all of them, or where they do not matter."""
+    if spec.of_present_mode:
+        return (review.mode,)
+    return solver_modes(review) if spec.uses_modes else None
+
+
+def inside(review: Review) -> bool:
+    """Whether the present position is in the workspace, of whichever of its modes."""
+    return review.machine.inverse.inside(review.pose, solver_modes(review))
+
+
 def wish(review: Review) -> Wish | None:
     """The regions that a review shows; None where there are none to show.
 
     The position does not count, as the regions are of all positions.
     """
-    machine, design, flat = review.machine, review.design, review.flat
+    machine, design, flat = review.machine, review.design, review[Flat]
     if not flat.on or not machine.region_specs:
         return None
     axes = machine.coordinates
     pose = tuple(0.0 if c.unit == "mm" else v for c, v in zip(axes, review.pose, strict=True))
-    return Wish(design, pose, review.solver_modes, review.mode, flat.key, flat.locus)
+    return Wish(design, pose, solver_modes(review), review.mode, flat.key, flat.locus)
 
 
 def lay(wanted: Wish) -> Laid:

@@ -9,9 +9,10 @@ import viser
 
 from app.features.singularities.html import ASPECTS
 from app.features.solutions.atlas import number as signed
+from app.features.workspace.compute import inside
 from app.features.workspace.regions_panel import RegionsFolder
+from app.features.workspace.state import ChooseModes, ChooseSurface, Fade, Show, Workspace
 from app.jobs.worker import Built
-from app.review.changes import ChooseModes, ChooseSurface, Fade, Show
 from app.review.modes import matching, page_mode
 from app.review.requests import Forget, GoToBall, Inscribe
 from app.scene import palette
@@ -93,7 +94,7 @@ class WorkspacePanel(Panel):
         self._surface = gui.add_dropdown(
             "Made of",
             tuple(MADE_OF.values()),
-            initial_value=MADE_OF[review.surface],
+            initial_value=MADE_OF[review[Workspace].surface],
             hint="Facets are right on the average; of the true surface every vertex is exact, "
             "which takes longer and many more triangles",
             visible=any("true" in spec.surfaces for spec in alone),
@@ -128,9 +129,9 @@ class WorkspacePanel(Panel):
     def draw(self, sheet: Sheet) -> None:
         review = sheet.view.review
         for key, switch in self._switches.items():
-            put(self._desk, switch, review.shown(key) is not None)
+            put(self._desk, switch, review[Workspace].shown(key) is not None)
         for keys, slider in self._opacities:
-            shown = next((s for s in review.solids if s.key in keys), None)
+            shown = next((s for s in review[Workspace].solids if s.key in keys), None)
             if shown is not None:
                 put(self._desk, slider, shown.opacity)
         choice = _choice(sheet)
@@ -138,9 +139,9 @@ class WorkspacePanel(Panel):
         put_prop(self._set, "visible", choice == CHOSEN)
         if choice == CHOSEN:
             put(self._desk, self._set, _set_text(sheet))
-        put(self._desk, self._surface, MADE_OF[review.surface])
+        put(self._desk, self._surface, MADE_OF[review[Workspace].surface])
         if self._all is not None:
-            put(self._desk, self._all, all(review.shown(key) for key in self._whole))
+            put(self._desk, self._all, all(review[Workspace].shown(key) for key in self._whole))
         if self._regions is not None:
             self._regions.draw(sheet)
         self.draw_solids(sheet)
@@ -180,7 +181,9 @@ class WorkspacePanel(Panel):
         put_prop(self._parts, "content", _parts(sheet))
 
     def _switch(self, spec: SolidSpec, title: str, sheet: Sheet) -> None:
-        switch = self._desk.gui.add_checkbox(title, sheet.view.review.shown(spec.key) is not None)
+        switch = self._desk.gui.add_checkbox(
+            title, sheet.view.review[Workspace].shown(spec.key) is not None
+        )
         answer(self._desk, switch, lambda on, client: self._desk.send(Show(spec.key, on), client))
         self._switches[spec.key] = switch
 
@@ -213,12 +216,12 @@ class WorkspacePanel(Panel):
 
 
 def _choice(sheet: Sheet) -> str:
-    modes = sheet.view.review.modes
+    modes = sheet.view.review[Workspace].modes
     return ALL if modes == "all" else CURRENT if modes == "current" else CHOSEN
 
 
 def _set_text(sheet: Sheet) -> str:
-    modes = sheet.view.review.modes
+    modes = sheet.view.review[Workspace].modes
     chosen = modes if isinstance(modes, tuple) else (sheet.view.posture.mode,)
     return ", ".join(page_mode(m) for m in chosen)
 
@@ -227,11 +230,11 @@ def _report(sheet: Sheet) -> str:
     view = sheet.view
     where = (
         f'<b style="color:{tone("good")}">inside</b>'
-        if view.inside
+        if inside(view.review)
         else f'<b style="color:{palette.BEYOND}">outside</b>'
     )
     lines = [f"The present position is {where} this workspace."]
-    for shown in view.review.solids:
+    for shown in view.review[Workspace].solids:
         built = sheet.built.get(shown.key)
         if built is None or built.wish.spec.limb is not None or shown.key == ASPECTS:
             continue
@@ -267,7 +270,7 @@ def _parts(sheet: Sheet) -> str:
     rows = []
     for key, built in sheet.built.items():
         spec = built.wish.spec
-        if spec.limb is None or sheet.view.review.shown(key) is None:
+        if spec.limb is None or sheet.view.review[Workspace].shown(key) is None:
             continue
         text = (
             f"{volume_text(built.solid.volume, built.solid.volume_error)}"
@@ -290,7 +293,7 @@ def _exact(sheet: Sheet, sections: Sections) -> str:
     lines = [_exact_text(volume)]
     built = sheet.built.get("workspace")
     # The solid may still be the one before.
-    present = {wish.what for wish in sheet.view.wishes}
+    present = {wish.what for wish in sheet.wishes}
     if built is not None and volume.value > 0.0 and built.wish.what in present:
         off = built.solid.volume - volume.value
         share = f"{100 * off / volume.value:+.2g}".replace("-", "−")

@@ -6,7 +6,7 @@ import viser
 
 from app.features.workspace.compute import Laid
 from app.features.workspace.part import region_colors
-from app.review.changes import SetFlat
+from app.features.workspace.state import Flat, SetFlat
 from app.review.requests import SaveRegions
 from app.scene import palette
 from app.widgets.desk import (
@@ -35,17 +35,17 @@ class RegionsFolder:
         self._desk = desk
         self._titles = {s.title: s.key for s in review.machine.region_specs}
         with gui.add_folder("In its plane"):
-            self._on = gui.add_checkbox("Show", review.flat.on)
+            self._on = gui.add_checkbox("Show", review[Flat].on)
             answer(desk, self._on, lambda on, client: desk.send(SetFlat("on", on), client))
             self._which = gui.add_dropdown(
                 "Regions",
                 tuple(self._titles),
-                initial_value=self._title(review.flat.key),
+                initial_value=self._title(review[Flat].key),
                 visible=len(self._titles) > 1,
             )
             answer(desk, self._which, self._choose)
             self._locus = gui.add_checkbox(
-                "Singular curves", review.flat.locus, hint="Of the present mode, red-orange"
+                "Singular curves", review[Flat].locus, hint="Of the present mode, red-orange"
             )
             answer(desk, self._locus, lambda on, client: desk.send(SetFlat("locus", on), client))
             self._report = gui.add_html("")
@@ -57,7 +57,7 @@ class RegionsFolder:
             )
 
     def draw(self, sheet: Sheet) -> None:
-        flat = sheet.view.review.flat
+        flat = sheet.view.review[Flat]
         put(self._desk, self._on, flat.on)
         put(self._desk, self._which, self._title(flat.key))
         put(self._desk, self._locus, flat.locus)

@@ -1,0 +1,111 @@
+"""What a map shows, and over which orientations."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, ClassVar, Self
+
+from app.review import content as session
+from app.review.changes import Change, Taken
+from app.review.state import Review, Slice
+from app.review.units import from_page_units, in_page_units, within
+from kinematics.errors import InputError
+from kinematics.mechanism import Coordinate
+
+MAX_CELLS = 91  # of a map along one axis
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """Evenly spaced values of one coordinate, both ends included; rad or mm."""
+
+    low: float = -0.5 * math.pi
+    high: float = 0.5 * math.pi
+    count: int = 37
+
+
+@dataclass(frozen=True)
+class Chart(Slice):
+    """What a map shows (a key of the mechanism's `MapSpec`) and over which two spans."""
+
+    filed_as: ClassVar[str] = "map"
+    quantity: str = "volume"
+    first: Span = Span()
+    second: Span = Span()
+
+    @property
+    def spans(self) -> tuple[Span, Span]:
+        """Those of the two coordinates."""
+        return self.first, self.second
+
+    def checked(self, review: Review) -> Self:
+        spec = review.machine.map_spec
+        if spec is None:
+            raise InputError("this mechanism has no map")
+        known = [quantity.key for quantity in spec.quantities]
+        if self.quantity not in known:
+            raise InputError(f"a map shows {', '.join(known)}, not {self.quantity!r}")
+        for axis, span in zip(map_axes(review), self.spans, strict=True):
+            if not (math.isfinite(span.low) and math.isfinite(span.high)):
+                raise InputError(f"the ends of {axis.symbol} must be finite numbers")
+            if span.low >= span.high:
+                raise InputError(f"{axis.symbol} must end above where it begins")
+            if not 2 <= span.count <= MAX_CELLS:
+                raise InputError(f"a map has from 2 to {MAX_CELLS} values of {axis.symbol}")
+            for end in (span.low, span.high):
+                if beyond := within(axis, end)[1]:
+                    raise InputError(beyond.replace("is kept", "must stay"))
+        return self
+
+    def written(self, review: Review) -> dict[str, Any]:
+        axes = map_axes(review)
+        if not axes:
+            return {}
+        spans = {
+            session.key_of(c): [in_page_units(c, s.low), in_page_units(c, s.high), s.count]
+            for c, s in zip(axes, self.spans, strict=True)
+        }
+        return {self.filed_as: {"quantity": self.quantity} | spans}
+
+    @classmethod
+    def read(cls, content: dict[str, Any], review: Review, origin: str) -> Self:
+        given, usual = session.table(content, cls.filed_as, origin), review[cls]
+        axes = map_axes(review)
+        if not axes or not given:
+            return usual
+        spans = []
+        for c, span in zip(axes, usual.spans, strict=True):
+            key = session.key_of(c)
+            values = given.get(key)
+            if values is not None:
+                what = f"{origin}: map: {key}"
+                if not isinstance(values, list) or len(values) != 3 or type(values[2]) is not int:
+                    raise InputError(f"{what} is [from, to, how many]")
+                low, high = (from_page_units(c, session.number(v, what)) for v in values[:2])
+                span = Span(low, high, values[2])
+            spans.append(span)
+        try:
+            return cls(given.get("quantity", usual.quantity), *spans).checked(review)
+        except InputError as error:
+            raise InputError(f"{origin}: map: {error}") from None
+
+
+SLICES = (Chart,)
+
+
+@dataclass(frozen=True)
+class SetChart(Change):
+    """Set what a map shows and over which orientations."""
+
+    chart: Chart
+    gesture: str = "chart"
+
+    def apply(self, review: Review) -> Taken:
+        return review.having(self.chart.checked(review)), ""
+
+
+def map_axes(review: Review) -> tuple[Coordinate, ...]:
+    """The two coordinates over which maps run; none where there are no maps."""
+    spec = review.machine.map_spec
+    return () if spec is None else tuple(review.machine.coordinates[n] for n in spec.axes)

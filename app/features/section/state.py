@@ -1,0 +1,94 @@
+"""The plane in which the workspace is cut."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Self
+
+from app.review import content as session
+from app.review.changes import Change, Taken
+from app.review.state import Review, Slice
+from app.review.units import within
+from kinematics.errors import InputError
+from kinematics.mechanism import Coordinate
+
+FAR = 1e4  # mm; a plane may stand this far off, where it cuts nothing
+
+
+@dataclass(frozen=True)
+class Cut(Slice):
+    """The plane: whether it is on display, and where, mm."""
+
+    filed_as: ClassVar[str] = "section"
+    on: bool = False
+    at: float = 0.0
+
+    @classmethod
+    def fresh(cls, review: Review) -> Self:
+        return cls(at=point_in_section(review)[0])
+
+    def carried(self, before: Review, review: Review) -> Self:
+        return replace(review[type(self)], on=self.on)
+
+    @classmethod
+    def read(cls, content: dict[str, Any], review: Review, origin: str) -> Self:
+        given = session.table(content, cls.filed_as, origin)
+        on = given.get("on", False)
+        if not isinstance(on, bool):
+            raise InputError(f"{origin}: {cls.filed_as!r} is not of the right kind")
+        at = session.number(given.get("at", review[cls].at), f"{origin}: section: at")
+        return cls(on, within_reach(review, at)[0])
+
+
+SLICES = (Cut,)
+
+
+@dataclass(frozen=True)
+class ShowCut(Change):
+    """Show or hide the section."""
+
+    on: bool
+
+    def apply(self, review: Review) -> Taken:
+        return review.having(replace(review[Cut], on=self.on)), ""
+
+
+@dataclass(frozen=True)
+class MoveCut(Change):
+    """Set where the section's plane stands, mm."""
+
+    at: float
+    gesture: str = "cut"
+    held: int = 0
+
+    def apply(self, review: Review) -> Taken:
+        at, note = within_reach(review, self.at)
+        return review.having(replace(review[Cut], at=at)), note
+
+
+def point_in_section(review: Review) -> tuple[float, float, float]:
+    """The platform's position (mm) in the frame of sections: along the normal, then in the plane.
+
+    Zeros for a mechanism that has no sections.
+    """
+    machine = review.machine
+    if machine.sections is None:
+        return 0.0, 0.0, 0.0
+    frame = machine.sections.frame(review.pose)
+    position = machine.transform(review.pose, review.mode)[:3, 3]
+    x, y, z = frame[:3, :3].T @ (position - frame[:3, 3])
+    return float(x), float(y), float(z)
+
+
+def within_reach(review: Review, at: float) -> tuple[float, str]:
+    """A plane's place (mm), kept where something can be, and a sentence if it had to be kept.
+
+    Raises:
+        InputError: it is no finite number.
+    """
+    spec = review.machine.section_spec
+    name = "the section" if spec is None else spec.normal
+    sides = [max(abs(c.lower), abs(c.upper)) for c in review.machine.coordinates if c.unit == "mm"]
+    far = max(FAR, float(math.ceil(math.hypot(*sides))))
+    return within(Coordinate("at", name, "mm", -far, far), at)

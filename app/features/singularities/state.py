@@ -1,0 +1,111 @@
+"""What is shown of how well the platform is held, and under which load and motion."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Self
+
+from app.review.changes import SetOne
+from app.review.state import Review, Slice, is_planar
+from kinematics.errors import InputError
+from kinematics.machine import Machine
+
+MAX_RATIO, MAX_RATIOS = 100.0, 12  # of machines whose profiles are compared
+LARGEST = 1e9  # of a rate or of a load; squares of it are numbers yet
+
+
+@dataclass(frozen=True)
+class Control(Slice):
+    """What is shown of how well the platform is held.
+
+    Attributes:
+        wrenches: the lines along which the limbs push, and the constraints.
+        clearances: the ways to whatever is nearest.
+        locus: the singular surface, in the aspects' solid and in the section.
+        chart: a key of the mechanism's `LocusSpec`s, whose curves are drawn; "" for none.
+        shade: a key of the mechanism's `Measure`s, by which aspects and section are coloured.
+        compare: the mechanism's counterpart stands beside it, with the same numbers.
+        ratios: h₂/h₁ of further machines whose profile is drawn.
+        load: [F, T] on the platform at O′, N and N·mm, base frame.
+        forces: what the limbs push and pull under the load, drawn on them.
+        arrow: the load's force as an arrow to drag.
+        rates, accelerations: of the pose coordinates, mm/s and rad/s and their derivatives, whose
+            motion is drawn; () for none.
+    """
+
+    filed_as: ClassVar[str] = "control"
+    wrenches: bool = False
+    clearances: bool = False
+    locus: bool = True
+    chart: str = ""
+    shade: str = ""
+    compare: bool = False
+    ratios: tuple[float, ...] = ()
+    load: tuple[float, ...] = (0.0, 0.0, -100.0, 0.0, 0.0, 0.0)
+    forces: bool = False
+    arrow: bool = False
+    rates: tuple[float, ...] = ()
+    accelerations: tuple[float, ...] = ()
+
+    @classmethod
+    def fresh(cls, review: Review) -> Self:
+        return cls(load=usual_load(review.machine))
+
+    def checked(self, review: Review) -> Self:
+        machine = review.machine
+        measures = [measure.key for measure in machine.measures.specs]
+        if self.shade and self.shade not in measures:
+            raise InputError(f"colour shows {', '.join(measures)}, not {self.shade!r}")
+        charts = [spec.key for spec in machine.singularities.loci]
+        if self.chart and self.chart not in charts:
+            raise InputError(f"a chart of loci is one of {', '.join(charts)}, not {self.chart!r}")
+        if any(not (math.isfinite(r) and 0.0 < r <= MAX_RATIO) for r in self.ratios):
+            raise InputError(f"a ratio is a positive number up to {MAX_RATIO:g}")
+        if len(self.ratios) > MAX_RATIOS:
+            raise InputError(f"at most {MAX_RATIOS} ratios can be compared")
+        axes = machine.coordinates
+        for name, values in (("rates", self.rates), ("accelerations", self.accelerations)):
+            if values and (len(values) != len(axes) or not all(abs(v) <= LARGEST for v in values)):
+                raise InputError(
+                    f"{name} are {len(axes)} numbers within ±{LARGEST:.0e}, of "
+                    f"{', '.join(c.symbol for c in axes)}"
+                )
+        if len(self.load) != 6 or not all(abs(v) <= LARGEST for v in self.load):
+            raise InputError(
+                f"a load is six numbers within ±{LARGEST:.0e}: three forces (N), three moments "
+                "(N·mm)"
+            )
+        return self
+
+    def carried(self, before: Review, review: Review) -> Self:
+        """Without the measure, the chart or the rates that the other mechanism has not."""
+        kept = self
+        if self.load == usual_load(before.machine):
+            kept = replace(kept, load=usual_load(review.machine))
+        nothing = type(self)()
+        for name in ("shade", "chart", "rates", "accelerations"):
+            try:
+                replace(nothing, **{name: getattr(self, name)}).checked(review)
+            except InputError:
+                kept = replace(kept, **{name: getattr(nothing, name)})
+        return kept
+
+
+SLICES = (Control,)
+
+
+@dataclass(frozen=True)
+class SetControl(SetOne):
+    """Set one thing of what is shown of control."""
+
+    kind = Control
+
+    @property
+    def gesture(self) -> str:
+        return f"control {self.name}" if isinstance(self.value, tuple) else ""
+
+
+def usual_load(machine: Machine[Any]) -> tuple[float, ...]:
+    """100 N downwards, as the machine stands on the page: [F, T], N and N·mm."""
+    return (0.0, -100.0, 0.0, 0.0, 0.0, 0.0) if is_planar(machine) else Control.load

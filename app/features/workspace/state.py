@@ -1,0 +1,188 @@
+"""Which workspaces are on display, of which modes, and how: solids and regions of a plane."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Literal, Self
+
+from app.review import content as session
+from app.review.changes import Change, SetOne, Taken
+from app.review.state import Review, Slice
+from kinematics.errors import InputError
+from kinematics.facets.solids import SURFACES, SurfaceKind
+
+ModeChoice = Literal["all", "current"]
+_OPACITY = {"workspace": 0.35, "aspects": 0.5}  # a limb's parts are fainter
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """One solid that is on display."""
+
+    key: str
+    opacity: float
+
+
+@dataclass(frozen=True)
+class Workspace(Slice):
+    """The solids on display.
+
+    ``modes`` says which working modes the workspace is of: all, the current one, or a set;
+    ``surface`` what its solid is made of.
+    """
+
+    modes: ModeChoice | tuple[str, ...] = "all"
+    solids: tuple[Shown, ...] = (Shown("workspace", _OPACITY["workspace"]),)
+    surface: SurfaceKind = SURFACES[0]
+
+    @classmethod
+    def fresh(cls, review: Review) -> Self:
+        # A solid in another space than the machine's is shown when it is asked for.
+        known = {spec.key for spec in review.machine.solid_specs if not spec.of_present_mode}
+        return cls(solids=tuple(s for s in cls.solids if s.key in known))
+
+    def carried(self, before: Review, review: Review) -> Self:
+        machine = review.machine
+        known = {spec.key for spec in machine.solid_specs}
+        solids = review[type(self)].solids
+        if review.design.mechanism == before.design.mechanism:
+            solids = tuple(s for s in self.solids if s.key in known)
+        # Another kind of machine is shown as it is at first.
+        lost = isinstance(self.modes, tuple) and not set(self.modes) <= set(machine.modes)
+        return replace(self, solids=solids, modes="all" if lost else self.modes)
+
+    def shown(self, key: str) -> Shown | None:
+        """How a solid is shown; None if it is not."""
+        return next((s for s in self.solids if s.key == key), None)
+
+    def written(self, review: Review) -> dict[str, Any]:
+        return {
+            "workspace_modes": self.modes,
+            "workspace_surface": self.surface,
+            "solids": {s.key: s.opacity for s in self.solids},
+        }
+
+    @classmethod
+    def read(cls, content: dict[str, Any], review: Review, origin: str) -> Self:
+        machine = review.machine
+        modes = content.get("workspace_modes", "all")
+        if isinstance(modes, list):
+            modes = tuple(modes)
+            session.checked_modes(modes, machine, origin)
+        elif modes not in ("all", "current"):
+            raise InputError(f"{origin}: workspace_modes is 'all', 'current' or a list of modes")
+        known = {spec.key for spec in machine.solid_specs}
+        solids = tuple(
+            Shown(key, min(max(session.number(value, f"{origin}: solids: {key}"), 0.0), 1.0))
+            for key, value in session.typed(content, "solids", dict, origin).items()
+            if key in known
+        )
+        surface = content.get("workspace_surface", cls.surface)
+        if surface not in SURFACES:
+            known_as = " or ".join(map(repr, SURFACES))
+            raise InputError(f"{origin}: workspace_surface is {known_as}")
+        return cls(modes, solids, surface)
+
+
+@dataclass(frozen=True)
+class Flat(Slice):
+    """Regions of a workspace that lies in a plane: whether they are on display, and which."""
+
+    filed_as: ClassVar[str] = "regions"
+    on: bool = True
+    key: str = "workspace"
+    locus: bool = True
+
+    def checked(self, review: Review) -> Self:
+        known = [spec.key for spec in review.machine.region_specs]
+        if known and self.key not in known:
+            raise InputError(f"regions are {', '.join(known)}, not {self.key!r}")
+        return self
+
+    def carried(self, before: Review, review: Review) -> Self:
+        try:
+            return self.checked(review)
+        except InputError:
+            return replace(self, key=review[type(self)].key)
+
+
+SLICES = (Workspace, Flat)
+
+
+def solver_modes(review: Review) -> tuple[str, ...] | None:
+    """The modes that the workspace is of, as solvers take them: None means all together."""
+    modes = review[Workspace].modes
+    if modes == "all":
+        return None
+    return (review.mode,) if modes == "current" else tuple(modes)
+
+
+@dataclass(frozen=True)
+class Show(Change):
+    """Show or hide a solid."""
+
+    key: str
+    on: bool
+
+    def apply(self, review: Review) -> Taken:
+        specs = {spec.key: n for n, spec in enumerate(review.machine.solid_specs)}
+        if self.key not in specs:
+            raise InputError(f"there is no solid {self.key!r}")
+        before = review[Workspace]
+        kept = [s for s in before.solids if s.key != self.key]
+        if self.on:
+            usual = Shown(self.key, _OPACITY.get(self.key, 0.25))
+            kept.append(before.shown(self.key) or usual)
+        solids = tuple(sorted(kept, key=lambda s: specs[s.key]))
+        return review.having(replace(before, solids=solids)), ""
+
+
+@dataclass(frozen=True)
+class Fade(Change):
+    """Set the opacity of solids, shown or not yet."""
+
+    keys: tuple[str, ...]
+    opacity: float
+
+    @property
+    def gesture(self) -> str:
+        return f"fade {self.keys}"
+
+    def apply(self, review: Review) -> Taken:
+        if not 0.0 <= self.opacity <= 1.0:
+            raise InputError("an opacity lies between 0 and 1")
+        before = review[Workspace]
+        solids = tuple(
+            Shown(s.key, self.opacity) if s.key in self.keys else s for s in before.solids
+        )
+        return review.having(replace(before, solids=solids)), ""
+
+
+@dataclass(frozen=True)
+class ChooseModes(Change):
+    """Which working modes the workspace is of."""
+
+    modes: ModeChoice | tuple[str, ...]
+
+    def apply(self, review: Review) -> Taken:
+        machine = review.machine
+        if isinstance(self.modes, tuple) and not set(self.modes) <= set(machine.modes):
+            raise InputError(f"these are no {machine.mode_noun}s of this mechanism")
+        return review.having(replace(review[Workspace], modes=self.modes)), ""
+
+
+@dataclass(frozen=True)
+class ChooseSurface(Change):
+    """What the workspace's solid is made of: facets, or the true surface."""
+
+    surface: SurfaceKind
+
+    def apply(self, review: Review) -> Taken:
+        return review.having(replace(review[Workspace], surface=self.surface)), ""
+
+
+@dataclass(frozen=True)
+class SetFlat(SetOne):
+    """Set one thing of how plane regions are shown."""
+
+    kind = Flat

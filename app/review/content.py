@@ -1,0 +1,58 @@
+"""Values of a session file, checked as they are read: one sentence for what cannot be used."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from kinematics.errors import InputError
+from kinematics.machine import Machine
+from kinematics.mechanism import Coordinate
+
+
+def typed(content: dict[str, Any], key: str, kind: type, origin: str) -> Any:
+    """What stands under a key, which must be there.
+
+    Raises:
+        InputError: it is not, or is of another kind.
+    """
+    value = content.get(key)
+    if not isinstance(value, kind):
+        raise InputError(f"{origin}: {key!r} is missing or not of the right kind")
+    return value
+
+
+def table(content: dict[str, Any], key: str, origin: str) -> dict[str, Any]:
+    """The table under a key; an empty one where an older session has none.
+
+    Raises:
+        InputError: it is no table.
+    """
+    given = content.get(key, {})
+    if not isinstance(given, dict):
+        raise InputError(f"{origin}: {key!r} is not of the right kind")
+    return given
+
+
+def number(value: Any, what: str) -> float:
+    """A finite number.
+
+    Raises:
+        InputError: it is none.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise InputError(f"{what} must be a finite number")
+    return float(value)
+
+
+def key_of(c: Coordinate) -> str:
+    """What a coordinate is called in the file."""
+    return c.key if c.unit == "mm" else f"{c.key}_deg"
+
+
+def checked_modes(modes: Sequence[Any], machine: Machine[Any], origin: str) -> None:
+    """Raise an InputError unless all these are modes of a machine."""
+    if any(mode not in machine.modes for mode in modes):
+        noun = machine.mode_noun or "working mode"
+        raise InputError(f"{origin}: a {noun} is one of {', '.join(map(repr, machine.modes))}")
