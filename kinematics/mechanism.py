@@ -88,12 +88,22 @@ class Facets(Mapping[str, type[Any]]):
 D = TypeVar("D", bound=Design)
 
 
+class DesignSchema(Protocol[D]):
+    """What the design files of a kind say, see `kinematics.designs.schema.Schema`."""
+
+    def read(self, table: Mapping[str, Any], *, origin: str, name: str) -> D: ...
+    def table(self, design: D) -> dict[str, Any]: ...
+    def fields(self, design: D) -> tuple[DesignField, ...]: ...
+    def changed(self, design: D, path: Sequence[str | int], value: float) -> D: ...
+
+
 class Mechanism(ABC, Generic[D]):
     """One kind of parallel mechanism, bound to one design: the primitives that it supplies.
 
     Attributes:
         kind: how design files name it, as "five_rpur".
         title: how people name it.
+        schema: how its designs are read, checked, written and edited.
         modes: its modes, as "+-+++" (working modes) or "1" (operation modes).
         mode_noun: "working mode" or "operation mode"; "" where there is one mode only.
         facets: the kind's own facets by name (`kinematics.machine.Machine`); a facet that is not
@@ -102,6 +112,7 @@ class Mechanism(ABC, Generic[D]):
 
     kind: ClassVar[str]
     title: ClassVar[str]
+    schema: ClassVar[DesignSchema[Any]]
     modes: ClassVar[tuple[str, ...]]
     mode_noun: ClassVar[str] = "working mode"
     facets: ClassVar[Mapping[str, type[Any]]]
@@ -120,23 +131,23 @@ class Mechanism(ABC, Generic[D]):
     # --- designs
 
     @classmethod
-    @abstractmethod
     def read_design(cls, table: Mapping[str, Any], *, origin: str, name: str) -> D:
         """The design that a parsed design file describes.
 
         Raises:
             DesignError: naming the origin, the key and the remedy.
         """
+        found: D = cls.schema.read(table, origin=origin, name=name)
+        return found
 
-    @abstractmethod
     def design_table(self) -> dict[str, Any]:
         """What the design's file says, as plain values; `read_design` reads it back equal."""
+        return self.schema.table(self.design)
 
-    @abstractmethod
     def design_fields(self) -> tuple[DesignField, ...]:
         """Every number of the design that may be edited; paths lead into `design_table`."""
+        return self.schema.fields(self.design)
 
-    @abstractmethod
     def edited(self, path: Sequence[str | int], value: float) -> D:
         """The design with one number, a path of `design_fields`, changed and checked again.
 
@@ -144,6 +155,8 @@ class Mechanism(ABC, Generic[D]):
             InputError: the design has no such number.
             DesignError: the design would not be valid with it.
         """
+        found: D = self.schema.changed(self.design, path, value)
+        return found
 
     def findings(self) -> tuple[Finding, ...]:
         """What is worth knowing about the design before it moves; warnings among them."""

@@ -137,16 +137,16 @@ def check_keys(
     """
     if not isinstance(table, Mapping):
         kind = path[0] if path else "the design"
-        _fail(origin, path, f"{_path_text(path)}must be a table, written as [[{kind}]]")
+        _fail(origin, path, f"{path_text(path)}must be a table, written as [[{kind}]]")
     known = (*required, *optional)
     for key in table:
         if key not in known:
             near = difflib.get_close_matches(key, known, n=1, cutoff=0.6)
             remedy = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(known)}"
-            _fail(origin, (*path, key), f"{_path_text(path)}unknown key {key!r}; {remedy}")
+            _fail(origin, (*path, key), f"{path_text(path)}unknown key {key!r}; {remedy}")
     for key in required:
         if key not in table:
-            _fail(origin, path, f"{_path_text(path)}the key {key!r} is missing; add it")
+            _fail(origin, path, f"{path_text(path)}the key {key!r} is missing; add it")
     return table
 
 
@@ -160,7 +160,7 @@ def read_text(table: Mapping[str, Any], key: str, *, origin: str) -> str:
 
 def read_number(value: object, *, origin: str, path: KeyPath, unit: str = "mm") -> float:
     """A finite number of at most `MAX_MAGNITUDE`; a truth value is not a number."""
-    what = _path_text(path, end="")
+    what = path_text(path, end="")
     if isinstance(value, bool) or not isinstance(value, int | float):
         _fail(origin, path, f"{what} must be a number ({unit}), got {_shown(value)}")
     if not (abs(value) <= MAX_MAGNITUDE):
@@ -174,7 +174,7 @@ def read_numbers(
     value: object, count: int, *, origin: str, path: KeyPath, unit: str = "mm"
 ) -> tuple[float, ...]:
     """Exactly ``count`` finite numbers."""
-    what = _path_text(path, end="")
+    what = path_text(path, end="")
     if not isinstance(value, list | tuple):
         _fail(
             origin, path, f"{what} must be a list of {count} numbers ({unit}), got {_shown(value)}"
@@ -208,7 +208,7 @@ def change_table(
         InputError: there is no such field.
     """
     if tuple(path) not in {field.path for field in fields}:
-        raise InputError(f"the design has no number {_path_text(path, end='')!r}")
+        raise InputError(f"the design has no number {path_text(path, end='')!r}")
     changed = deepcopy(table)
     place: Any = changed
     for step in path[:-1]:
@@ -269,7 +269,7 @@ def _preset_paths() -> dict[str, Path]:
     return {path.stem: path for path in sorted(asset_folder("designs").glob("*.toml"))}
 
 
-def _path_text(path: Sequence[str | int], end: str = ": ") -> str:
+def path_text(path: Sequence[str | int], end: str = ": ") -> str:
     """("limb", 2, "base", 1) → "limb 3: base: number 2"; tables in a row are counted from 1."""
     parts: list[str] = []
     for index, step in enumerate(path):

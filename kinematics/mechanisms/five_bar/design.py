@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import degrees, radians
 from typing import Any
@@ -11,21 +11,13 @@ from typing import Any
 import numpy as np
 
 from kinematics.arrays import Array, read_only
-from kinematics.designs.files import (
-    TableError,
-    change_table,
-    check_keys,
-    read_number,
-    read_numbers,
-    read_text,
-)
+from kinematics.designs.files import KeyPath, TableError, change_table, read_numbers
+from kinematics.designs.schema import Key, Schema, positive
 from kinematics.mechanism import DesignField
 
 LIMBS = 2
 SUBSCRIPTS = "₁₂"
 WHOLE_TURN = (-180.0, 180.0)  # degrees, the range that is offered where there is none
-SHORTEST = 1e-3
-"""mm; below a micrometre a link is a slip of the pen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,136 +87,109 @@ class FiveBarDesign:
 
 # --- design files --------------------------------------------------------------------------
 
-
-def design_from_table(table: Mapping[str, Any], *, origin: str, name: str) -> FiveBarDesign:
-    """The design that a parsed design file describes.
-
-    ``proximal`` and ``distal`` are one number for both limbs or a list of two, mm;
-    ``joint_range_deg`` is left out, one pair for both limbs or a list of two pairs, degrees.
-
-    Raises:
-        DesignError: naming the origin, the key and the remedy.
-    """
-    check_keys(
-        table,
-        required=("mechanism", "proximal", "distal", "half_base"),
-        optional=("title", "source", "joint_range_deg"),
-        origin=origin,
-    )
-    proximal = _lengths(table, "proximal", origin=origin)
-    distal = _lengths(table, "distal", origin=origin)
-    half_base = read_number(table["half_base"], origin=origin, path=("half_base",))
-    _check_length(half_base, origin=origin, path=("half_base",))
-    one, two = (
-        Limb(a, b, c)
-        for a, b, c in zip(proximal, distal, _ranges(table, origin=origin), strict=True)
-    )
-    return FiveBarDesign(
-        limbs=(one, two),
-        half_base=half_base,
-        name=name,
-        title=read_text(table, "title", origin=origin),
-        source=read_text(table, "source", origin=origin),
-    )
+_RANGE = "joint_range_deg"
 
 
-def design_to_table(design: FiveBarDesign) -> dict[str, Any]:
-    """What a design file says, as plain values; mm and degrees. Both limbs are written out."""
-    table: dict[str, Any] = {
-        "mechanism": design.mechanism,
-        "title": design.title,
-        "source": design.source,
-        "proximal": [limb.proximal for limb in design.limbs],
-        "distal": [limb.distal for limb in design.limbs],
-        "half_base": design.half_base,
-    }
-    if design.limited:
-        table["joint_range_deg"] = [
-            [] if limb.joint_range_deg is None else list(limb.joint_range_deg)
-            for limb in design.limbs
-        ]
-    return table
+class _EachLimb(Key):
+    """One length for both limbs, or a list of two."""
+
+    def read(self, value: object, *, origin: str, path: KeyPath) -> Any:
+        if not isinstance(value, list | tuple):
+            return (super().read(value, origin=origin, path=path),) * LIMBS
+        lengths = read_numbers(value, LIMBS, origin=origin, path=path)
+        for i, length in enumerate(lengths):
+            problem = positive(f"{self.name}: number {i + 1}", length)
+            if problem:
+                raise TableError(origin, (*path, i), problem)
+        return lengths
+
+    def fields(self, value: Any, path: KeyPath, group: str) -> list[DesignField]:
+        label = self.labels[0]
+        return [DesignField((*path, i), label, one, "mm", group) for i, one in enumerate(value)]
 
 
-def design_fields(design: FiveBarDesign) -> tuple[DesignField, ...]:
-    """The five lengths, mm, and the ends of the joint ranges, rad; a whole turn where there is
-    none.
-    """
-    fields: list[DesignField] = []
-    for i, limb in enumerate(design.limbs):
-        group, mark = f"Limb {i + 1}", SUBSCRIPTS[i]
-        fields.append(DesignField(("proximal", i), "proximal r₁", limb.proximal, "mm", group))
-        fields.append(DesignField(("distal", i), "distal r₂", limb.distal, "mm", group))
-        for end, value in enumerate(limb.joint_range_deg or WHOLE_TURN):
-            label, path = f"θ{mark} {('min', 'max')[end]}", ("joint_range_deg", i, end)
-            fields.append(DesignField(path, label, radians(value), "rad", group))
-    fields.append(DesignField(("half_base",), "half base r₃", design.half_base, "mm", "Base"))
-    return tuple(fields)
+class _FiveBarSchema(Schema[FiveBarDesign]):
+    """``joint_range_deg`` is left out, one pair for both limbs or a list of two pairs, degrees."""
+
+    optional = (_RANGE,)
+
+    def further(self, table: Mapping[str, Any], *, origin: str) -> dict[str, Any]:
+        return {"ranges": _ranges(table, origin=origin)}
+
+    def table(self, design: FiveBarDesign) -> dict[str, Any]:
+        """Both limbs are written out; mm and degrees."""
+        table = super().table(design)
+        if design.limited:
+            table[_RANGE] = [list(limb.joint_range_deg or ()) for limb in design.limbs]
+        return table
+
+    def fields(self, design: FiveBarDesign) -> tuple[DesignField, ...]:
+        """The five lengths, mm, and the ends of the joint ranges, rad; a whole turn where there
+        is none.
+        """
+        lengths = super().fields(design)
+        fields: list[DesignField] = []
+        for i, limb in enumerate(design.limbs):
+            group = f"Limb {i + 1}"
+            fields += [replace(f, group=group) for f in lengths if f.path[1:] == (i,)]
+            for end, value in enumerate(limb.joint_range_deg or WHOLE_TURN):
+                label, path = f"θ{SUBSCRIPTS[i]} {('min', 'max')[end]}", (_RANGE, i, end)
+                fields.append(DesignField(path, label, radians(value), "rad", group))
+        return (*fields, lengths[-1])
+
+    def changed(
+        self, design: FiveBarDesign, path: Sequence[str | int], value: float
+    ) -> FiveBarDesign:
+        """A joint range of a whole turn or more is none."""
+        if not path or path[0] != _RANGE:
+            return super().changed(design, path, value)
+        table = self.table(design)
+        table[_RANGE] = [list(limb.joint_range_deg or WHOLE_TURN) for limb in design.limbs]
+        table = change_table(table, self.fields(design), path, round(degrees(value), 12))
+        table[_RANGE] = [[] if high - low >= 360.0 else [low, high] for low, high in table[_RANGE]]
+        if not any(table[_RANGE]):
+            del table[_RANGE]
+        return self.read(table, origin="", name=design.name)
 
 
-def with_field(design: FiveBarDesign, path: Sequence[str | int], value: float) -> FiveBarDesign:
-    """The design with one number (a `DesignField.path`; mm or rad) changed and checked again.
-
-    A joint range of a whole turn or more is none.
-
-    Raises:
-        InputError: the design has no such number.
-        DesignError: the design would not be valid with it.
-    """
-    table, key = design_to_table(design), "joint_range_deg"
-    if not path or path[0] != key:
-        changed = change_table(table, design_fields(design), path, value)
-        return design_from_table(changed, origin="", name=design.name)
-    table[key] = [list(limb.joint_range_deg or WHOLE_TURN) for limb in design.limbs]
-    changed = change_table(table, design_fields(design), path, round(degrees(value), 12))
-    changed[key] = [[] if high - low >= 360.0 else [low, high] for low, high in changed[key]]
-    if not any(changed[key]):
-        del changed[key]
-    return design_from_table(changed, origin="", name=design.name)
+def _made(
+    proximal: tuple[float, float],
+    distal: tuple[float, float],
+    half_base: float,
+    ranges: tuple[tuple[float, float] | None, tuple[float, float] | None],
+    **about: str,
+) -> FiveBarDesign:
+    one, two = (Limb(*limb) for limb in zip(proximal, distal, ranges, strict=True))
+    return FiveBarDesign((one, two), half_base, **about)
 
 
-# --- inside --------------------------------------------------------------------------------
-
-
-def _lengths(table: Mapping[str, Any], key: str, *, origin: str) -> tuple[float, float]:
-    """One length for both limbs, or one for each."""
-    value = table[key]
-    if not isinstance(value, list | tuple):
-        length = read_number(value, origin=origin, path=(key,))
-        _check_length(length, origin=origin, path=(key,))
-        return length, length
-    one, two = read_numbers(value, LIMBS, origin=origin, path=(key,))
-    for i, length in enumerate((one, two)):
-        _check_length(length, origin=origin, path=(key, i))
-    return one, two
-
-
-def _check_length(value: float, *, origin: str, path: tuple[str | int, ...]) -> None:
-    if value < SHORTEST:
-        what = path[0] if len(path) == 1 else f"{path[0]}: number {int(path[1]) + 1}"
-        raise TableError(
-            origin, path, f"{what} must be a positive length (mm, at least 0.001), got {value:g}"
-        )
+SCHEMA = _FiveBarSchema(
+    _made,
+    (
+        _EachLimb("proximal", ("proximal r₁",), check=positive),
+        _EachLimb("distal", ("distal r₂",), check=positive),
+        Key("half_base", ("half base r₃",), check=positive, group="Base"),
+    ),
+)
 
 
 def _ranges(
     table: Mapping[str, Any], *, origin: str
 ) -> tuple[tuple[float, float] | None, tuple[float, float] | None]:
-    key = "joint_range_deg"
-    if key not in table:
+    if _RANGE not in table:
         return None, None
-    value = table[key]
+    value = table[_RANGE]
     if not isinstance(value, list | tuple) or len(value) != LIMBS:
         raise TableError(
-            origin, (key,), f"{key} must be [min, max] or a list of two such pairs (degrees)"
+            origin, (_RANGE,), f"{_RANGE} must be [min, max] or a list of two such pairs (degrees)"
         )
     if not any(isinstance(entry, list | tuple) for entry in value):
-        both = _range(value, origin=origin, path=(key,))
+        both = _range(value, origin=origin, path=(_RANGE,))
         return both, both
     one, two = (
         None
         if isinstance(entry, list | tuple) and not entry
-        else _range(entry, origin=origin, path=(key, i))
+        else _range(entry, origin=origin, path=(_RANGE, i))
         for i, entry in enumerate(value)
     )
     return one, two

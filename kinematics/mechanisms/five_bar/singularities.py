@@ -22,10 +22,9 @@ from kinematics.mechanisms.five_bar import workspace
 from kinematics.mechanisms.five_bar.curves import Piece, pieces
 from kinematics.mechanisms.five_bar.design import (
     LIMBS,
+    SCHEMA,
     SUBSCRIPTS,
     FiveBarDesign,
-    design_fields,
-    with_field,
 )
 from kinematics.mechanisms.five_bar.inverse import MODES, elbows, posture
 from kinematics.mechanisms.five_bar.loci import base_points
@@ -286,7 +285,7 @@ def _changes(design: FiveBarDesign, at: Posture) -> tuple[tuple[DesignChange, ..
         changed: FiveBarDesign = design
         try:
             for path, value in together:
-                changed = with_field(changed, path, value)
+                changed = SCHEMA.changed(changed, path, value)
         except DesignError:
             continue
         if not posture(changed, at.pose, at.mode).reachable:
@@ -334,7 +333,7 @@ def _options(design: FiveBarDesign, at: Posture, reason: Reason) -> Iterator[tup
 
 
 def _described(design: FiveBarDesign, path: Path, value: float) -> DesignChange:
-    field = next(each for each in design_fields(design) if each.path == path)
+    field = next(each for each in SCHEMA.fields(design) if each.path == path)
     where = "" if field.group == "Base" else f" of {field.group.lower()}"
     if field.unit == "rad":
         before, after = np.degrees([field.value, value])

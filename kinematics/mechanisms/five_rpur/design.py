@@ -2,30 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 from kinematics.arrays import Array, read_only
-from kinematics.designs.files import (
-    KeyPath,
-    TableError,
-    change_table,
-    check_keys,
-    read_number,
-    read_numbers,
-    read_tables,
-    read_text,
-)
-from kinematics.mechanism import DesignField
+from kinematics.designs.schema import Key, Schema, ordered, point, positive
 
 Point = tuple[float, float, float]
 LIMBS = 5
 SUBSCRIPTS = "₁₂₃₄₅"
 JOINT_SYMBOLS = tuple(f"ρ{index}" for index in SUBSCRIPTS)
-SHORTEST_LINK = 1e-3
-"""mm; below a micrometre a link is a slip of the pen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,102 +65,15 @@ class FiveRPURDesign:
 
 # --- design files --------------------------------------------------------------------------
 
-
-def design_from_table(table: Mapping[str, Any], *, origin: str, name: str) -> FiveRPURDesign:
-    """The design that a parsed design file describes.
-
-    Raises:
-        DesignError: naming the origin, the limb, the key and the remedy.
-    """
-    check_keys(table, required=("mechanism", "limb"), optional=("title", "source"), origin=origin)
-    entries = read_tables(table, "limb", LIMBS, origin=origin)
-    one, two, three, four, five = (
-        _limb_from_table(entry, origin=origin, path=("limb", i)) for i, entry in enumerate(entries)
-    )
-    return FiveRPURDesign(
-        limbs=(one, two, three, four, five),
-        name=name,
-        title=read_text(table, "title", origin=origin),
-        source=read_text(table, "source", origin=origin),
-    )
-
-
-def design_to_table(design: FiveRPURDesign) -> dict[str, Any]:
-    """What a design file says, as plain values; lengths in mm."""
-    return {
-        "mechanism": design.mechanism,
-        "title": design.title,
-        "source": design.source,
-        "limb": [
-            {
-                "base": list(limb.base),
-                "platform": list(limb.platform),
-                "link": limb.link,
-                "stroke": list(limb.stroke),
-            }
-            for limb in design.limbs
-        ],
-    }
-
-
-def design_fields(design: FiveRPURDesign) -> tuple[DesignField, ...]:
-    """Every number of the design: nine a limb, all in mm."""
-    fields: list[DesignField] = []
-    for i, limb in enumerate(design.limbs):
-        group = f"Limb {i + 1}"
-        for key, point in (("base", limb.base), ("platform", limb.platform)):
-            for axis, value in enumerate(point):
-                label = f"{key} {'xyz'[axis]}"
-                fields.append(DesignField(("limb", i, key, axis), label, value, "mm", group))
-        fields.append(DesignField(("limb", i, "link"), "link l", limb.link, "mm", group))
-        for end, value in enumerate(limb.stroke):
-            label = ("ρ min", "ρ max")[end]
-            fields.append(DesignField(("limb", i, "stroke", end), label, value, "mm", group))
-    return tuple(fields)
-
-
-def with_field(design: FiveRPURDesign, path: Sequence[str | int], value: float) -> FiveRPURDesign:
-    """The design with one number (a `DesignField.path`) changed and everything checked again.
-
-    Raises:
-        InputError: the design has no such number.
-        DesignError: the design would not be valid with it.
-    """
-    changed = change_table(design_to_table(design), design_fields(design), path, value)
-    return design_from_table(changed, origin="", name=design.name)
-
-
-def _limb_from_table(entry: object, *, origin: str, path: KeyPath) -> Limb:
-    limb = check_keys(
-        entry, required=("base", "platform", "link", "stroke"), origin=origin, path=path
-    )
-    label = f"limb {int(path[1]) + 1}"
-    base = read_numbers(limb["base"], 3, origin=origin, path=(*path, "base"))
-    platform = read_numbers(limb["platform"], 3, origin=origin, path=(*path, "platform"))
-    link = read_number(limb["link"], origin=origin, path=(*path, "link"))
-    low, high = read_numbers(limb["stroke"], 2, origin=origin, path=(*path, "stroke"))
-    if link < SHORTEST_LINK:
-        raise TableError(
-            origin,
-            (*path, "link"),
-            f"{label}: link must be a positive length (mm, at least 0.001), got {link:g}",
-        )
-    if low < 0:
-        raise TableError(
-            origin,
-            (*path, "stroke"),
-            f"{label}: stroke: ρ_min must not be negative (mm), got {low:g}",
-        )
-    if low >= high:
-        raise TableError(
-            origin,
-            (*path, "stroke"),
-            f"{label}: stroke must be [ρ_min, ρ_max] with ρ_min < ρ_max (mm), "
-            f"got [{low:g}, {high:g}]",
-        )
-    return Limb(base=_point(base), platform=_point(platform), link=link, stroke=(low, high))
-
-
-def _point(values: tuple[float, ...]) -> Point:
-    x, y, z = values
-    return (x, y, z)
+SCHEMA = Schema(
+    FiveRPURDesign,
+    limb=Limb,
+    limb_keys=(
+        point("base"),
+        point("platform"),
+        Key("link", ("link l",), check=positive),
+        Key("stroke", ("ρ min", "ρ max"), check=ordered("ρ_min", "ρ_max", "ρ_min")),
+    ),
+    limbs=LIMBS,
+)
+"""Nine numbers a limb, all in mm."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar
+from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,7 +14,7 @@ from kinematics.answers.solutions import (
     Posture,
 )
 from kinematics.arrays import Array
-from kinematics.mechanism import Coordinate, DesignField, Facets, Mechanism
+from kinematics.mechanism import Coordinate, Facets, Mechanism
 from kinematics.mechanisms.five_rpur import (
     arrangements,
     drawing,
@@ -33,6 +33,7 @@ class FiveRPUR(Mechanism[FiveRPURDesign]):
 
     kind = "five_rpur"
     title = "5-RPUR (3T2R)"
+    schema = designs.SCHEMA
     modes = inverse.MODES
     facets: ClassVar = Facets(
         __package__,
@@ -53,19 +54,6 @@ class FiveRPUR(Mechanism[FiveRPURDesign]):
     @classmethod
     def text(cls, topic: str) -> str:
         return about.ABOUT.get(topic, "")
-
-    @classmethod
-    def read_design(cls, table: Mapping[str, Any], *, origin: str, name: str) -> FiveRPURDesign:
-        return designs.design_from_table(table, origin=origin, name=name)
-
-    def design_table(self) -> dict[str, Any]:
-        return designs.design_to_table(self.design)
-
-    def design_fields(self) -> tuple[DesignField, ...]:
-        return designs.design_fields(self.design)
-
-    def edited(self, path: Sequence[str | int], value: float) -> FiveRPURDesign:
-        return designs.with_field(self.design, path, value)
 
     def findings(self) -> tuple[Finding, ...]:
         return arrangements.findings(self.design)

@@ -2,24 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from kinematics.arrays import Array, read_only
-from kinematics.designs.files import (
-    KeyPath,
-    TableError,
-    change_table,
-    check_keys,
-    read_numbers,
-    read_tables,
-    read_text,
-)
-from kinematics.mechanism import DesignField
+from kinematics.designs.schema import Key, Schema, ordered, point
 
 Point = tuple[float, float, float]
 LIMBS = 5
@@ -110,114 +99,39 @@ class FourSPSSPRDesign:
 # --- design files --------------------------------------------------------------------------
 
 
-def design_from_table(table: Mapping[str, Any], *, origin: str, name: str) -> FourSPSSPRDesign:
-    """The design that a parsed design file describes.
-
-    Raises:
-        DesignError: naming the origin, the limb, the key and the remedy.
-    """
-    check_keys(
-        table,
-        required=("mechanism", "revolute_axis", "limb"),
-        optional=("title", "source"),
-        origin=origin,
-    )
-    axis = read_numbers(
-        table["revolute_axis"], 3, origin=origin, path=("revolute_axis",), unit="a direction"
-    )
-    if max(map(abs, axis)) < SHORTEST_AXIS:
-        raise TableError(
-            origin,
-            ("revolute_axis",),
-            "revolute_axis must be a direction in the platform frame, as [1, 0, 0]; "
-            "its numbers are all zero",
-        )
-    entries = read_tables(table, "limb", LIMBS, origin=origin)
-    one, two, three, four, five = (
-        _limb_from_table(entry, origin=origin, path=("limb", i)) for i, entry in enumerate(entries)
-    )
-    return FourSPSSPRDesign(
-        limbs=(one, two, three, four, five),
-        revolute_axis=_point(axis),
-        name=name,
-        title=read_text(table, "title", origin=origin),
-        source=read_text(table, "source", origin=origin),
+def _a_direction(what: str, axis: Point) -> str:
+    if max(map(abs, axis)) >= SHORTEST_AXIS:
+        return ""
+    return (
+        f"{what} must be a direction in the platform frame, as [1, 0, 0]; its numbers are all zero"
     )
 
 
-def design_to_table(design: FourSPSSPRDesign) -> dict[str, Any]:
-    """What a design file says, as plain values; lengths in mm."""
-    return {
-        "mechanism": design.mechanism,
-        "title": design.title,
-        "source": design.source,
-        "revolute_axis": list(design.revolute_axis),
-        "limb": [
-            {
-                "base": list(limb.base),
-                "platform": list(limb.platform),
-                "stroke": list(limb.stroke),
-            }
-            for limb in design.limbs
-        ],
-    }
+_SPR_HEADING = f"Limb {SPR + 1} (SPR)"
 
-
-def design_fields(design: FourSPSSPRDesign) -> tuple[DesignField, ...]:
-    """Every number of the design: eight a limb, in mm, and the three of the revolute axis."""
-    fields: list[DesignField] = []
-    for i, limb in enumerate(design.limbs):
-        group = f"Limb {i + 1} (SPR)" if i == SPR else f"Limb {i + 1}"
-        for key, point in (("base", limb.base), ("platform", limb.platform)):
-            for axis, value in enumerate(point):
-                label = f"{key} {'xyz'[axis]}"
-                fields.append(DesignField(("limb", i, key, axis), label, value, "mm", group))
-        for end, value in enumerate(limb.stroke):
-            label = ("l min", "l max")[end]
-            fields.append(DesignField(("limb", i, "stroke", end), label, value, "mm", group))
-        if i == SPR:
-            fields += [
-                DesignField(("revolute_axis", axis), f"n₆ {'xyz'[axis]}", value, "", group)
-                for axis, value in enumerate(design.revolute_axis)
-            ]
-    return tuple(fields)
-
-
-def with_field(
-    design: FourSPSSPRDesign, path: Sequence[str | int], value: float
-) -> FourSPSSPRDesign:
-    """The design with one number (a `DesignField.path`) changed and everything checked again.
-
-    Raises:
-        InputError: the design has no such number.
-        DesignError: the design would not be valid with it.
-    """
-    changed = change_table(design_to_table(design), design_fields(design), path, value)
-    return design_from_table(changed, origin="", name=design.name)
-
-
-def _limb_from_table(entry: object, *, origin: str, path: KeyPath) -> Limb:
-    limb = check_keys(entry, required=("base", "platform", "stroke"), origin=origin, path=path)
-    label = f"limb {int(path[1]) + 1}"
-    base = read_numbers(limb["base"], 3, origin=origin, path=(*path, "base"))
-    platform = read_numbers(limb["platform"], 3, origin=origin, path=(*path, "platform"))
-    low, high = read_numbers(limb["stroke"], 2, origin=origin, path=(*path, "stroke"))
-    if low < 0:
-        raise TableError(
-            origin,
-            (*path, "stroke"),
-            f"{label}: stroke: the shortest length must not be negative (mm), got {low:g}",
-        )
-    if low >= high:
-        raise TableError(
-            origin,
-            (*path, "stroke"),
-            f"{label}: stroke must be [shortest, longest] with shortest < longest (mm), "
-            f"got [{low:g}, {high:g}]",
-        )
-    return Limb(base=_point(base), platform=_point(platform), stroke=(low, high))
-
-
-def _point(values: tuple[float, ...]) -> Point:
-    x, y, z = values
-    return (x, y, z)
+SCHEMA = Schema(
+    FourSPSSPRDesign,
+    (
+        Key(
+            "revolute_axis",
+            ("n₆ x", "n₆ y", "n₆ z"),
+            "",
+            _a_direction,
+            group=_SPR_HEADING,
+            what="a direction",
+        ),
+    ),
+    limb=Limb,
+    limb_keys=(
+        point("base"),
+        point("platform"),
+        Key(
+            "stroke",
+            ("l min", "l max"),
+            check=ordered("shortest", "longest", "the shortest length"),
+        ),
+    ),
+    limbs=LIMBS,
+    headings=(*(f"Limb {i + 1}" for i in range(SPR)), _SPR_HEADING),
+)
+"""Eight numbers a limb, in mm, and the three of the revolute axis."""

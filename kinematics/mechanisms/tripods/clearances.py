@@ -15,8 +15,7 @@ from kinematics.answers.solutions import Bound, Posture
 from kinematics.arrays import Array
 from kinematics.mechanisms.tripods import polynomial, posing
 from kinematics.mechanisms.tripods.circles import circles
-from kinematics.mechanisms.tripods.design import LIMBS, MODES, TripodDesign, mode_sign
-from kinematics.mechanisms.tripods.design import with_field as changed
+from kinematics.mechanisms.tripods.design import LIMBS, MODES, SCHEMA, TripodDesign, mode_sign
 from kinematics.mechanisms.tripods.inverse import posture as posture_at
 from kinematics.mechanisms.tripods.posing import Reduced
 from kinematics.mechanisms.tripods.powers import Power
@@ -189,7 +188,7 @@ def _changes(design: TripodDesign, posture: Posture) -> tuple[tuple[DesignChange
         beyond = wanted < end if index == 0 else wanted > end
         if not beyond:
             continue
-        wider = changed(wider, ("stroke", index), wanted)
+        wider = SCHEMA.changed(wider, ("stroke", index), wanted)
         change.append(
             DesignChange(
                 ("stroke", index), name, end, wanted, f"{name} from {end:g} to {wanted:.2f} mm"

@@ -9,23 +9,15 @@ Parallel Manipulators based on their Maximum Inscribed Singularity-free Circle* 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 
 from kinematics.arrays import Array
-from kinematics.designs.files import (
-    TableError,
-    change_table,
-    check_keys,
-    read_number,
-    read_numbers,
-    read_text,
-)
+from kinematics.designs.schema import Key, Schema, ordered, positive
 from kinematics.errors import InputError
-from kinematics.mechanism import DesignField
 
 Kind = Literal["three_rps", "three_spr"]
 KINDS: tuple[Kind, Kind] = ("three_rps", "three_spr")
@@ -36,8 +28,6 @@ AZIMUTHS = (0.0, -2.0 * np.pi / 3.0, 2.0 * np.pi / 3.0)
 """Of u_1, u_2, u_3, rad."""
 MODES = ("1", "2")
 """The operation modes: 1 is x0 = 0, a half turn about z at home, and 2 is x3 = 0."""
-SHORTEST = 1e-3
-"""mm; below a micrometre a radius is a slip of the pen."""
 
 
 def _directions() -> tuple[Array, Array]:
@@ -108,83 +98,22 @@ def mode_sign(mode: str) -> float:
 # --- design files --------------------------------------------------------------------------
 
 
-def design_from_table(
-    table: Mapping[str, Any], *, kind: Kind, origin: str, name: str
-) -> TripodDesign:
-    """The design that a parsed design file describes.
-
-    Raises:
-        DesignError: naming the origin, the key and the remedy.
-    """
-    check_keys(
-        table,
-        required=("mechanism", "base_radius", "platform_radius", "stroke"),
-        optional=("title", "source"),
-        origin=origin,
-    )
-    base, platform = (_radius(table, key, origin) for key in ("base_radius", "platform_radius"))
-    low, high = read_numbers(table["stroke"], 2, origin=origin, path=("stroke",))
-    if low < 0.0:
-        raise TableError(
-            origin, ("stroke",), f"stroke: ρ_min must not be negative (mm), got {low:g}"
-        )
-    if low >= high:
-        raise TableError(
-            origin,
-            ("stroke",),
-            f"stroke must be [ρ_min, ρ_max] with ρ_min < ρ_max (mm), got [{low:g}, {high:g}]",
-        )
-    return TripodDesign(
-        kind,
-        base,
-        platform,
-        (low, high),
-        name=name,
-        title=read_text(table, "title", origin=origin),
-        source=read_text(table, "source", origin=origin),
-    )
+class _TripodSchema(Schema[TripodDesign]):
+    def further(self, table: Mapping[str, Any], *, origin: str) -> dict[str, Any]:
+        return {"mechanism": table["mechanism"]}
 
 
-def _radius(table: Mapping[str, Any], key: str, origin: str) -> float:
-    value = read_number(table[key], origin=origin, path=(key,))
-    if value < SHORTEST:
-        raise TableError(
-            origin, (key,), f"{key} must be a positive length (mm, at least 0.001), got {value:g}"
-        )
-    return value
-
-
-def design_to_table(design: TripodDesign) -> dict[str, Any]:
-    """What a design file says, as plain values; lengths in mm."""
-    return {
-        "mechanism": design.mechanism,
-        "title": design.title,
-        "source": design.source,
-        "base_radius": design.base_radius,
-        "platform_radius": design.platform_radius,
-        "stroke": list(design.stroke),
-    }
-
-
-def design_fields(design: TripodDesign) -> tuple[DesignField, ...]:
-    """Every number of the design: four, all in mm."""
-    low, high = design.stroke
-    return (
-        DesignField(("base_radius",), "base radius h₁", design.base_radius, "mm", "Triangles"),
-        DesignField(
-            ("platform_radius",), "platform radius h₂", design.platform_radius, "mm", "Triangles"
+SCHEMA = _TripodSchema(
+    TripodDesign,
+    (
+        Key("base_radius", ("base radius h₁",), check=positive, group="Triangles"),
+        Key("platform_radius", ("platform radius h₂",), check=positive, group="Triangles"),
+        Key(
+            "stroke",
+            ("ρ min", "ρ max"),
+            check=ordered("ρ_min", "ρ_max", "ρ_min"),
+            group="Limbs",
         ),
-        DesignField(("stroke", 0), "ρ min", low, "mm", "Limbs"),
-        DesignField(("stroke", 1), "ρ max", high, "mm", "Limbs"),
-    )
-
-
-def with_field(design: TripodDesign, path: Sequence[str | int], value: float) -> TripodDesign:
-    """The design with one number (a `DesignField.path`) changed and everything checked again.
-
-    Raises:
-        InputError: the design has no such number.
-        DesignError: the design would not be valid with it.
-    """
-    changed = change_table(design_to_table(design), design_fields(design), path, value)
-    return design_from_table(changed, kind=design.mechanism, origin="", name=design.name)
+    ),
+)
+"""Four numbers, all in mm."""

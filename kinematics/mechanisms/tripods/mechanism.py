@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,7 +15,7 @@ from kinematics.answers.solutions import (
     Posture,
 )
 from kinematics.arrays import Array
-from kinematics.mechanism import Coordinate, DesignField, Facets, Mechanism
+from kinematics.mechanism import Coordinate, Facets, Mechanism
 from kinematics.mechanisms.tripods import design as designs
 from kinematics.mechanisms.tripods import (
     drawing,
@@ -31,6 +31,7 @@ class Tripod(Mechanism[TripodDesign]):
     """Nayak et al. (2017): Z, tilt and azimuth moved by three limbs ρ₁ … ρ₃, in two modes."""
 
     kind: ClassVar[Kind]
+    schema = designs.SCHEMA
     modes = designs.MODES
     mode_noun = "operation mode"
     facets: ClassVar = Facets(
@@ -51,19 +52,6 @@ class Tripod(Mechanism[TripodDesign]):
     @classmethod
     def text(cls, topic: str) -> str:
         return about.about(cls.kind, topic)
-
-    @classmethod
-    def read_design(cls, table: Mapping[str, Any], *, origin: str, name: str) -> TripodDesign:
-        return designs.design_from_table(table, kind=cls.kind, origin=origin, name=name)
-
-    def design_table(self) -> dict[str, Any]:
-        return designs.design_to_table(self.design)
-
-    def design_fields(self) -> tuple[DesignField, ...]:
-        return designs.design_fields(self.design)
-
-    def edited(self, path: Sequence[str | int], value: float) -> TripodDesign:
-        return designs.with_field(self.design, path, value)
 
     def findings(self) -> tuple[Finding, ...]:
         return home.findings(self.design)

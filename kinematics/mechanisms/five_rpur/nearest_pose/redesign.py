@@ -19,14 +19,13 @@ import numpy as np
 from kinematics.answers.clearances import DesignChange
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
+from kinematics.designs.schema import SHORTEST
 from kinematics.errors import BohemiaError
 from kinematics.mechanisms.five_rpur.design import (
-    SHORTEST_LINK,
+    SCHEMA,
     FiveRPURDesign,
     Limb,
     Point,
-    design_fields,
-    with_field,
 )
 from kinematics.mechanisms.five_rpur.inverse import LINK_SLACK, STROKE_SLACK, decimals, posture
 from kinematics.mechanisms.five_rpur.offsets import offset_points
@@ -70,7 +69,7 @@ def _amount(way: Way) -> float:
 def _allows(design: FiveRPURDesign, wanted: Posture, way: Way) -> bool:
     try:
         for change in way:
-            design = with_field(design, change.path, change.after)
+            design = SCHEMA.changed(design, change.path, change.after)
     except BohemiaError:
         return False
     return posture(design, wanted.pose, wanted.mode).reachable
@@ -153,7 +152,7 @@ def _pair(design: FiveRPURDesign, wanted: Posture, i: int) -> Way:
     limb = ("limb", i)
     link = ceil(10.0 * abs(_closing(design, wanted, i).y) + 0.1) / 10.0
     try:
-        longer_link = with_field(design, (*limb, "link"), link)
+        longer_link = SCHEMA.changed(design, (*limb, "link"), link)
     except BohemiaError:  # no machine is that large
         return ()
     rho = posture(longer_link, wanted.pose, wanted.mode).joints[i]
@@ -187,7 +186,7 @@ def _single(
 
     def with_link(shift: float) -> bool:
         length = limb.link + shift
-        return length >= SHORTEST_LINK and replace(here, limb=replace(limb, link=length)).holds
+        return length >= SHORTEST and replace(here, limb=replace(limb, link=length)).holds
 
     shift = _least((length - limb.link for length in here.links()), with_link, size)
     if shift is not None:
@@ -224,7 +223,7 @@ def _least(shifts: Iterable[float], holds: Callable[[float], bool], size: float)
 
 
 def _change(design: FiveRPURDesign, path: tuple[str | int, ...], after: float) -> DesignChange:
-    field = next(f for f in design_fields(design) if f.path == path)
+    field = next(f for f in SCHEMA.fields(design) if f.path == path)
     label = f"{_NAMES.get(field.label, field.label)} of limb {int(path[1]) + 1}"
     text = f"{label} from {field.value:g} to {_outwards(field.value, after)} mm"
     return DesignChange(path, label, field.value, after, text)
