@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
+from typing import Any
 
 from numpy.typing import ArrayLike
 
@@ -32,7 +33,7 @@ class CirclesFacet(Facet[D]):
 
     @staticmethod
     @abstractmethod
-    def micr(kind: str, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike) -> MicrTable:
+    def micr(kind: Any, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike) -> MicrTable:
         """MICR of a kind over circumradii and altitudes (mm), which broadcast."""
 
 

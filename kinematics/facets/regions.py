@@ -5,8 +5,11 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Sequence
 
+import numpy as np
+
 from kinematics.answers.sections import Region, RegionSpec
 from kinematics.arrays import Array
+from kinematics.errors import InputError
 from kinematics.facets.facet import Facet
 from kinematics.mechanism import D
 
@@ -17,16 +20,27 @@ class RegionsFacet(Facet[D]):
     topic = "regions"
     specs: tuple[RegionSpec, ...]
 
-    @abstractmethod
     def frame(self, pose: Sequence[float]) -> Array:
         """(4, 4) from (u, v, normal) of the plane to the base frame."""
+        return np.eye(4)
 
-    @abstractmethod
     def of(
-        self, key: str, pose: Sequence[float], modes: tuple[str, ...] | None
+        self, key: str, pose: Sequence[float], modes: tuple[str, ...] | None = None
     ) -> tuple[Region, ...]:
         """The regions ``key`` at a pose's orientation for a set of modes; None: of all together.
 
         Raises:
-            InputError: there are no such regions.
+            InputError: there are no such regions, or no such mode.
         """
+        known = [spec.key for spec in self.specs]
+        if key not in known:
+            raise InputError(
+                f"there are no regions {key!r}; known are {', '.join(map(repr, known))}"
+            )
+        return self.found(key, pose, modes)
+
+    @abstractmethod
+    def found(
+        self, key: str, pose: Sequence[float], modes: tuple[str, ...] | None
+    ) -> tuple[Region, ...]:
+        """The regions of one of `specs`, see `of`."""

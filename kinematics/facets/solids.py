@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics.arrays import Array
+from kinematics.errors import InputError
 from kinematics.facets.facet import Facet
 from kinematics.mechanism import D, mechanism_class
 
@@ -67,6 +68,15 @@ class SolidsFacet(Facet[D]):
         """What there is."""
 
     @abstractmethod
+    def arguments(
+        self,
+        spec: SolidSpec,
+        pose: Sequence[float],
+        modes: tuple[str, ...] | None,
+        surface: SurfaceKind,
+    ) -> tuple[Any, ...]:
+        """What a solid depends on, see `SolidRequest`; one mode where it is of one only."""
+
     def request(
         self,
         key: str,
@@ -80,6 +90,28 @@ class SolidsFacet(Facet[D]):
         Raises:
             InputError: there is no such solid, or it is of one mode only and another set is given.
         """
+        spec = self.spec(key)
+        if spec.of_present_mode and (modes is None or len(modes) != 1):
+            noun = self.mechanism.mode_noun
+            raise InputError(f"{key} can be shown of one {noun} at a time only; choose one")
+        arguments = self.arguments(spec, pose, modes, surface)
+        return SolidRequest(self.mechanism.kind, arguments, resolution)
+
+    def spec(self, key: str) -> SolidSpec:
+        """One of `specs`.
+
+        Raises:
+            InputError: there is no such solid.
+        """
+        found = next((spec for spec in self.specs if spec.key == key), None)
+        if found is None:
+            raise InputError(f"there is no solid {key!r}; {self.known}")
+        return found
+
+    @property
+    def known(self) -> str:
+        """Which solids there are, as the end of a sentence."""
+        return f"known are {', '.join(spec.key for spec in self.specs)}"
 
     def placement(self, key: str, pose: Sequence[float]) -> Array:
         """(4, 4) from the frame in which the solid is built to the base frame, mm."""

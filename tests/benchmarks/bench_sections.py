@@ -22,10 +22,10 @@ from bench_solids import cases
 from kinematics.designs.files import load_design
 from kinematics.facets.map_sweeps import map_request, sweep
 from kinematics.mechanisms.five_rpur.inscribed.largest import box, sphere
-from kinematics.mechanisms.five_rpur.section import section, section_range
+from kinematics.mechanisms.five_rpur.sections import integrate
 from kinematics.mechanisms.five_rpur.slicing import acceleration
 from kinematics.mechanisms.five_rpur.slicing.cutter import Cutter
-from kinematics.mechanisms.five_rpur.volume import integrate, volume
+from tests.kinematics.mechanisms.five_rpur.machines import section, section_range, volume
 
 ROUNDS = 9
 

@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike
 from kinematics.answers.clearances import Clearance, Remedy
 from kinematics.answers.loci import LocusCurves
 from kinematics.answers.motion import Motion, Statics, WrenchSystem
-from kinematics.answers.sections import Region
 from kinematics.answers.singularities import AT, Event, ModeChange, Singularity
 from kinematics.answers.solutions import (
     Followed,
@@ -26,7 +25,6 @@ from kinematics.facets.inverse import InverseFacet
 from kinematics.facets.measures import MeasuresFacet
 from kinematics.facets.motion import MotionFacet
 from kinematics.facets.paths import PathsFacet
-from kinematics.facets.regions import RegionsFacet
 from kinematics.facets.singularities import SingularitiesFacet
 from kinematics.facets.statics import StaticsFacet
 from kinematics.mechanisms.five_bar import (
@@ -37,7 +35,6 @@ from kinematics.mechanisms.five_bar import (
     motion,
     named_paths,
     paths,
-    regions,
 )
 from kinematics.mechanisms.five_bar import singularities as control
 from kinematics.mechanisms.five_bar.design import FiveBarDesign
@@ -162,20 +159,3 @@ class FiveBarPaths(PathsFacet[FiveBarDesign]):
 
     def named(self) -> tuple[NamedTrajectory, ...]:
         return named_paths.named(self.design)
-
-
-class FiveBarRegions(RegionsFacet[FiveBarDesign]):
-    """TODO"""
-
-    specs = regions.SPECS
-
-    def frame(self, pose: Sequence[float]) -> Array:
-        return regions.frame()
-
-    def of(
-        self,
-        key: str,
-        pose: Sequence[float],
-        modes: tuple[str, ...] | None,
-    ) -> tuple[Region, ...]:
-        return regions.regions(self.design, key, modes)

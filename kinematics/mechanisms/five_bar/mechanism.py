@@ -45,7 +45,7 @@ class FiveBar(Mechanism[FiveBarDesign]):
         singularities="facets:FiveBarSingularities",
         clearances="facets:FiveBarClearances",
         paths="facets:FiveBarPaths",
-        regions="facets:FiveBarRegions",
+        regions="regions:Regions",
     )
 
     @classmethod

@@ -2,50 +2,41 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 
-import numpy as np
-
 from kinematics.answers.sections import Region, RegionSpec
-from kinematics.errors import InputError
+from kinematics.facets.regions import RegionsFacet
 from kinematics.mechanisms.five_bar import workspace
 from kinematics.mechanisms.five_bar.aspects import aspects
 from kinematics.mechanisms.five_bar.design import FiveBarDesign
 from kinematics.mechanisms.five_bar.inverse import MODES, signs
 from kinematics.plane import regions as outlines
 
-SPECS = (
-    RegionSpec("workspace", "Workspace", ("x", "y"), "Fig. 9", uses_modes=True),
-    RegionSpec("modes", "Workspace of each working mode", ("x", "y"), uses_modes=True),
-    RegionSpec("aspects", "Aspects", ("x", "y"), uses_modes=True),
-)
 
-
-def regions(
-    design: FiveBarDesign, key: str, modes: tuple[str, ...] | None = None
-) -> tuple[Region, ...]:
-    """Regions of `SPECS`, each with exact edges and area.
-
-    Args:
-        key: "workspace": what can be reached in any of the modes, one region, of which some pieces
-            may hang together; "modes": one for each mode; "aspects": the parts of each mode that
-            no singularity divides, larger ones first.
-        modes: of which; None: all four.
-
-    Raises:
-        InputError: there are no such regions, or no such mode.
+class Regions(RegionsFacet[FiveBarDesign]):
+    """What can be reached in any of the modes, one region, of which some pieces may hang together;
+    that of each mode; the parts of each mode that no singularity divides, larger ones first. Edges
+    and areas are exact, the plane is the base's own, z = 0.
     """
-    chosen = MODES if modes is None else tuple(modes)
-    for mode in chosen:
-        signs(mode)
-    if key == "workspace":
-        return (_of_modes(design, chosen if modes is not None else None),)
-    if key == "modes":
-        return tuple(_of_modes(design, (mode,)) for mode in chosen)
-    if key == "aspects":
-        return tuple(region for region in _aspects(design) if region.mode in chosen)
-    known = ", ".join(spec.key for spec in SPECS)
-    raise InputError(f"a five-bar has no regions {key!r}; known are {known}")
+
+    specs = (
+        RegionSpec("workspace", "Workspace", ("x", "y"), "Fig. 9", uses_modes=True),
+        RegionSpec("modes", "Workspace of each working mode", ("x", "y"), uses_modes=True),
+        RegionSpec("aspects", "Aspects", ("x", "y"), uses_modes=True),
+    )
+
+    def found(
+        self, key: str, pose: Sequence[float], modes: tuple[str, ...] | None
+    ) -> tuple[Region, ...]:
+        chosen = MODES if modes is None else tuple(modes)
+        for mode in chosen:
+            signs(mode)
+        if key == "workspace":
+            return (_of_modes(self.design, None if modes is None else chosen),)
+        if key == "modes":
+            return tuple(_of_modes(self.design, (mode,)) for mode in chosen)
+        return tuple(region for region in _aspects(self.design) if region.mode in chosen)
 
 
 @lru_cache(maxsize=64)
@@ -76,8 +67,3 @@ def _aspects(design: FiveBarDesign) -> tuple[Region, ...]:
             )
         )
     return tuple(found)
-
-
-def frame() -> np.ndarray:
-    """4x4 from (x, y, normal) to the base frame: the plane is the base's own z = 0."""
-    return np.eye(4)

@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from kinematics.answers.sections import MapCells, MapSpec, Quantity
-from kinematics.arrays import finite
-from kinematics.errors import InputError
+from kinematics.answers.sections import MapSpec, Quantity
+from kinematics.facets.maps import MapsFacet
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inscribed.largest import sphere
+from kinematics.mechanisms.five_rpur.sections import Integral, integrate, pieces_of
 from kinematics.mechanisms.five_rpur.slicing.cutter import Cutter
-from kinematics.mechanisms.five_rpur.volume import Integral, integrate, pieces
 
 SPEC = MapSpec(
     axes=(3, 4),
@@ -31,67 +29,37 @@ _STROKE_SECTIONS = 48
 _BY_VOLUME = {"volume", "pieces", "largest_piece", "stroke"}
 
 
-def map_cells(
-    design: FiveRPURDesign,
-    poses: ArrayLike,
-    modes: tuple[str, ...] | None,
-    quantities: Sequence[str],
-    *,
-    relative: float = 1e-4,
-) -> MapCells:
-    """Measures of the workspace at many orientations.
+class Maps(MapsFacet[FiveRPURDesign]):
+    """Only φ and θ of the poses matter."""
 
-    Args:
-        design: the machine.
-        poses: (N, 5) mm and rad; only φ and θ matter.
-        modes: working modes as "+-+++", of which any will do; None for all 32.
-        quantities: keys of `SPEC`.quantities.
-        relative: the error wanted of volumes, as a part of them.
+    spec = SPEC
 
-    Raises:
-        InputError: an unknown quantity, or poses that are not finite.
-    """
-    known = [quantity.key for quantity in SPEC.quantities]
-    for key in quantities:
-        if key not in known:
-            raise InputError(f"a map shows {', '.join(known)}, not {key!r}")
-    angles = finite(poses, name="poses", last=5).reshape(-1, 5)[:, 3:]
-    values = np.empty((len(angles), len(quantities)))
-    errors = np.empty_like(values)
-    for n, (phi, theta) in enumerate(angles.tolist()):
-        found = _measures(design, phi, theta, modes, quantities, relative)
-        for q, key in enumerate(quantities):
-            values[n, q], errors[n, q] = found[key]
-    return MapCells(values, errors)
-
-
-def _measures(
-    design: FiveRPURDesign,
-    phi: float,
-    theta: float,
-    modes: tuple[str, ...] | None,
-    quantities: Sequence[str],
-    relative: float,
-) -> dict[str, tuple[float, float]]:
-    """Each quantity with its error."""
-    result: dict[str, tuple[float, float]] = {}
-    if _BY_VOLUME & set(quantities):
-        cutter = Cutter(design, phi, theta, modes)
-        found = integrate(cutter, relative)
-        volume = float(found.moments[0])
-        result["volume"] = volume, found.error
-        if {"pieces", "largest_piece"} & set(quantities):
-            parts = pieces(cutter, found)
-            # What is smaller than the volume's error may be more or fewer, or part of another.
-            small = [part for part in parts if part <= found.error]
-            result["pieces"] = float(len(parts)), float(len(small))
-            result["largest_piece"] = (parts[0] if parts else 0.0), found.error + sum(small)
-        if "stroke" in quantities:
-            result["stroke"] = _stroke_share(design, cutter, found)
-    if "sphere" in quantities:
-        ball = sphere(design, phi, theta, modes)
-        result["sphere"] = (0.0, 0.0) if ball is None else (ball.radius, ball.error)
-    return result
+    def measures(
+        self,
+        pose: Sequence[float],
+        modes: tuple[str, ...] | None,
+        quantities: Sequence[str],
+        relative: float,
+    ) -> dict[str, tuple[float, float]]:
+        design, phi, theta = self.design, float(pose[3]), float(pose[4])
+        result: dict[str, tuple[float, float]] = {}
+        if _BY_VOLUME & set(quantities):
+            cutter = Cutter(design, phi, theta, modes)
+            found = integrate(cutter, relative)
+            volume = float(found.moments[0])
+            result["volume"] = volume, found.error
+            if {"pieces", "largest_piece"} & set(quantities):
+                parts = pieces_of(cutter, found)
+                # What is smaller than the volume's error may be more or fewer, or part of another.
+                small = [part for part in parts if part <= found.error]
+                result["pieces"] = float(len(parts)), float(len(small))
+                result["largest_piece"] = (parts[0] if parts else 0.0), found.error + sum(small)
+            if "stroke" in quantities:
+                result["stroke"] = _stroke_share(design, cutter, found)
+        if "sphere" in quantities:
+            ball = sphere(design, phi, theta, modes)
+            result["sphere"] = (0.0, 0.0) if ball is None else (ball.radius, ball.error)
+        return result
 
 
 def _stroke_share(design: FiveRPURDesign, cutter: Cutter, found: Integral) -> tuple[float, float]:

@@ -46,9 +46,9 @@ class FiveRPUR(Mechanism[FiveRPURDesign]):
         clearances="facets:RPURClearances",
         paths="facets:RPURPaths",
         measures="facets:RPURMeasures",
-        solids="facets:RPURSolids",
-        sections="facets:RPURSections",
-        maps="facets:RPURMaps",
+        solids="solids:Solids",
+        sections="sections:Sections",
+        maps="maps:Maps",
     )
 
     @classmethod

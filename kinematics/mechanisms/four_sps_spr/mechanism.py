@@ -47,8 +47,8 @@ class FourSPSSPR(Mechanism[FourSPSSPRDesign]):
         singularities="facets:SPSSingularities",
         clearances="facets:SPSClearances",
         paths="facets:SPSPaths",
-        regions="facets:SPSRegions",
-        solids="facets:SPSSolids",
+        regions="regions:Regions",
+        solids="solids:Solids",
     )
 
     @classmethod

@@ -12,20 +12,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from kinematics.answers.sections import Region, RegionSpec, Section
 from kinematics.arrays import Array
-from kinematics.errors import InputError
 from kinematics.mechanisms.four_sps_spr.design import LIMBS, SPR, FourSPSSPRDesign
 from kinematics.mechanisms.four_sps_spr.inverse import rotation
-from kinematics.plane.annuli import Rings, rings_section, roomiest
+from kinematics.plane.annuli import Rings, rings_section
 from kinematics.plane.annuli import inside as inside_rings
 from kinematics.plane.regions import nearest_point
-from kinematics.screws.spatial import homogeneous
-
-WORKSPACE = "workspace"
-REGIONS = (
-    RegionSpec(WORKSPACE, "Constant-orientation workspace, in the plane m = R n₆", ("u", "v")),
-)
 
 
 class Plane(NamedTuple):
@@ -67,13 +59,6 @@ def plane(design: FourSPSSPRDesign, angles: Sequence[float]) -> Plane:
     return Plane(frame, float(centers[SPR, 0]), centers)
 
 
-def region_frame(design: FourSPSSPRDesign, angles: Sequence[float]) -> Array:
-    """4x4 from (u, v, distance from the plane) to the base frame."""
-    here = plane(design, angles)
-    m, u, v = here.frame
-    return homogeneous(np.stack([u, v, m], axis=1), here.at * m)
-
-
 def rings(design: FourSPSSPRDesign, here: Plane) -> Rings:
     """The rings in the plane's (u, v)."""
     away = here.centers[:, 0] - here.at
@@ -87,26 +72,6 @@ def rings(design: FourSPSSPRDesign, here: Plane) -> Rings:
         np.nan_to_num(outer, nan=0.0),
         np.arange(1, LIMBS + 1, dtype=np.int64),
     )
-
-
-def section(design: FourSPSSPRDesign, angles: Sequence[float]) -> Section:
-    """The workspace at an orientation, exactly, in (u, v)."""
-    here = plane(design, angles)
-    return rings_section(rings(design, here), here.at)
-
-
-def regions(design: FourSPSSPRDesign, key: str, angles: Sequence[float]) -> tuple[Region, ...]:
-    """The workspace at an orientation as one exact region, which may have several pieces.
-
-    Raises:
-        InputError: there are no such regions.
-    """
-    if key != WORKSPACE:
-        raise InputError(f"there are no regions {key!r}; known are {WORKSPACE!r}")
-    here = plane(design, angles)
-    found = rings(design, here)
-    region = rings_section(found, here.at)
-    return (Region("workspace", region, 0.0, "", 0, 0, roomiest(found, region)),)
 
 
 def nearest_place(

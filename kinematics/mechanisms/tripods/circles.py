@@ -9,7 +9,7 @@ circle grows the first zero of that. About θ = 0 the exact MICR is taken (`micr
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -17,11 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
-from kinematics.answers.circles import OrientationCircle
+from kinematics.answers.circles import OrientationCircle, Profile, ProfileCurve
 from kinematics.arrays import Array
+from kinematics.errors import InputError
+from kinematics.facets.circles import CirclesFacet
 from kinematics.mechanisms.tripods import polynomial, posing
 from kinematics.mechanisms.tripods.design import LIMBS, TripodDesign, mode_sign
-from kinematics.mechanisms.tripods.micr import RING, contact_azimuths, micr
+from kinematics.mechanisms.tripods.micr import RING, contact_azimuths, micr, table
 
 _RADII = 241  # circles looked at, 0.75° apart
 _TURNS = 120  # points of each
@@ -30,10 +32,53 @@ _ERROR = 1e-8  # rad, of a radius that was searched for
 _EXACT = 1e-12
 _SHALLOW = 0.05  # part of the room at the centre below which a dip is looked into
 _SAME = 1e-7  # rad by which circles meet a limit together
+_LOWEST, _HIGHEST, _COUNT = 0.02, 4.0, 200  # of Z / h1, as in the paper's figures
+_MOST = 12  # ratios h2 / h1 side by side
 
 Bound = Literal["rho_min", "rho_max"]
 _Contacts = tuple[tuple[float, float], ...]
 _ENDS: tuple[Bound, Bound] = ("rho_min", "rho_max")
+
+
+class Circles(CirclesFacet[TripodDesign]):
+    """Of the tripods also MICR against the altitude (Nayak et al. 2017, Figs. 4, 5)."""
+
+    def about(self, pose: Sequence[float], mode: str) -> tuple[OrientationCircle, ...]:
+        return circles(self.design, tuple(pose), mode)
+
+    def profile(self, pose: Sequence[float], ratios: Sequence[float] = ()) -> Profile:
+        """Curves of MICR over Z / h1, both operation modes of every ratio h2 / h1.
+
+        Args:
+            pose: its altitude is marked.
+            ratios: further h2 / h1; the machine's own comes first.
+
+        Raises:
+            InputError: a ratio is not a positive number, or there are too many of them.
+        """
+        if len(ratios) > _MOST:
+            raise InputError(f"at most {_MOST} ratios h2 / h1 can be compared, got {len(ratios)}")
+        if not all(np.isfinite(r) and r > 0.0 for r in ratios):
+            raise InputError("a ratio h2 / h1 must be a positive number")
+        design, place = self.design, self.profile_place(pose)
+        own = design.platform_radius / design.base_radius
+        at = np.linspace(_LOWEST, max(_HIGHEST, place), _COUNT)
+        wanted = [own, *(r for r in dict.fromkeys(ratios) if r != own)]
+        found = table(design.mechanism, np.ones((len(wanted), 1)), np.array(wanted)[:, None], at)
+        # Where no tilt is singular the whole half turn is free.
+        radius = np.where(np.isnan(found.radius), np.pi, found.radius)
+        curves = tuple(
+            ProfileCurve(f"h₂/h₁ = {ratio:g}", mode, n == 0, radius[m, n])
+            for n, ratio in enumerate(wanted)
+            for m, mode in enumerate(found.modes)
+        )
+        title = "MICR over the altitude"
+        return Profile(title, "Z / h₁", "MICR", at, curves, place, "Figs. 4 and 5")
+
+    def profile_place(self, pose: Sequence[float]) -> float:
+        return abs(float(pose[0])) / self.design.base_radius
+
+    micr = staticmethod(table)
 
 
 def circles(

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from kinematics.answers.circles import MicrTable, OrientationCircle, Profile
 from kinematics.answers.clearances import Clearance, Remedy
 from kinematics.answers.loci import LocusCurves
 from kinematics.answers.motion import Motion, Statics, WrenchSystem
@@ -21,34 +19,21 @@ from kinematics.answers.solutions import (
     Refreshed,
 )
 from kinematics.arrays import Array
-from kinematics.errors import InputError
-from kinematics.facets.solids import (
-    Resolution,
-    SolidRequest,
-    SolidsFacet,
-    SolidSpec,
-    SurfaceKind,
-)
+from kinematics.mechanisms.tripods import clearances as room
 from kinematics.mechanisms.tripods import (
-    chart,
-    circles,
     forward,
     inverse,
     loci,
     motion,
     paths,
-    profile,
     refreshing,
     wrenches,
 )
-from kinematics.mechanisms.tripods import clearances as room
-from kinematics.mechanisms.tripods import micr as inscribed
 from kinematics.mechanisms.tripods import singularities as singularity
-from kinematics.mechanisms.tripods.design import Kind, TripodDesign
+from kinematics.mechanisms.tripods.design import TripodDesign
 
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
-    from kinematics.solids.csg import BuiltSolid
-from kinematics.facets.circles import CirclesFacet
+    pass
 from kinematics.facets.clearances import ClearancesFacet
 from kinematics.facets.forward import ForwardFacet
 from kinematics.facets.inverse import InverseFacet
@@ -57,16 +42,6 @@ from kinematics.facets.motion import MotionFacet
 from kinematics.facets.paths import PathsFacet
 from kinematics.facets.singularities import SingularitiesFacet
 from kinematics.facets.statics import StaticsFacet
-
-SOLIDS = (
-    SolidSpec(
-        "workspace",
-        "Orientations and altitudes within the strokes",
-        "Workspace",
-        of_present_mode=True,
-    ),
-    SolidSpec("aspects", "Aspects of the present mode", "Singularities", of_present_mode=True),
-)
 
 
 class TripodInverse(InverseFacet[TripodDesign]):
@@ -180,66 +155,3 @@ class TripodPaths(PathsFacet[TripodDesign]):
 
     def drive(self, posture: Posture, poses: ArrayLike) -> Followed:
         return paths.path(self.design, posture, poses)
-
-
-class TripodCircles(CirclesFacet[TripodDesign]):
-    """TODO"""
-
-    def about(self, pose: Sequence[float], mode: str) -> tuple[OrientationCircle, ...]:
-        return circles.circles(self.design, tuple(pose), mode)
-
-    def profile(self, pose: Sequence[float], ratios: Sequence[float] = ()) -> Profile:
-        return profile.profile(self.design, float(pose[0]), ratios)
-
-    def profile_place(self, pose: Sequence[float]) -> float:
-        return abs(float(pose[0])) / self.design.base_radius
-
-    @staticmethod
-    def micr(kind: str, base: ArrayLike, platform: ArrayLike, altitude: ArrayLike) -> MicrTable:
-        return inscribed.table(
-            "three_rps" if kind == "three_rps" else "three_spr", base, platform, altitude
-        )
-
-
-class TripodSolids(SolidsFacet[TripodDesign]):
-    """TODO"""
-
-    specs = SOLIDS
-
-    def request(
-        self,
-        key: str,
-        pose: Sequence[float],
-        modes: tuple[str, ...] | None,
-        resolution: Resolution,
-        surface: SurfaceKind = "facets",
-    ) -> SolidRequest:
-        if key not in {spec.key for spec in SOLIDS}:
-            known = ", ".join(spec.key for spec in SOLIDS)
-            raise InputError(f"there is no solid {key!r}; known are {known}")
-        if modes is None or len(modes) != 1:
-            raise InputError(f"the {key} is that of one operation mode; choose one")
-        sizes = (self.design.base_radius, self.design.platform_radius, self.design.stroke)
-        return SolidRequest(self.mechanism.kind, (key, *sizes, modes[0]), resolution)
-
-    def placement(self, key: str, pose: Sequence[float]) -> Array:
-        """The charts stand upright on the base's centre."""
-        return np.eye(4)
-
-    def point(self, key: str, pose: Sequence[float], mode: str) -> Array:
-        """The chart's place of the pose, see `workspace`."""
-        return chart.to_chart(self.design, np.asarray(pose, dtype=float))
-
-    def poses(self, key: str, pose: Sequence[float], mode: str, points: ArrayLike) -> Array:
-        """The poses of the chart: a solid is of all of them, whatever the pose."""
-        return chart.from_chart(self.design, np.asarray(points, dtype=float))
-
-    @staticmethod
-    def build(request: SolidRequest) -> BuiltSolid:
-        from kinematics.mechanisms.tripods import workspace
-
-        kind: Kind = "three_rps" if request.mechanism == "three_rps" else "three_spr"
-        key, base, platform, stroke, mode = request.arguments
-        design = TripodDesign(kind, base, platform, stroke)
-        build = workspace.aspects if key == "aspects" else workspace.workspace
-        return build(design, mode, request.resolution)

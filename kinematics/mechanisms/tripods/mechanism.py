@@ -45,8 +45,8 @@ class Tripod(Mechanism[TripodDesign]):
         singularities="facets:TripodSingularities",
         clearances="facets:TripodClearances",
         paths="facets:TripodPaths",
-        circles="facets:TripodCircles",
-        solids="facets:TripodSolids",
+        circles="circles:Circles",
+        solids="solids:Solids",
     )
 
     @classmethod

@@ -15,7 +15,7 @@ from kinematics.answers.sections import MapCells
 from kinematics.designs.files import load_design
 from kinematics.errors import BohemiaError, ComputationError, InputError
 from kinematics.facets.map_sweeps import ATTEMPTS, MapRequest, coarse_first, map_request, sweep
-from kinematics.mechanisms.five_rpur.facets import RPURMaps
+from kinematics.mechanisms.five_rpur.maps import Maps
 
 DESIGN = load_design("rpur-table1")
 FIRST = np.linspace(-1.0, 1.0, 7)
@@ -36,7 +36,7 @@ def known(monkeypatch: pytest.MonkeyPatch) -> None:
         values = formula(poses, len(quantities))
         return MapCells(values, np.full_like(values, relative))
 
-    monkeypatch.setattr(RPURMaps, "cells", cells)
+    monkeypatch.setattr(Maps, "cells", cells)
 
 
 @pytest.fixture
@@ -223,7 +223,7 @@ def test_a_points_own_failure_is_not_tried_again(
     def cells(*_: Any, **__: Any) -> MapCells:
         raise error
 
-    monkeypatch.setattr(RPURMaps, "cells", cells)
+    monkeypatch.setattr(Maps, "cells", cells)
     executor = Direct()
     with pytest.raises(kind, match=said):
         sweep(asked(), executor, in_flight=1)

@@ -14,7 +14,8 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from kinematics.mechanisms.five_bar import aspects, curves, inverse, regions, workspace
+from kinematics.machine import machine_of
+from kinematics.mechanisms.five_bar import aspects, curves, inverse, workspace
 from kinematics.mechanisms.five_bar.curve_edges import curve_edge
 from kinematics.mechanisms.five_bar.design import FiveBarDesign, Limb
 from kinematics.plane import arcs
@@ -79,7 +80,7 @@ def test_loops_close_and_faces_fill_their_mode(n: int) -> None:
         assert sum(each.area for each in mine) == pytest.approx(whole, rel=0, abs=near)
         for each in mine:
             assert 0.0 < each.area_error < 1e-11 * design.size**2
-    for region, each in zip(regions.regions(design, "aspects"), found, strict=True):
+    for region, each in zip(machine_of(design).regions.of("aspects", ()), found, strict=True):
         assert region.section.area_error == each.area_error
 
 

@@ -15,7 +15,7 @@ from kinematics.answers.sections import BOUNDS
 from kinematics.errors import InputError
 from kinematics.machine import machine_of
 from kinematics.mechanism import mechanism_class
-from kinematics.mechanisms.five_bar import aspects, curves, inverse, loci, regions, workspace
+from kinematics.mechanisms.five_bar import aspects, curves, inverse, loci, workspace
 from kinematics.mechanisms.five_bar.design import FiveBarDesign, Limb
 from kinematics.mechanisms.five_bar.motion import sines
 from kinematics.plane import regions as outlines
@@ -36,7 +36,7 @@ lengths = st.floats(60.0, 500.0)
 
 
 def test_the_paper_s_lens(reference: dict[str, Any]) -> None:
-    (region,) = regions.regions(PAPER, "workspace")
+    (region,) = machine_of(PAPER).regions.of("workspace", ())
     lens = 2.0 * 960.0**2 * acos(240.0 / 960.0) - 240.0 * sqrt(4.0 * 960.0**2 - 480.0**2)
     assert region.section.area == pytest.approx(lens, rel=1e-14)
     assert region.section.area / 100.0 == pytest.approx(reference["workspace"]["area"], rel=1e-14)
@@ -50,12 +50,12 @@ def test_the_paper_s_lens(reference: dict[str, Any]) -> None:
 def test_rings_of_unlike_machines_are_closed_forms() -> None:
     # A ring that lies inside the other limb's, which a wide base and a short limb give.
     design = FiveBarDesign((Limb(40.0, 30.0), Limb(300.0, 250.0)), 100.0)
-    (region,) = regions.regions(design, "workspace")
+    (region,) = machine_of(design).regions.of("workspace", ())
     assert region.section.area == pytest.approx(pi * (70.0**2 - 10.0**2), rel=1e-13)
     assert region.section.loops == 2
     assert region.section.pieces == 1
-    assert regions.regions(EMPTY, "workspace")[0].section.area == 0.0
-    assert np.isnan(regions.regions(EMPTY, "workspace")[0].inside).all()
+    assert machine_of(EMPTY).regions.of("workspace", ())[0].section.area == 0.0
+    assert np.isnan(machine_of(EMPTY).regions.of("workspace", ())[0].inside).all()
 
 
 @settings(max_examples=25)
@@ -235,7 +235,7 @@ def test_aspects_are_those_of_a_grid(name: str) -> None:
 
 
 def test_opposite_modes_mirror_each_other() -> None:
-    found = regions.regions(PAPER, "aspects")
+    found = machine_of(PAPER).regions.of("aspects", ())
     areas = {
         mode: sorted(round(r.section.area, 4) for r in found if r.mode == mode)
         for mode in inverse.MODES

@@ -6,11 +6,15 @@ from typing import Any
 
 import numpy as np
 
+from kinematics.answers.sections import MapCells, Section, Volume
 from kinematics.answers.solutions import Posture
 from kinematics.designs.files import load_design
+from kinematics.facets.sections import Modes
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.following import Following
+from kinematics.mechanisms.five_rpur.maps import Maps
 from kinematics.mechanisms.five_rpur.mechanism import FiveRPUR
+from kinematics.mechanisms.five_rpur.sections import Sections
 
 
 def preset(name: str) -> FiveRPURDesign:
@@ -22,6 +26,45 @@ def preset(name: str) -> FiveRPURDesign:
 def following(design: FiveRPURDesign) -> Following:
     """The facet, with what it has of its own."""
     return Following(FiveRPUR(design))
+
+
+def _sections(design: FiveRPURDesign) -> Sections:
+    return Sections(FiveRPUR(design))
+
+
+def section(
+    design: FiveRPURDesign, phi: float, theta: float, at: float, modes: Modes = None
+) -> Section:
+    """One section, by the orientation alone."""
+    return _sections(design).at((0.0, 0.0, 0.0, phi, theta), modes, at)
+
+
+def sections(
+    design: FiveRPURDesign, phi: float, theta: float, at: Any, modes: Modes = None
+) -> tuple[Section, ...]:
+    """Several sections."""
+    return tuple(section(design, phi, theta, x, modes) for x in at)
+
+
+def section_range(
+    design: FiveRPURDesign, phi: float, theta: float, modes: Modes = None
+) -> tuple[float, float] | None:
+    """Where sections can be, by the orientation alone."""
+    return _sections(design).range((0.0, 0.0, 0.0, phi, theta), modes)
+
+
+def volume(
+    design: FiveRPURDesign, phi: float, theta: float, modes: Modes = None, **wanted: Any
+) -> Volume:
+    """The volume, by the orientation alone."""
+    return _sections(design).volume((0.0, 0.0, 0.0, phi, theta), modes, **wanted)
+
+
+def map_cells(
+    design: FiveRPURDesign, poses: Any, modes: Modes, quantities: Any, **wanted: Any
+) -> MapCells:
+    """What a map shows at some poses."""
+    return Maps(FiveRPUR(design)).cells(poses, modes, quantities, **wanted)
 
 
 def of_forward_case(case: Any) -> FiveRPURDesign:

@@ -9,8 +9,8 @@ from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.inscribed.largest import sphere
-from kinematics.mechanisms.five_rpur.maps import SPEC, map_cells
-from kinematics.mechanisms.five_rpur.volume import volume
+from kinematics.mechanisms.five_rpur.maps import SPEC
+from tests.kinematics.mechanisms.five_rpur.machines import map_cells, volume
 
 pytestmark = pytest.mark.usefixtures("compiled")
 

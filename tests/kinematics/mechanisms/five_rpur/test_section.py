@@ -15,11 +15,10 @@ from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.offsets import offset_points
-from kinematics.mechanisms.five_rpur.section import section, section_range, sections
 from kinematics.mechanisms.five_rpur.slicing.cutter import Cutter
 from kinematics.mechanisms.five_rpur.slicing.events import events
 from kinematics.screws.spatial import rotation_y
-from tests.kinematics.mechanisms.five_rpur.machines import preset
+from tests.kinematics.mechanisms.five_rpur.machines import preset, section, section_range, sections
 
 pytestmark = pytest.mark.usefixtures("compiled")
 

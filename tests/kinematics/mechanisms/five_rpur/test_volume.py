@@ -13,11 +13,15 @@ from kinematics.designs.files import load_design, presets
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
-from kinematics.mechanisms.five_rpur.section import section, section_range
-from kinematics.mechanisms.five_rpur.volume import volume
 from kinematics.mechanisms.five_rpur.workspace.workspace import workspace
 from kinematics.screws.spatial import rotation_y
-from tests.kinematics.mechanisms.five_rpur.machines import of_volume_case, preset
+from tests.kinematics.mechanisms.five_rpur.machines import (
+    of_volume_case,
+    preset,
+    section,
+    section_range,
+    volume,
+)
 from tests.kinematics.references import read
 
 pytestmark = pytest.mark.usefixtures("compiled")
@@ -437,7 +441,7 @@ def test_bad_input_is_told_in_a_sentence(arguments, named):
 def test_a_volume_without_its_structure_is_the_same_volume() -> None:
     design = load_design("rpur-table1")
     whole = volume(design, 0.1, -0.2, relative=1e-4)
-    alone = volume(design, 0.1, -0.2, relative=1e-4, structure=False)
+    alone = volume(design, 0.1, -0.2, relative=1e-4, pieces=False)
     assert (alone.value, alone.error) == (whole.value, whole.error)
     assert (alone.centroid == whole.centroid).all()
     assert whole.pieces

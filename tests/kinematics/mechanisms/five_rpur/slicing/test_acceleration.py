@@ -12,20 +12,17 @@ from pathlib import Path
 import pytest
 
 from kinematics.designs.files import load_design
-from kinematics.mechanisms.five_rpur.maps import map_cells
-from kinematics.mechanisms.five_rpur.section import section
 from kinematics.mechanisms.five_rpur.slicing import acceleration, boundary, measures, tracing
-from kinematics.mechanisms.five_rpur.volume import volume
+from tests.kinematics.mechanisms.five_rpur.machines import map_cells, section, volume
 
 MEASURED = """
 import json, sys
 from kinematics.designs.files import load_design
-from kinematics.mechanisms.five_rpur.section import section
+from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur.slicing import acceleration
-from kinematics.mechanisms.five_rpur.volume import volume
-design = load_design("rpur-table1")
-cuts = [section(design, 0.3, -0.2, x) for x in (-150.0, 40.0, 210.0)]
-exact = volume(design, 0.3, -0.2, ["+-+-+"], relative=1e-2)
+sections, pose = machine_of(load_design("rpur-table1")).sections, (0.0, 0.0, 0.0, 0.3, -0.2)
+cuts = [sections.at(pose, None, x) for x in (-150.0, 40.0, 210.0)]
+exact = sections.volume(pose, ["+-+-+"], relative=1e-2)
 print(json.dumps({
     "areas": [cut.area for cut in cuts],
     "sweeps": [cut.sweep.tolist() for cut in cuts],
@@ -66,8 +63,8 @@ def test_a_section_never_waits_for_the_compiler(tmp_path):
     code = """
 import json, sys
 from kinematics.designs.files import load_design
-from kinematics.mechanisms.five_rpur.section import section
-cut = section(load_design("rpur-table1"), 0.0, 0.0, 50.0)
+from kinematics.machine import machine_of
+cut = machine_of(load_design("rpur-table1")).sections.at((0.0,) * 5, None, 50.0)
 print(json.dumps({"area": cut.area, "numba": "numba" in sys.modules}))
 """
     told = run(code, XDG_CACHE_HOME=str(tmp_path))
@@ -113,10 +110,10 @@ import json, numba
 {BROKEN[when]}
 numba.njit = njit
 from kinematics.designs.files import load_design
-from kinematics.mechanisms.five_rpur.section import section
+from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur.slicing import acceleration
 prepared = acceleration.prepare()
-cut = section(load_design("rpur-table1"), 0.0, 0.0, 50.0)
+cut = machine_of(load_design("rpur-table1")).sections.at((0.0,) * 5, None, 50.0)
 print(json.dumps([prepared, acceleration.prepare(), acceleration.is_compiled(), cut.area]))
 """
     *compiled, area = run(code, XDG_CACHE_HOME=str(tmp_path))
@@ -133,8 +130,9 @@ import json, numba
 numba.njit = njit
 from kinematics.designs.files import load_design
 from kinematics.mechanisms.five_rpur.slicing import acceleration
-from kinematics.mechanisms.five_rpur.volume import volume
-exact = volume(load_design("rpur-table1"), 0.0, 0.0, ["+-+-+"], relative=0.1)
+from kinematics.machine import machine_of
+sections = machine_of(load_design("rpur-table1")).sections
+exact = sections.volume((0.0,) * 5, ["+-+-+"], relative=0.1)
 print(json.dumps([acceleration.is_compiled(), exact.value, exact.error, list(exact.pieces)]))
 """
     compiled, value, error, pieces = run(code, XDG_CACHE_HOME=str(tmp_path))
