@@ -56,3 +56,8 @@ def finite(values: Any, *, name: str, last: int | None = None) -> Array:
     if not np.isfinite(array).all():
         raise InputError(f"{name} must be finite numbers, got NaN or infinity")
     return array
+
+
+def largest(values: Array) -> Array:
+    """(...) the largest of values (..., N) that are numbers; NaN where none is."""
+    return np.asarray(np.fmax.reduce(values, axis=-1))

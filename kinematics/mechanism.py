@@ -12,13 +12,16 @@ import pkgutil
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import cache, cached_property, lru_cache
 from importlib import import_module
 from typing import Any, ClassVar, Generic, Literal, Protocol, TypeVar
 
+import numpy as np
 from numpy.typing import ArrayLike
 
+from kinematics.answers.bounds import Bound
 from kinematics.answers.drawings import Drawing
+from kinematics.answers.modes import Mode, noun
 from kinematics.answers.solutions import Finding, Posture
 from kinematics.arrays import Array
 from kinematics.errors import InputError
@@ -61,8 +64,15 @@ class DesignField:
     group: str
 
 
+_GENERIC = {
+    "inverse": "kinematics.facets.inverse:InverseFacet",
+}
+
+
 class Facets(Mapping[str, type[Any]]):
     """A kind's facets by name, each loaded when it is first asked for: a command starts quickly.
+
+    A facet that is not named is the generic one, if there is one.
 
     Args:
         package: that of the kind.
@@ -70,12 +80,12 @@ class Facets(Mapping[str, type[Any]]):
     """
 
     def __init__(self, package: str, **places: str) -> None:
-        self._package = package
-        self._places = places
+        own = {name: f"{package}.{place}" for name, place in places.items()}
+        self._places = {**_GENERIC, **own}
 
     def __getitem__(self, name: str) -> type[Any]:
         module, _, facet = self._places[name].partition(":")
-        found: type[Any] = getattr(import_module(f"{self._package}.{module}"), facet)
+        found: type[Any] = getattr(import_module(module), facet)
         return found
 
     def __iter__(self) -> Iterator[str]:
@@ -104,8 +114,10 @@ class Mechanism(ABC, Generic[D]):
         kind: how design files name it, as "five_rpur".
         title: how people name it.
         schema: how its designs are read, checked, written and edited.
-        modes: its modes, as "+-+++" (working modes) or "1" (operation modes).
-        mode_noun: "working mode" or "operation mode"; "" where there is one mode only.
+        modes: its modes, see `kinematics.answers.modes`; one that is empty where there is no other.
+        mode_noun: what they are: "working mode", "operation mode", "mode" of both kinds; "" where
+            there is one mode only.
+        snap: mm or rad within which joints that a pose gives back are those it was solved for.
         facets: the kind's own facets by name (`kinematics.machine.Machine`); a facet that is not
             named is the generic one, or None where there is no generic one.
     """
@@ -113,13 +125,46 @@ class Mechanism(ABC, Generic[D]):
     kind: ClassVar[str]
     title: ClassVar[str]
     schema: ClassVar[DesignSchema[Any]]
-    modes: ClassVar[tuple[str, ...]]
-    mode_noun: ClassVar[str] = "working mode"
+    modes: tuple[Mode, ...]
+    mode_noun: str
+    snap: ClassVar[float] = 1e-9
     facets: ClassVar[Mapping[str, type[Any]]]
+
+    def __init_subclass__(cls) -> None:
+        if "modes" in vars(cls):
+            cls.mode_noun = noun(cls.modes)
 
     def __init__(self, design: D) -> None:
         self.design = design
         self._made: dict[str, Any] = {}
+
+    @cached_property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """`pose_coordinates`, kept."""
+        return self.pose_coordinates()
+
+    @cached_property
+    def actuators(self) -> tuple[Coordinate, ...]:
+        """`joint_coordinates`, kept."""
+        return self.joint_coordinates()
+
+    def mode(self, text: str) -> Mode:
+        """The mode that is written so.
+
+        Raises:
+            InputError: the mechanism has no such mode; the message says how one is written.
+        """
+        for mode in self.modes:
+            if mode == text:
+                return mode
+        example = self.modes[len(self.modes) // 2 - 1]
+        if example.signs and not example.operation:
+            limbs = len(example.signs)
+            said = f"has one sign, + or -, for each of the {limbs} limbs, as {str(example)!r};"
+        else:
+            said = f"is {' or '.join(self.modes[:40])}," if self.mode_noun else "need not be named;"
+        article = "an" if self.mode_noun.startswith("o") else "a"
+        raise InputError(f"{article} {self.mode_noun or 'mode'} {said} got {text[:20]!r}")
 
     def facet(self, topic: str) -> Any:
         """The facet of a topic, made when it is first asked for; None where the kind lacks it."""
@@ -213,6 +258,44 @@ class Mechanism(ABC, Generic[D]):
     @abstractmethod
     def length(self) -> float:
         """mm that an angle of 1 rad counts for where both are compared."""
+
+    # --- where the joints are, and what bounds them
+
+    @property
+    @abstractmethod
+    def bounds(self) -> tuple[Bound, ...]:
+        """The K bounds of the machine, in the order of `margins`, limb by limb."""
+
+    @abstractmethod
+    def joints(self, poses: Array, mode: str) -> Array:
+        """The actuated joints (..., J), mm or rad, at poses (..., P) in one mode.
+
+        Also beyond their ranges; NaN where the limb cannot close.
+        """
+
+    def joints_in(self, poses: Array, modes: Sequence[str]) -> Array:
+        """The joints (..., M, J) in each of several modes, for a kind that has them at once."""
+        return np.stack([self.joints(poses, mode) for mode in modes], axis=-2)
+
+    @abstractmethod
+    def margins(self, poses: Array, mode: str, joints: Array) -> Array:
+        """(..., K) how far poses (..., P) with their joints (..., J) are from each of `bounds`.
+
+        Signed, in the bound's unit: positive inside, negative beyond. That of a "link" is negative
+        exactly where the limb cannot close (but for rounding). NaN where a bound says nothing: the
+        range of a joint without a value, or of one that has none; infinite likewise.
+        """
+
+    @abstractmethod
+    def residual(self, poses: Array, mode: str, joints: Array) -> Array:
+        """(...) mm, the largest error with which the limbs that close do so; NaN where none does.
+
+        Of the loops as the machine is drawn: lengths of bars, directions of axes.
+        """
+
+    def why_not(self, bound: Bound, pose: Array, mode: str, amount: float) -> str:
+        """Why a pose (P,) is ``amount`` beyond a bound, in words; "": as of every joint's range."""
+        return ""
 
     # --- the machine as people see it
 

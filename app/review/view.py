@@ -7,11 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from app.review.modes import page_mode
 from app.review.state import Review
 from app.review.units import in_page_units, page_unit
 from kinematics.answers.drawings import Drawing
-from kinematics.answers.solutions import Margin, Posture
+from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
 from kinematics.machine import Machine
 from kinematics.mechanism import Design
@@ -124,13 +123,6 @@ def amount_text(amount: float, unit: str) -> str:
     return f"{value:.1f} mm" if unit == "mm" else f"{value:.1f}°"
 
 
-_BOUNDS = {"rho_min": "ρ min", "rho_max": "ρ max", "link": "link"}
-
-
-def _bound(margin: Margin) -> str:
-    return f"limb {margin.limb}, {_BOUNDS.get(margin.bound, margin.bound)}"
-
-
 def short_title(machine: Machine[Any]) -> str:
     """ "3-RPS" of "3-RPS (one translation, two rotations)"."""
     return machine.title.partition(" (")[0]
@@ -138,22 +130,17 @@ def short_title(machine: Machine[Any]) -> str:
 
 def mode_text(machine: Machine[Any], mode: str) -> str:
     """ "mode ++−+−", "operation mode 1"; "" for a mechanism that has but one."""
-    if not machine.mode_noun:
-        return ""
-    noun = "mode" if machine.mode_noun == "working mode" else machine.mode_noun
-    return f"{noun} {page_mode(mode)}"
+    return machine.mechanism.mode(mode).named
 
 
 def status(review: Review, posture: Posture) -> Status:
     """Reachable or not, in which mode, how far from the nearest limit; and the way out."""
     mode = mode_text(review.machine, posture.mode)
     if posture.reachable:
-        nearest = posture.nearest
-        limit = (
-            ""
-            if nearest is None
-            else f"{amount_text(nearest.amount, nearest.unit)} left of travel ({_bound(nearest)})"
-        )
+        nearest, limit = posture.nearest, ""
+        if nearest is not None:
+            left = amount_text(nearest.amount, nearest.unit)
+            limit = f"{left} left of travel ({nearest.bound.place})"
         strokes = [m.amount for m in posture.margins if m.bound != "link"]
         span = min(c.upper - c.lower for c in review.machine.joints)
         near = bool(strokes) and min(strokes) < NEAR * span
@@ -176,7 +163,7 @@ def reaching_mode(review: Review, pose: Sequence[float]) -> str | None:
     able = [m for m, ok in zip(answer.modes, answer.within_stroke, strict=True) if ok]
     return min(
         able,
-        key=lambda m: sum(a != b for a, b in zip(m, review.mode, strict=True)),
+        key=lambda m: m.flips(review.mode),
         default=None,
     )
 

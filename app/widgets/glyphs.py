@@ -15,6 +15,7 @@ from app.review.units import in_page_units
 from app.scene import palette
 from app.terminal.tables import condition_text
 from app.widgets.desk import esc, tone
+from kinematics.answers.modes import Mode
 from kinematics.mechanism import Coordinate
 
 HEIGHT = 26  # px of a glyph
@@ -80,12 +81,13 @@ def glyph(row: Row, axes: Sequence[Coordinate]) -> str:
     x = 3.0
     parts: list[str] = []
     middle = HEIGHT / 2
-    for limb, sign in enumerate(row.mode, 1):
-        if sign in "+-":
-            end = 3 if sign == "+" else HEIGHT - 3
-            parts.append(f'<path class="t l{(limb - 1) % 5 + 1}" d="M{x:g} {middle:g}V{end}"/>')
-        else:
-            parts.append(f'<text class="d" x="{x:g}" y="{middle + 4:g}">{esc(sign)}</text>')
+    mode = Mode.read(row.mode)
+    for digit in mode.operation:
+        parts.append(f'<text class="d" x="{x:g}" y="{middle + 4:g}">{esc(digit)}</text>')
+        x += STEP
+    for limb, sign in enumerate(mode.signs):
+        end = 3 if sign == "+" else HEIGHT - 3
+        parts.append(f'<path class="t l{limb % 5 + 1}" d="M{x:g} {middle:g}V{end}"/>')
         x += STEP
     if row.mode:
         parts.append(f'<path class="a" d="M0 {middle:g}H{x - STEP + 3:g}"/>')

@@ -204,6 +204,7 @@ class RegionSpec:
         key, title: how it is called.
         axes: the symbols of the plane's coordinates.
         uses_modes: it depends on the chosen set of modes.
+        joint: the letter of the joints whose ranges bound it.
     """
 
     key: str
@@ -211,6 +212,12 @@ class RegionSpec:
     axes: tuple[str, str]
     figure: str = ""
     uses_modes: bool = False
+    joint: str = "ρ"
+
+    @property
+    def plane(self) -> SectionSpec:
+        """The regions' boundaries as sections by the plane."""
+        return SectionSpec(self.title, "normal", self.axes, self.figure, self.joint)
 
 
 @dataclass(frozen=True, eq=False)
@@ -295,12 +302,16 @@ class Box(Frozen):
 
 @dataclass(frozen=True, slots=True)
 class SectionSpec:
-    """What a mechanism calls its sections: the plane ``normal`` = const and the axes in it."""
+    """What a mechanism calls its sections: the plane ``normal`` = const and the axes in it.
+
+    ``joint`` is the letter of the joints whose ranges bound them.
+    """
 
     title: str
     normal: str
     axes: tuple[str, str]
     figure: str = ""
+    joint: str = "ρ"
 
 
 @dataclass(frozen=True, slots=True)

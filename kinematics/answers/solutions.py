@@ -11,18 +11,17 @@ from typing import Literal
 
 import numpy as np
 
+from kinematics.answers.bounds import Bound, Unit
+from kinematics.answers.modes import Mode
 from kinematics.arrays import Array
-
-Bound = Literal["rho_min", "rho_max", "link"]
-Unit = Literal["mm", "rad"]
 
 
 @dataclass(frozen=True, slots=True)
 class Reason:
     """Why a pose cannot be held: one limb beyond one bound.
 
-    ``limb`` counts from 1; ``amount`` is how far beyond the bound it is, mm (or rad, see
-    ``unit``), > 0.
+    ``limb`` counts from 1, 0 of what is of no limb; ``amount`` is how far beyond the bound it is,
+    mm (or rad, see ``unit``), > 0.
     """
 
     limb: int
@@ -84,13 +83,13 @@ class InverseSolutions:
     """All working modes of a batch of poses; arrays are read-only.
 
     Attributes:
-        modes: the M working modes, one sign a limb.
+        modes: the M modes.
         joints: (..., M, J) actuated joints; NaN where a limb cannot close.
         within_stroke: (..., M) bool, the mode closes and every joint is within its stroke.
         residual: (...,) the largest loop-closure error, mm; NaN where no mode closes.
     """
 
-    modes: tuple[str, ...]
+    modes: tuple[Mode, ...]
     joints: Array
     within_stroke: np.ndarray
     residual: Array

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Generic
 from numpy.typing import ArrayLike
 
 from kinematics.answers.drawings import Drawing
+from kinematics.answers.modes import Mode
 from kinematics.answers.sections import MapSpec, RegionSpec, SectionSpec
 from kinematics.answers.solutions import Finding, Posture
 from kinematics.arrays import Array
@@ -78,24 +79,24 @@ class Faceted(Generic[D]):
         return self.mechanism.title
 
     @property
-    def modes(self) -> tuple[str, ...]:
-        """Its modes: one sign a limb, or operation modes by number."""
+    def modes(self) -> tuple[Mode, ...]:
+        """Its modes: one sign a limb, operation modes by number, or both."""
         return self.mechanism.modes
 
     @property
     def mode_noun(self) -> str:
-        """ "working mode" or "operation mode"; "" where there is one mode only."""
+        """ "working mode", "operation mode", "mode" of both; "" where there is one mode only."""
         return self.mechanism.mode_noun
 
     @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:
         """The P coordinates of a pose: names, units, ranges."""
-        return self.mechanism.pose_coordinates()
+        return self.mechanism.coordinates
 
     @cached_property
     def joints(self) -> tuple[Coordinate, ...]:
         """The J actuated joints: names, units, ranges."""
-        return self.mechanism.joint_coordinates()
+        return self.mechanism.actuators
 
     @cached_property
     def dependent(self) -> tuple[int, ...]:

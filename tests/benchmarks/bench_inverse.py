@@ -13,9 +13,10 @@ from collections.abc import Callable
 import numpy as np
 
 from kinematics.designs.files import load_design
+from kinematics.facets.inverse import posture
 from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
-from kinematics.mechanisms.five_rpur.inverse import MODES, inside, inverse, limb_lengths, posture
+from kinematics.mechanisms.five_rpur.inverse import MODES, inside, inverse, limb_lengths
 
 FLOOR = 5e6  # limb solutions a second
 ROUNDS = 7

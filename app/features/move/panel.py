@@ -10,7 +10,7 @@ from typing import Any
 import viser
 
 from app.features.move.state import Drive, Flip, GiveWay, GoHome, Move, Place
-from app.review.modes import page_mode, signed
+from app.review.modes import page_mode
 from app.review.units import from_page_units, in_page_units, page_unit
 from app.review.view import JointRow
 from app.scene import palette
@@ -30,6 +30,7 @@ from app.widgets.desk import (
     put_prop,
     tone,
 )
+from kinematics.answers.modes import Mode
 from kinematics.answers.singularities import ModeChange
 from kinematics.machine import Machine
 from kinematics.mechanism import Coordinate
@@ -97,19 +98,20 @@ class MovePanel(Panel):
             hint="Back to the design's home pose (hotkey H)",
         )
         explain(gui, machine.text("move"), HELP)
-        self._mode = view.posture.mode
+        self._mode = machine.mechanism.mode(view.posture.mode)
         self._followed = 0.0
 
     def _offer_modes(self, desk: Desk, machine: Machine[Any], mode: str) -> None:
-        """A switch for each limb where modes are signs of limbs, else a list."""
-        if not signed(machine.modes):
-            self._choice = desk.gui.add_dropdown("Mode", machine.modes, initial_value=mode)
-            answer(desk, self._choice, lambda chosen, client: desk.send(Flip(chosen), client))
-            return
+        """A list of operation modes, a switch for each limb that has a sign, or both."""
+        present = machine.mechanism.mode(mode)
+        if present.operation:
+            known = tuple(dict.fromkeys(each.operation for each in machine.modes))
+            self._choice = desk.gui.add_dropdown("Mode", known, initial_value=present.operation)
+            answer(desk, self._choice, partial(self._operate, desk))
         hint = machine.text("mode")
         self._modes = [
             desk.gui.add_checkbox(f"Limb {n + 1} on +", sign == "+", hint=hint or None)
-            for n, sign in enumerate(mode)
+            for n, sign in enumerate(present.signs)
         ]
         for n, switch in enumerate(self._modes):
             answer(desk, switch, partial(self._flip, desk, n))
@@ -120,10 +122,10 @@ class MovePanel(Panel):
         if self._way is not None:
             symbols = {key: symbol for symbol, key in self._ways.items()}
             put(self._desk, self._way, symbols.get(view.review.gives_way, FREE))
-        self._mode = view.posture.mode
+        self._mode = machine.mechanism.mode(view.posture.mode)
         if self._choice is not None:
-            put(self._desk, self._choice, self._mode)
-        for switch, sign in zip(self._modes, self._mode, strict=bool(self._modes)):
+            put(self._desk, self._choice, self._mode.operation)
+        for switch, sign in zip(self._modes, self._mode.signs, strict=True):
             put(self._desk, switch, sign == "+")
         if machine.mode_noun:
             put_prop(self._other, "content", _other_modes(sheet))
@@ -186,9 +188,12 @@ class MovePanel(Panel):
             self._desk.send(Place(self._meeting.at.pose, gesture=""), client)
 
     def _flip(self, desk: Desk, n: int, on: bool, client: viser.ClientHandle | None) -> None:
-        mode = self._mode[:n] + ("+" if on else "-") + self._mode[n + 1 :]
-        self._mode = mode
-        desk.send(Flip(mode), client)
+        self._mode = self._mode.with_sign(n + 1, "+" if on else "-")
+        desk.send(Flip(self._mode), client)
+
+    def _operate(self, desk: Desk, operation: str, client: viser.ClientHandle | None) -> None:
+        self._mode = Mode(operation, self._mode.signs)
+        desk.send(Flip(self._mode), client)
 
 
 def _table(rows: tuple[JointRow, ...]) -> str:

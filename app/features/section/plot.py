@@ -23,8 +23,8 @@ Bounds = tuple[tuple[float, float], tuple[float, float]]
 """From and to, mm, of the first and of the second axis."""
 
 BOUND_TITLES: dict[EdgeBound, str] = {
-    "rho_max": "ρ max",
-    "rho_min": "ρ min",
+    "rho_max": "{} max",
+    "rho_min": "{} min",
     "link": "reach of the link",
     "parallel": "parallel singularity",  # of regions that are parts between singularities
 }
@@ -106,7 +106,7 @@ def section_svg(
     limbs = sorted({*section.limb.tolist(), *section.construction.circle_limb.tolist()})
     # An edge where control is lost, or a curve of it: in its own colour, if there is any.
     lost = bool(len(curves) or len(beyond)) or bool((section.bound == _PARALLEL).any())
-    legend, legend_height = _legend(limbs, width, height, ink, lost=lost)
+    legend, legend_height = _legend(limbs, width, height, ink, spec.joint, lost=lost)
     left, right, bottom = 58.0, 14.0, 44.0 + legend_height
     top = 32.0 if title else 14.0
     frame = _frame(
@@ -237,12 +237,12 @@ def _nothing(frame: _Frame, ink: str) -> str:
 
 
 def _legend(
-    limbs: Sequence[int], width: float, height: float, ink: str, *, lost: bool
+    limbs: Sequence[int], width: float, height: float, ink: str, joint: str, *, lost: bool
 ) -> tuple[list[str], float]:
     """Which colour is which limb and which dash which bound, in rows; and how high they are."""
     entries = [(f"limb {limb}", limb_color(limb), "") for limb in limbs]
     entries += [
-        (BOUND_TITLES[bound], BEYOND if bound == "parallel" else ink, dash)
+        (BOUND_TITLES[bound].format(joint), BEYOND if bound == "parallel" else ink, dash)
         for bound, dash in DASHES.items()
         if lost or bound != "parallel"
     ]

@@ -14,6 +14,7 @@ from app.review.units import how_far
 from app.review.view import short_title
 from app.scene import painting, palette
 from app.widgets.desk import Controlled, Logged, Sheet, box, chip, esc, red, tone, volume_text
+from kinematics.answers.bounds import named
 from kinematics.answers.clearances import Clearance, Remedy
 from kinematics.answers.singularities import AT, Measure, Singularity
 from kinematics.machine import required
@@ -89,7 +90,6 @@ _WHAT = {
     "stroke": "end of a stroke",
     "mode": "change of mode",
 }
-_ENDS = {"rho_min": " (ρ min)", "rho_max": " (ρ max)", "link": ""}
 
 
 def clearances_html(here: Here | None) -> str:
@@ -106,7 +106,8 @@ def _clearance(way: Clearance) -> str:
     )
     whose = f"limb {way.limb}, " if way.limb else ""
     way_there = " by turning" if way.angle is not None else f" {way.along}" if way.along else ""
-    what = f"{whose}{_WHAT[way.kind]}{_ENDS.get(way.bound, '')}{way_there}"
+    end = "" if way.bound in ("", "link") else f" ({named(way.bound)})"
+    what = f"{whose}{_WHAT[way.kind]}{end}{way_there}"
     return (
         f'<tr title="{esc(way.text)}"><td>{mark}{esc(what)}</td>'
         f'<td style="text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums">'

@@ -210,7 +210,7 @@ def _sorted(review: Review, rows: list[Row]) -> list[Row]:
         case "height":
             return sorted(rows, key=lambda r: -r.height)
         case "mode":
-            order = {mode: n for n, mode in enumerate(review.machine.modes)}
+            order: dict[str, int] = {mode: n for n, mode in enumerate(review.machine.modes)}
             return sorted(rows, key=lambda r: (order[r.mode], r.distance))
 
 

@@ -49,7 +49,7 @@ def _ik(arguments: argparse.Namespace) -> None:
     design = machine.design
     axes = machine.coordinates
     typed = common.open_numbers("--pose", arguments.pose, axes)
-    modes = machine.modes
+    modes: tuple[str, ...] = machine.modes
     if arguments.mode is not None:
         modes = (common.chosen_mode(arguments.mode, machine),)
     postures = _postures(machine, typed, modes)

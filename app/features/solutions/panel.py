@@ -12,7 +12,7 @@ from app.features.move.state import Drive, Visit
 from app.features.solutions.atlas import Listed, Row
 from app.features.solutions.folds import Ahead, title, words
 from app.features.solutions.state import SAME_MODE, Atlas, SetAtlas, Sort
-from app.review.modes import matching, page_mode, signed
+from app.review.modes import matching, page_mode
 from app.review.requests import ChooseFold, FindAgain, RedrawSolutions, VisitSolution
 from app.scene import palette
 from app.widgets.desk import (
@@ -132,7 +132,7 @@ class SolutionsPanel(Panel):
             self._partner = button(desk, "Go to the solution it merges with", self._go_to_partner)
         self._fold: Ahead | None = None
         self._folds: dict[str, Ahead] = {}
-        limbs = len(self._known[0]) if signed(self._known) else 0
+        limbs = len(self._known[0].signs)
         gui.add_html(box(f'<div style="opacity:0.75">{key_html(self._axes, limbs)}</div>'))
         explain(gui, HELP, machine.text("solutions"))
 

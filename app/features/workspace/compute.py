@@ -108,7 +108,7 @@ def modes_of(review: Review, spec: SolidSpec) -> tuple[str, ...] | None:
 
 def inside(review: Review) -> bool:
     """Whether the present position is in the workspace, of whichever of its modes."""
-    return review.machine.inverse.inside(review.pose, solver_modes(review))
+    return bool(review.machine.inverse.inside(review.pose, solver_modes(review)))
 
 
 def wish(review: Review) -> Wish | None:

@@ -21,7 +21,7 @@ from app.scene import palette
 from app.scene.edges import Edges
 from app.scene.machine import Scene
 from app.widgets.desk import Laying
-from kinematics.answers.sections import Region, SectionSpec, together
+from kinematics.answers.sections import Region, together
 from kinematics.arrays import Array
 
 if TYPE_CHECKING:
@@ -184,7 +184,7 @@ def region_colors(found: tuple[Region, ...]) -> tuple[str, ...]:
 def regions_file(laid: Laid, kind: str) -> ExportedFile:
     """The regions as a file."""
     design = laid.wish.design
-    plane = SectionSpec(laid.spec.title, "normal", laid.spec.axes, laid.spec.figure)
+    plane = laid.spec.plane
     whole = together([region.section for region in laid.regions])
     data = section_bytes(whole, plane, kind, title=design.title or design.name)
     name = f"{sanitized(design.name)}_{sanitized(laid.spec.key)}"

@@ -13,7 +13,6 @@ from kinematics.answers.singularities import AT, Event, ModeChange, Singularity
 from kinematics.answers.solutions import (
     Followed,
     ForwardSolutions,
-    InverseSolutions,
     Posture,
     Refreshed,
 )
@@ -21,7 +20,6 @@ from kinematics.answers.trajectories import NamedTrajectory
 from kinematics.arrays import Array
 from kinematics.facets.clearances import ClearancesFacet
 from kinematics.facets.forward import ForwardFacet
-from kinematics.facets.inverse import InverseFacet
 from kinematics.facets.measures import MeasuresFacet
 from kinematics.facets.motion import MotionFacet
 from kinematics.facets.paths import PathsFacet
@@ -29,7 +27,6 @@ from kinematics.facets.singularities import SingularitiesFacet
 from kinematics.facets.statics import StaticsFacet
 from kinematics.mechanisms.five_bar import (
     forward,
-    inverse,
     loci,
     mode_changes,
     motion,
@@ -38,19 +35,6 @@ from kinematics.mechanisms.five_bar import (
 )
 from kinematics.mechanisms.five_bar import singularities as control
 from kinematics.mechanisms.five_bar.design import FiveBarDesign
-
-
-class FiveBarInverse(InverseFacet[FiveBarDesign]):
-    """TODO"""
-
-    def posture(self, pose: Sequence[float], mode: str) -> Posture:
-        return inverse.posture(self.design, pose, mode)
-
-    def __call__(self, poses: ArrayLike) -> InverseSolutions:
-        return inverse.inverse(self.design, poses)
-
-    def inside(self, pose: Sequence[float], modes: tuple[str, ...] | None) -> bool:
-        return bool(inverse.inside(self.design, pose, modes))
 
 
 class FiveBarForward(ForwardFacet[FiveBarDesign]):

@@ -8,9 +8,10 @@ from numpy.typing import ArrayLike
 from kinematics.answers.solutions import Fold, Followed, Posture, Stop
 from kinematics.arrays import Array
 from kinematics.facets.following import Aim, FollowingFacet, aimed
+from kinematics.facets.inverse import posture
 from kinematics.mechanisms.five_bar.design import SUBSCRIPTS, FiveBarDesign
 from kinematics.mechanisms.five_bar.forward import both_points
-from kinematics.mechanisms.five_bar.inverse import elbows, mode_of, normal_angles, posture
+from kinematics.mechanisms.five_bar.inverse import elbows, mode_of, normal_angles
 from kinematics.mechanisms.five_bar.joints_line import Crossing, first_crossing
 from kinematics.mechanisms.five_bar.paths import warning
 

@@ -8,8 +8,9 @@ import numpy as np
 
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
+from kinematics.facets.inverse import posture
 from kinematics.mechanisms.five_bar.design import FiveBarDesign
-from kinematics.mechanisms.five_bar.inverse import MODES, in_range, joints_of, posture
+from kinematics.mechanisms.five_bar.inverse import MODES, in_range, joints_of
 from kinematics.mechanisms.five_bar.motion import condition, sines
 
 GRID = 81

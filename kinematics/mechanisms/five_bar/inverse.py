@@ -12,46 +12,25 @@ Where P stands on A_i (r_1 = r_2), θ_i is free, and φ_i is taken as 0.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from itertools import product
-from math import floor, log10
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinematics.answers.solutions import Bound, InverseSolutions, Margin, Posture, Reason
+from kinematics.answers.bounds import Bound, decimals
+from kinematics.answers.modes import working_modes
 from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_bar.design import LIMBS, SUBSCRIPTS, FiveBarDesign
 from kinematics.screws.spatial import homogeneous
 
-MODES: tuple[str, ...] = tuple("".join(signs) for signs in product("+-", repeat=LIMBS))
+MODES = working_modes(LIMBS)
 """The four working modes "++", "+-", "-+", "--"."""
 
 REACH_SLACK = 1e-13
 """Part of r_1 + r_2 by which rounding may carry P over the end of a limb's reach."""
 RANGE_SLACK = 1e-9
 """rad by which rounding may carry an angle over the end of its range."""
-_CHUNK = 65536
-
-
-def inverse(design: FiveBarDesign, poses: ArrayLike) -> InverseSolutions:
-    """All four working modes, in the order of `MODES`, of poses (..., 2) in mm.
-
-    Raises:
-        InputError: not finite numbers, or not two a pose.
-    """
-    p = finite(poses, name="a pose", last=2)
-    both = limb_angles(design, p)
-    joints = np.stack([_pick(both, mode) for mode in MODES], axis=-2)
-    within = np.asarray(in_range(design, joints).all(axis=-1))
-    with np.errstate(invalid="ignore"):
-        elbow = elbows(design, joints)
-        off = np.abs(np.linalg.norm(p[..., None, None, :] - elbow, axis=-1) - design.distal)
-    worst = off.max(axis=(-1, -2))
-    for array in (joints, within, worst):
-        array.setflags(write=False)
-    return InverseSolutions(modes=MODES, joints=joints, within_stroke=within, residual=worst)
 
 
 def limb_angles(design: FiveBarDesign, poses: ArrayLike) -> Array:
@@ -78,6 +57,12 @@ def joints_of(design: FiveBarDesign, poses: ArrayLike, mode: str) -> Array:
     return _pick(limb_angles(design, finite(poses, name="a pose", last=2)), mode)
 
 
+def joints_in(design: FiveBarDesign, poses: Array, modes: Sequence[str]) -> Array:
+    """θ of several working modes, (..., M, 2) rad."""
+    both = limb_angles(design, poses)
+    return np.stack([_pick(both, mode) for mode in modes], axis=-2)
+
+
 def normal_angles(design: FiveBarDesign, angles: ArrayLike) -> Array:
     """Angles (..., 2) turned by whole turns: into (−π, π], or nearest to the middle of a range."""
     a = np.asarray(angles, dtype=float)
@@ -95,22 +80,6 @@ def in_range(design: FiveBarDesign, joints: ArrayLike) -> NDArray[np.bool_]:
     with np.errstate(invalid="ignore"):
         answer: NDArray[np.bool_] = (q >= low - RANGE_SLACK) & (q <= high + RANGE_SLACK)
     return answer
-
-
-def inside(
-    design: FiveBarDesign, poses: ArrayLike, modes: Iterable[str] | None = None
-) -> NDArray[np.bool_]:
-    """Whether poses (..., 2) can be held in one of ``modes`` (None: of all); (...) bool."""
-    p = finite(poses, name="a pose", last=2)
-    chosen = MODES if modes is None else tuple(modes)
-    flat = p.reshape(-1, 2)
-    answer = np.zeros(len(flat), dtype=bool)
-    for k in range(0, len(flat), _CHUNK):
-        both = limb_angles(design, flat[k : k + _CHUNK])
-        for mode in chosen:
-            signs(mode)
-            answer[k : k + _CHUNK] |= in_range(design, _pick(both, mode)).all(axis=-1)
-    return answer.reshape(p.shape[:-1])
 
 
 def elbows(design: FiveBarDesign, joints: ArrayLike) -> Array:
@@ -145,85 +114,54 @@ def signs(mode: str) -> Array:
     return np.array([1.0 if sign == "+" else -1.0 for sign in mode])
 
 
-# --- one posture ---------------------------------------------------------------------------
+# --- margins, residuals --------------------------------------------------------------------
 
-
-def posture(
-    design: FiveBarDesign, pose: Sequence[float], mode: str, *, known: ArrayLike | None = None
-) -> Posture:
-    """The posture at one pose in one working mode, with reasons where it cannot be held.
-
-    Args:
-        known: angles (2,) rad for which the pose was solved; it then has exactly these, and its
-            residual is theirs.
-
-    Raises:
-        InputError: the pose is not two finite numbers, or the mode not two signs.
-    """
-    p = finite(pose, name="a pose", last=2)
-    if p.ndim != 1:
-        raise InputError("a posture takes one pose of 2 numbers (x, y)")
-    joints = joints_of(design, p, mode)
-    if known is not None:
-        joints = normal_angles(design, finite(known, name="the known angles", last=LIMBS))
-    off = np.abs(np.linalg.norm(p - elbows(design, joints), axis=-1) - design.distal)
-    off = off[np.isfinite(off)]
-    margins: list[Margin] = []
-    reasons: list[Reason] = []
-    for i, limb in enumerate(design.limbs):
-        rho = float(np.hypot(*(p - design.base[i])))
-        longest, shortest = limb.proximal + limb.distal, abs(limb.proximal - limb.distal)
-        room = min(longest - rho, rho - shortest) if shortest > 0.0 else longest - rho
-        margins.append(Margin(i + 1, "link", room))
-        if not np.isfinite(joints[i]):
-            reasons.append(_reach_reason(i, rho, longest, shortest))
-        elif limb.joint_range_deg is not None:
-            low, high = design.joint_range[i].tolist()
-            angle = float(joints[i])
-            margins.append(Margin(i + 1, "rho_min", angle - low, "rad"))
-            margins.append(Margin(i + 1, "rho_max", high - angle, "rad"))
-            if angle < low - RANGE_SLACK:
-                reasons.append(_range_reason(i, "rho_min", angle, low))
-            elif angle > high + RANGE_SLACK:
-                reasons.append(_range_reason(i, "rho_max", angle, high))
-    return Posture(
-        pose=(float(p[0]), float(p[1])),
-        mode=mode,
-        joints=tuple(joints.tolist()),
-        reasons=tuple(reasons),
-        residual=float(off.max()) if off.size else float("nan"),
-        margins=tuple(margins),
+LIMITS: tuple[Bound, ...] = tuple(
+    bound
+    for i, mark in enumerate(SUBSCRIPTS, 1)
+    for bound in (
+        Bound(f"r{mark}", "link", "reach", limb=i),
+        Bound(f"θ{mark}", "min", unit="rad", limb=i),
+        Bound(f"θ{mark}", "max", unit="rad", limb=i),
     )
+)
 
 
-def _reach_reason(i: int, rho: float, longest: float, shortest: float) -> Reason:
-    far = rho > longest
-    amount = rho - longest if far else shortest - rho
-    digits = _digits(amount)
+def margins(design: FiveBarDesign, poses: Array, joints: Array) -> Array:
+    """How far poses (..., 2) with angles (..., 2) are from each of `LIMITS`, (..., 6)."""
+    away = _distance(poses, design.base)
+    longest = design.proximal + design.distal
+    shortest = np.abs(design.proximal - design.distal)
+    near = np.where(shortest > 0.0, away - shortest, np.inf)
+    low, high = design.joint_range.T
+    room = (np.minimum(longest - away, near), joints - low, high - joints)
+    return np.stack(room, axis=-1).reshape(*joints.shape[:-1], len(LIMITS))
+
+
+def closure_residual(design: FiveBarDesign, poses: Array, joints: Array) -> Array:
+    """How far each distal link is from its length with given angles, (..., 2) mm."""
+    return np.asarray(np.abs(_distance(poses, elbows(design, joints)) - design.distal))
+
+
+def _distance(poses: Array, points: Array) -> Array:
+    """From P to points (..., 2, 2), (..., 2) mm."""
+    away = poses[..., None, :] - points
+    return np.hypot(away[..., 0], away[..., 1])
+
+
+def why_not(design: FiveBarDesign, bound: Bound, pose: Array, amount: float) -> str:
+    """Why a limb cannot close."""
+    i = (bound.limb or 1) - 1
+    rho = float(np.hypot(*(pose - design.base[i])))
+    longest = float(design.proximal[i] + design.distal[i])
+    far, digits = rho > longest, decimals(amount)
     word = "beyond the reach of" if far else "too near the base of"
-    bound = f"r₁ + r₂ = {longest:g} mm" if far else f"|r₁ − r₂| = {shortest:g} mm"
-    text = (
+    end = abs(float(design.proximal[i] - design.distal[i]))
+    told = f"r₁ + r₂ = {longest:g} mm" if far else f"|r₁ − r₂| = {end:g} mm"
+    return (
         f"P lies {amount:.{digits}f} mm {word} limb {i + 1} "
-        f"(|A{SUBSCRIPTS[i]}P| = {rho:.{digits}f} mm, {bound})"
+        f"(|A{SUBSCRIPTS[i]}P| = {rho:.{digits}f} mm, {told})"
     )
-    return Reason(i + 1, "link", amount, text)
-
-
-def _range_reason(i: int, bound: Bound, angle: float, end: float) -> Reason:
-    amount = abs(angle - end)
-    word = "below" if bound == "rho_min" else "beyond"
-    shown = np.degrees([amount, angle, end])
-    digits = _digits(float(shown[0]))
-    text = (
-        f"θ{SUBSCRIPTS[i]} is {shown[0]:.{digits}f}° {word} its range "
-        f"({shown[1]:.{digits}f}°, the end is {shown[2]:g}°)"
-    )
-    return Reason(i + 1, bound, amount, text, "rad")
-
-
-def _digits(amount: float) -> int:
-    """Decimals that show a positive amount: one, and more for less than 0.1."""
-    return 1 if amount >= 0.1 else min(12, 1 - floor(log10(amount)))
 
 
 def transform(poses: ArrayLike) -> Array:

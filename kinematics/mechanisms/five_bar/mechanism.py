@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import inf
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kinematics.answers.bounds import Bound
 from kinematics.answers.drawings import Drawing
 from kinematics.answers.solutions import (
     Finding,
     Posture,
 )
-from kinematics.arrays import Array
+from kinematics.arrays import Array, largest
 from kinematics.mechanism import Coordinate, Facets, Mechanism
 from kinematics.mechanisms.five_bar import design as designs
 from kinematics.mechanisms.five_bar import (
@@ -34,9 +36,10 @@ class FiveBar(Mechanism[FiveBarDesign]):
     title = "Five-bar (planar 5R)"
     schema = designs.SCHEMA
     modes = inverse.MODES
+    snap = inf  # angles that are known are taken as they are, also where a limb is stretched
+    bounds = inverse.LIMITS
     facets: ClassVar = Facets(
         __package__,
-        inverse="facets:FiveBarInverse",
         following="following:Following",
         forward="facets:FiveBarForward",
         motion="facets:FiveBarMotion",
@@ -67,6 +70,21 @@ class FiveBar(Mechanism[FiveBarDesign]):
             symbol = f"θ{designs.SUBSCRIPTS[i]}"
             found.append(Coordinate(f"theta{i + 1}", symbol, "rad", low, high, limb=i + 1))
         return tuple(found)
+
+    def joints(self, poses: Array, mode: str) -> Array:
+        return inverse.joints_of(self.design, poses, mode)
+
+    def joints_in(self, poses: Array, modes: Sequence[str]) -> Array:
+        return inverse.joints_in(self.design, poses, modes)
+
+    def margins(self, poses: Array, mode: str, joints: Array) -> Array:
+        return inverse.margins(self.design, poses, joints)
+
+    def residual(self, poses: Array, mode: str, joints: Array) -> Array:
+        return largest(inverse.closure_residual(self.design, poses, joints))
+
+    def why_not(self, bound: Bound, pose: Array, mode: str, amount: float) -> str:
+        return inverse.why_not(self.design, bound, pose, amount) if bound.end == "link" else ""
 
     def home(self) -> Posture:
         return home.home(self.design)

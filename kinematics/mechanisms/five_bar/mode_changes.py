@@ -11,9 +11,10 @@ from kinematics.answers.sections import BOUNDS
 from kinematics.answers.singularities import ModeChange
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
+from kinematics.facets.inverse import posture
 from kinematics.mechanisms.five_bar import workspace
 from kinematics.mechanisms.five_bar.design import LIMBS, FiveBarDesign
-from kinematics.mechanisms.five_bar.inverse import posture, signs
+from kinematics.mechanisms.five_bar.inverse import signs
 from kinematics.mechanisms.five_bar.loci import base_points
 from kinematics.mechanisms.five_bar.paths import events
 from kinematics.mechanisms.five_bar.singularities import nearest_on

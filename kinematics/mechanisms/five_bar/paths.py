@@ -18,10 +18,11 @@ from numpy.typing import ArrayLike
 from kinematics.answers.singularities import NEAR, Event
 from kinematics.answers.solutions import Followed, Posture
 from kinematics.arrays import Array, finite
+from kinematics.facets.inverse import posture
 from kinematics.facets.pose_paths import after_part, along, corners_of, follow_ways
 from kinematics.mechanisms.five_bar.curves import sextic
 from kinematics.mechanisms.five_bar.design import LIMBS, SUBSCRIPTS, FiveBarDesign
-from kinematics.mechanisms.five_bar.inverse import in_range, joints_of, posture, signs
+from kinematics.mechanisms.five_bar.inverse import in_range, joints_of, signs
 from kinematics.mechanisms.five_bar.motion import sines
 
 GAP = 1e-6

@@ -21,9 +21,11 @@ class Regions(RegionsFacet[FiveBarDesign]):
     """
 
     specs = (
-        RegionSpec("workspace", "Workspace", ("x", "y"), "Fig. 9", uses_modes=True),
-        RegionSpec("modes", "Workspace of each working mode", ("x", "y"), uses_modes=True),
-        RegionSpec("aspects", "Aspects", ("x", "y"), uses_modes=True),
+        RegionSpec("workspace", "Workspace", ("x", "y"), "Fig. 9", uses_modes=True, joint="θ"),
+        RegionSpec(
+            "modes", "Workspace of each working mode", ("x", "y"), uses_modes=True, joint="θ"
+        ),
+        RegionSpec("aspects", "Aspects", ("x", "y"), uses_modes=True, joint="θ"),
     )
 
     def found(

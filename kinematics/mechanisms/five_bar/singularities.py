@@ -12,12 +12,14 @@ from itertools import product
 
 import numpy as np
 
+from kinematics.answers.bounds import bound_of, range_of
 from kinematics.answers.clearances import Clearance, ClearanceKind, DesignChange, Remedy
 from kinematics.answers.sections import BOUNDS
 from kinematics.answers.singularities import AT, Singularity, SingularityKind
 from kinematics.answers.solutions import Posture, Reason
 from kinematics.arrays import Array
 from kinematics.errors import DesignError
+from kinematics.facets.inverse import posture
 from kinematics.mechanisms.five_bar import workspace
 from kinematics.mechanisms.five_bar.curves import Piece, pieces
 from kinematics.mechanisms.five_bar.design import (
@@ -26,7 +28,7 @@ from kinematics.mechanisms.five_bar.design import (
     SUBSCRIPTS,
     FiveBarDesign,
 )
-from kinematics.mechanisms.five_bar.inverse import MODES, elbows, posture
+from kinematics.mechanisms.five_bar.inverse import LIMITS, MODES, elbows
 from kinematics.mechanisms.five_bar.loci import base_points
 from kinematics.mechanisms.five_bar.motion import sines
 from kinematics.plane import arcs
@@ -119,7 +121,7 @@ def clearances(
     if nearest is not None:
         edge, point = nearest
         limb = int(edge.shown.limb[0])
-        bound = BOUNDS[int(edge.shown.bound[0])]
+        bound = bound_of(LIMITS, limb, BOUNDS[int(edge.shown.bound[0])])
         found.append(_clearance(design, "boundary", p, point, "the workspace ends", limb, bound))
     for i in range(LIMBS):
         of_limb = [edge for edge in edges if int(edge.shown.limb[0]) == i + 1]
@@ -131,8 +133,10 @@ def clearances(
         if points:
             point = min(points, key=lambda each: float(np.hypot(*(each - p))))
             text = f"limb {i + 1} comes to its serial singularity"
-            found.append(_clearance(design, "mode", p, point, text, i + 1, "link"))
-        for bound in ("rho_min", "rho_max"):
+            found.append(
+                _clearance(design, "mode", p, point, text, i + 1, bound_of(LIMITS, i + 1, "link"))
+            )
+        for bound in range_of(LIMITS, i + 1):
             ends = [e for e in of_limb if BOUNDS[int(e.shown.bound[0])] == bound]
             end = nearest_on(ends, p)
             if end is not None:

@@ -15,6 +15,7 @@ from functools import lru_cache
 import numpy as np
 
 from kinematics.answers.sections import BOUNDS
+from kinematics.facets.inverse import inside
 from kinematics.mechanisms.five_bar import inverse
 from kinematics.mechanisms.five_bar.design import LIMBS, FiveBarDesign
 from kinematics.plane import arcs, arrangement
@@ -35,7 +36,7 @@ def loops(design: FiveBarDesign, modes: tuple[str, ...] | None = None) -> list[l
     chosen = inverse.MODES if modes is None else modes
     candidates = made_of(design, chosen)
     return arrangement.boundary(
-        candidates, lambda points: inverse.inside(design, points, chosen), design.size
+        candidates, lambda points: inside(design, points, chosen), design.size
     )
 
 

@@ -10,18 +10,16 @@ from __future__ import annotations
 
 import numpy as np
 
+from kinematics.answers.bounds import Bound, bound_of, decimals, named, range_of
 from kinematics.answers.clearances import Clearance
-from kinematics.answers.solutions import Bound, Posture
+from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.feet import ERROR, feet
-from kinematics.mechanisms.five_rpur.inverse import decimals, signs
+from kinematics.mechanisms.five_rpur.inverse import LIMITS, signs
 from kinematics.mechanisms.five_rpur.offsets import offset_points
 from kinematics.mechanisms.five_rpur.singularities.nearest import nearest_singularity
 from kinematics.screws.spatial import rotation_y
-
-_ENDS: tuple[Bound, Bound] = ("rho_min", "rho_max")
-_NAMES = {"rho_min": "ρ min", "rho_max": "ρ max"}
 
 
 def clearances(design: FiveRPURDesign, posture: Posture) -> tuple[Clearance, ...]:
@@ -48,7 +46,7 @@ def clearances(design: FiveRPURDesign, posture: Posture) -> tuple[Clearance, ...
         found.append(_reach(i, float(relative[i, 1]), float(design.link[i]), position, error))
         if not np.isfinite(posture.joints[i]):
             continue
-        for end, bound in enumerate(_ENDS):
+        for end, bound in enumerate(range_of(LIMITS, i + 1)):
             beyond = any(r.limb == i + 1 and r.bound == bound for r in posture.reasons)
             amount = -float(distance[i, end]) if beyond else float(distance[i, end])
             found.append(_stroke(i, bound, amount, foot[i, end], error))
@@ -82,7 +80,7 @@ def _at(clearance: Clearance) -> int:
 
 
 def _stroke(i: int, bound: Bound, amount: float, point: Array, error: float) -> Clearance:
-    text = f"{_far(amount)} the end of limb {i + 1}'s stroke ({_NAMES[bound]})"
+    text = f"{_far(amount)} the end of limb {i + 1}'s stroke ({bound.name})"
     return Clearance("stroke", amount, _xyz(point), text, i + 1, bound, error)
 
 
@@ -94,14 +92,15 @@ def _reach(i: int, across: float, link: float, position: Array, error: float) ->
         text = f"{_far(amount)} where limb {i + 1} changes its working mode (its link along e₁)"
     else:
         text = f"{_far(amount)} the reach of limb {i + 1}'s link (along e₁)"
-    return Clearance("mode", amount, _xyz(point), text, i + 1, "link", error)
+    bound = bound_of(LIMITS, i + 1, "link")
+    return Clearance("mode", amount, _xyz(point), text, i + 1, bound, error)
 
 
 def _boundary(edge: Clearance) -> Clearance:
     where = (
         f"limb {edge.limb} at the reach of its link"
         if edge.kind == "mode"
-        else f"limb {edge.limb} at {_NAMES[edge.bound]}"
+        else f"limb {edge.limb} at {named(edge.bound)}"
     )
     text = f"{_far(edge.distance)} the boundary of the working mode's workspace ({where})"
     return Clearance("boundary", edge.distance, edge.point, text, edge.limb, edge.bound, edge.error)

@@ -24,9 +24,10 @@ from kinematics.answers.solutions import Followed, Posture
 from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
 from kinematics.facets.following import ClosureFollowing
+from kinematics.facets.inverse import posture
 from kinematics.homotopy.quadrics import Quadrics, square, unknowns
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
-from kinematics.mechanisms.five_rpur.inverse import posture, signs
+from kinematics.mechanisms.five_rpur.inverse import signs
 from kinematics.mechanisms.five_rpur.paths import nearness
 
 _COUNT = 7 + LIMBS

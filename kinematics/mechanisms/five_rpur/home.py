@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
 from kinematics.facets.following import FollowingFacet
+from kinematics.facets.inverse import posture as posture_at
 from kinematics.mechanism import mechanism_of
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.arrangements import CLASSES, PairKind, arrangements
@@ -61,7 +62,7 @@ def home(design: FiveRPURDesign) -> Posture:
         n = int(margins.argmax())
         if fallback is None or margins[n] > fallback[0]:
             pose = (*(float(v) for v in positions[n]), phi, theta)
-            fallback = float(margins[n]), inverse.posture(design, pose, inverse.MODES[n])
+            fallback = float(margins[n]), posture_at(design, pose, inverse.MODES[n])
     assert fallback is not None
     return fallback[1]
 
@@ -75,7 +76,7 @@ def _most_travel(
         if margins[n] <= best:
             break  # no actuator can be moved further than the nearest stroke end
         pose = (*(float(v) for v in positions[n]), phi, theta)
-        posture = inverse.posture(design, pose, inverse.MODES[n])
+        posture = posture_at(design, pose, inverse.MODES[n])
         travel = _least_travel(design, posture, best)
         if travel > best:
             best, found = travel, posture

@@ -10,19 +10,21 @@ still computed, what cannot close is NaN.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from itertools import product
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinematics.answers.solutions import Bound, InverseSolutions, Margin, Posture, Reason
+from kinematics.answers.bounds import Bound, decimals
+from kinematics.answers.modes import working_modes
+from kinematics.answers.solutions import InverseSolutions
 from kinematics.arrays import Array, finite, frozen
 from kinematics.errors import InputError
+from kinematics.facets.inverse import InverseFacet
 from kinematics.mechanisms.five_rpur.design import LIMBS, SUBSCRIPTS, FiveRPURDesign
 from kinematics.screws.spatial import homogeneous, rotation_x, rotation_y
 
-MODES: tuple[str, ...] = tuple("".join(signs) for signs in product("+-", repeat=LIMBS))
+MODES = working_modes(LIMBS)
 """The 32 working modes, limb 5 changing fastest: "+++++", "++++-", … "-----"."""
 
 STROKE_SLACK = 1e-9
@@ -84,6 +86,16 @@ def inverse(design: FiveRPURDesign, poses: ArrayLike) -> InverseSolutions:
     )
 
 
+class RPURInverse(InverseFacet[FiveRPURDesign]):
+    """All 32 working modes at once, from the ten lengths that the limbs can have."""
+
+    def __call__(self, poses: ArrayLike) -> InverseSolutions:
+        return inverse(self.design, poses)
+
+    def inside(self, poses: ArrayLike, modes: Iterable[str] | None = None) -> NDArray[np.bool_]:
+        return inside(self.design, poses, modes)
+
+
 def inside(
     design: FiveRPURDesign, poses: ArrayLike, modes: Iterable[str] | None = None
 ) -> NDArray[np.bool_]:
@@ -124,97 +136,43 @@ def signs(mode: str | ArrayLike) -> Array:
     return values
 
 
-# --- one posture ---------------------------------------------------------------------------
+# --- one mode: joints, margins, residuals --------------------------------------------------
+
+LIMITS: tuple[Bound, ...] = tuple(
+    bound
+    for i, mark in enumerate(SUBSCRIPTS, 1)
+    for bound in (
+        Bound(f"l{mark}", "link", "link", limb=i),
+        Bound(f"ρ{mark}", "min", "ρ min", limb=i),
+        Bound(f"ρ{mark}", "max", "ρ max", limb=i),
+    )
+)
 
 
-def posture(
-    design: FiveRPURDesign,
-    pose: Sequence[float] | ArrayLike,
-    mode: str,
-    *,
-    known: ArrayLike | None = None,
-) -> Posture:
-    """The posture at one pose in one working mode, with reasons where it cannot be held.
-
-    A limb that cannot close has NaN as its length and only its link among the margins.
-
-    Args:
-        known: lengths (5,) mm for which the pose was solved; where the pose gives them back but
-            for rounding (`SNAP`), the posture has exactly these, and its residual is theirs.
-
-    Raises:
-        InputError: the pose is not five finite numbers, or the mode not five signs.
-    """
-    flat, shape = _flat(pose)
-    if shape != ():
-        raise InputError("a posture takes one pose of 5 numbers (x, y, z, φ, θ)")
-    sign = signs(mode)
-    offsets = _offsets(design, flat)
-    x, y, z = offsets
+def joints_of(design: FiveRPURDesign, poses: ArrayLike, mode: str) -> Array:
+    """Actuator lengths (..., 5) mm of poses (..., 5) in one working mode; NaN: cannot close."""
+    flat, sigma, shape = _broadcast(poses, mode)
+    x, y, z = _offsets(design, flat)
     with np.errstate(invalid="ignore", over="ignore"):
-        lengths = np.hypot(x, z - sign[:, None] * _height(design, y))
-    if known is not None:
-        wanted = finite(known, name="the known lengths", last=LIMBS)[:, None]
-        lengths = np.where(np.abs(lengths - wanted) <= SNAP, wanted, lengths)
-    elbows = _elbows(design, flat, offsets, sign[:, None])
-    residual = _residual(design, flat[:, 4], elbows, _tips(design, flat), lengths)
-    return _describe(design, flat[0], mode, lengths[:, 0], np.abs(y[:, 0]), residual[:, 0])
+        lengths = np.hypot(x, z - sigma * _height(design, y))
+    return np.asarray(lengths.T.reshape(*shape, LIMBS))
 
 
-def _describe(
-    design: FiveRPURDesign, pose: Array, mode: str, lengths: Array, offset: Array, residual: Array
-) -> Posture:
-    closing = residual[np.isfinite(residual)]
-    reasons: list[Reason] = []
-    margins: list[Margin] = []
-    for i, (limb, rho, beyond) in enumerate(
-        zip(design.limbs, lengths.tolist(), offset.tolist(), strict=True)
-    ):
-        number, low, high = i + 1, *limb.stroke
-        margins.append(Margin(number, "link", limb.link - beyond))
-        if not np.isfinite(rho):
-            reasons.append(_link_reason(i, limb.link, beyond))
-            continue
-        margins.append(Margin(number, "rho_min", rho - low))
-        margins.append(Margin(number, "rho_max", high - rho))
-        if rho < low - STROKE_SLACK:
-            reasons.append(_stroke_reason(i, "rho_min", rho, low))
-        elif rho > high + STROKE_SLACK:
-            reasons.append(_stroke_reason(i, "rho_max", rho, high))
-    return Posture(
-        pose=tuple(pose.tolist()),
-        mode=mode,
-        joints=tuple(lengths.tolist()),
-        reasons=tuple(reasons),
-        residual=float(closing.max()) if closing.size else float("nan"),
-        margins=tuple(margins),
-    )
+def margins(design: FiveRPURDesign, poses: Array, joints: Array) -> Array:
+    """How far poses (..., 5) with lengths (..., 5) are from each of `LIMITS`, (..., 15) mm."""
+    y = _offsets(design, poses.reshape(-1, 5))[1].T.reshape(joints.shape)
+    room = (design.link - np.abs(y), joints - design.stroke[:, 0], design.stroke[:, 1] - joints)
+    return np.stack(room, axis=-1).reshape(*joints.shape[:-1], len(LIMITS))
 
 
-def _stroke_reason(i: int, bound: Bound, rho: float, end: float) -> Reason:
-    amount = abs(rho - end)
+def why_not(bound: Bound, link: float, amount: float) -> str:
+    """Why a limb cannot close."""
     digits = decimals(amount)
-    word, name = ("short", "ρ min") if bound == "rho_min" else ("long", "ρ max")
-    text = (
-        f"limb {i + 1} is {amount:.{digits}f} mm too {word} "
-        f"(ρ{SUBSCRIPTS[i]} = {rho:.{digits}f} mm, {name} = {end:g} mm)"
+    return (
+        f"limb {bound.limb} cannot reach: its platform point lies {amount:.{digits}f} mm "
+        f"beyond the link length {bound.joint} = {link:g} mm along e₁ "
+        f"(|Y| = {link + amount:.{digits}f} mm)"
     )
-    return Reason(i + 1, bound, amount, text)
-
-
-def _link_reason(i: int, link: float, beyond: float) -> Reason:
-    amount = beyond - link
-    digits = decimals(amount)
-    text = (
-        f"limb {i + 1} cannot reach: its platform point lies {amount:.{digits}f} mm beyond the "
-        f"link length l{SUBSCRIPTS[i]} = {link:g} mm along e₁ (|Y| = {beyond:.{digits}f} mm)"
-    )
-    return Reason(i + 1, "link", amount, text)
-
-
-def decimals(amount: float) -> int:
-    """Decimals that show an amount ≥ 0: one, and more for less than 0.1 mm."""
-    return 1 if amount >= 0.1 or amount < 1e-12 else min(12, 1 - int(np.floor(np.log10(amount))))
 
 
 # --- points and frames ---------------------------------------------------------------------

@@ -8,12 +8,13 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kinematics.answers.bounds import Bound
 from kinematics.answers.drawings import Drawing
 from kinematics.answers.solutions import (
     Finding,
     Posture,
 )
-from kinematics.arrays import Array
+from kinematics.arrays import Array, largest
 from kinematics.mechanism import Coordinate, Facets, Mechanism
 from kinematics.mechanisms.five_rpur import (
     arrangements,
@@ -35,9 +36,11 @@ class FiveRPUR(Mechanism[FiveRPURDesign]):
     title = "5-RPUR (3T2R)"
     schema = designs.SCHEMA
     modes = inverse.MODES
+    snap = inverse.SNAP
+    bounds = inverse.LIMITS
     facets: ClassVar = Facets(
         __package__,
-        inverse="facets:RPURInverse",
+        inverse="inverse:RPURInverse",
         following="following:Following",
         forward="facets:RPURForward",
         motion="facets:RPURMotion",
@@ -73,6 +76,20 @@ class FiveRPUR(Mechanism[FiveRPURDesign]):
             Coordinate(f"rho{i + 1}", f"ρ{designs.SUBSCRIPTS[i]}", "mm", *limb.stroke, limb=i + 1)
             for i, limb in enumerate(self.design.limbs)
         )
+
+    def joints(self, poses: Array, mode: str) -> Array:
+        return inverse.joints_of(self.design, poses, mode)
+
+    def margins(self, poses: Array, mode: str, joints: Array) -> Array:
+        return inverse.margins(self.design, poses, joints)
+
+    def residual(self, poses: Array, mode: str, joints: Array) -> Array:
+        return largest(inverse.closure_residual(self.design, poses, mode, joints))
+
+    def why_not(self, bound: Bound, pose: Array, mode: str, amount: float) -> str:
+        if bound.end != "link" or bound.limb is None:
+            return ""
+        return inverse.why_not(bound, self.design.limbs[bound.limb - 1].link, amount)
 
     def home(self) -> Posture:
         return home.home(self.design)

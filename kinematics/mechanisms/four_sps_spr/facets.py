@@ -14,13 +14,11 @@ from kinematics.answers.singularities import AT, Event, Singularity
 from kinematics.answers.solutions import (
     Followed,
     ForwardSolutions,
-    InverseSolutions,
     Posture,
     Refreshed,
 )
 from kinematics.arrays import Array
 from kinematics.mechanisms.four_sps_spr import (
-    inverse,
     motion,
     paths,
     wrenches,
@@ -34,25 +32,11 @@ if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
     pass
 from kinematics.facets.clearances import ClearancesFacet
 from kinematics.facets.forward import ForwardFacet
-from kinematics.facets.inverse import InverseFacet
 from kinematics.facets.measures import MeasuresFacet
 from kinematics.facets.motion import MotionFacet
 from kinematics.facets.paths import PathsFacet
 from kinematics.facets.singularities import SingularitiesFacet
 from kinematics.facets.statics import StaticsFacet
-
-
-class SPSInverse(InverseFacet[FourSPSSPRDesign]):
-    """TODO"""
-
-    def posture(self, pose: Sequence[float], mode: str) -> Posture:
-        return inverse.posture(self.design, pose)
-
-    def __call__(self, poses: ArrayLike) -> InverseSolutions:
-        return inverse.inverse(self.design, poses)
-
-    def inside(self, pose: Sequence[float], modes: tuple[str, ...] | None) -> bool:
-        return bool(inverse.inside(self.design, pose))
 
 
 class SPSForward(ForwardFacet[FourSPSSPRDesign]):

@@ -13,10 +13,10 @@ import numpy as np
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
 from kinematics.facets.following import ClosureFollowing
+from kinematics.facets.inverse import posture
 from kinematics.homotopy.quadrics import Quadrics, dot, image, square, unknowns
 from kinematics.mechanisms.four_sps_spr.closure import State, pose_of, state_of
 from kinematics.mechanisms.four_sps_spr.design import LIMBS, SPR, FourSPSSPRDesign
-from kinematics.mechanisms.four_sps_spr.inverse import posture
 
 _COUNT = 12
 

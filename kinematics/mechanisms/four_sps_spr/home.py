@@ -8,6 +8,7 @@ import numpy as np
 
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
+from kinematics.facets.inverse import posture
 from kinematics.mechanisms.four_sps_spr import inverse
 from kinematics.mechanisms.four_sps_spr.constraint import complete_pose
 from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
@@ -44,7 +45,7 @@ def home(design: FourSPSSPRDesign) -> Posture:
         for angles in TILTS:
             position, room = _roomiest(design, angles, above=above)
             pose = _made_exact(design, (*position.tolist(), *angles))
-            found = inverse.posture(design, pose)
+            found = posture(design, pose)
             if found.reachable:
                 return found
             if fallback is None or room > fallback[0]:
@@ -63,7 +64,7 @@ def _on_axis(design: FourSPSSPRDesign) -> Posture | None:
     if not held.any():
         return None
     room = np.where(held, _margins(design, poses[:, :3], (0.0, 0.0, 0.0)), -np.inf)
-    found = inverse.posture(design, poses[int(room.argmax())])
+    found = posture(design, poses[int(room.argmax())])
     return found if found.reachable else None
 
 

@@ -11,19 +11,17 @@ cannot be assembled: limb 5 has no length there. Lengths mm, angles rad.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from kinematics.answers.solutions import Bound, InverseSolutions, Margin, Posture, Reason
+from kinematics.answers.bounds import Bound, decimals
+from kinematics.answers.modes import Mode
 from kinematics.arrays import Array, finite, frozen
-from kinematics.errors import InputError
-from kinematics.mechanisms.four_sps_spr.design import LIMBS, SPR, SUBSCRIPTS, FourSPSSPRDesign
+from kinematics.mechanisms.four_sps_spr.design import JOINT_SYMBOLS, SPR, FourSPSSPRDesign
 from kinematics.screws.spatial import homogeneous, rotation_x, rotation_y, rotation_z
 
 POSE = 6
-MODES = ("",)
+MODES = (Mode(),)
 """A leg of given ends has one length: there is a single working mode."""
 STROKE_SLACK = 1e-9
 """mm by which rounding may carry a leg over its stroke end."""
@@ -86,117 +84,63 @@ def platform_points(design: FourSPSSPRDesign, poses: ArrayLike) -> Array:
 
 def violation(design: FourSPSSPRDesign, poses: ArrayLike) -> Array:
     """How far A_5 is from the plane in which limb 5 moves, (...,) mm, signed; 0 where it closes."""
-    p = finite(poses, name="a pose", last=POSE)
-    normal = rotation(p) @ design.axis
-    apart: Array = ((design.base[SPR] - p[..., :3]) * normal).sum(axis=-1) - design.offset
-    return apart
+    return _closing(design, poses)[1]
 
 
 def leg_lengths(design: FourSPSSPRDesign, poses: ArrayLike) -> Array:
     """l_i, (..., 5) mm, whether the constraint holds or not."""
-    legs = platform_points(design, poses) - design.base
-    lengths: Array = np.sqrt((legs * legs).sum(axis=-1))
-    return frozen(lengths)
+    return frozen(_closing(design, poses)[0])
 
 
-def inverse(design: FourSPSSPRDesign, poses: ArrayLike) -> InverseSolutions:
-    """The single working mode of poses (..., 6), mm and rad.
+def _closing(design: FourSPSSPRDesign, poses: ArrayLike) -> tuple[Array, Array]:
+    """`leg_lengths` and `violation`."""
+    p = finite(poses, name="a pose", last=POSE)
+    r, at = rotation(p), p[..., :3]
+    legs = design.platform @ r.swapaxes(-1, -2) + (at[..., None, :] - design.base)
+    apart = ((design.base[SPR] - at) * (r @ design.axis)).sum(axis=-1) - design.offset
+    return np.sqrt((legs * legs).sum(axis=-1)), apart
 
-    Raises:
-        InputError: not finite numbers, or not six a pose.
+
+LIMITS: tuple[Bound, ...] = (
+    Bound(JOINT_SYMBOLS[SPR], "link", "constraint", limb=SPR + 1),
+    *(
+        Bound(symbol, end, f"l {end}", limb=i)
+        for i, symbol in enumerate(JOINT_SYMBOLS, 1)
+        for end in ("min", "max")
+    ),
+)
+
+
+def joints_of(design: FourSPSSPRDesign, poses: Array) -> Array:
+    """l_i, (..., 5) mm, of poses (..., 6); that of limb 5 is NaN where its constraint fails."""
+    lengths, apart = _closing(design, poses)
+    lengths[np.abs(apart) > CONSTRAINT_SLACK, SPR] = np.nan
+    return lengths
+
+
+def margins(design: FourSPSSPRDesign, poses: Array, joints: Array) -> Array:
+    """How far poses (..., 6) with lengths (..., 5) are from each of `LIMITS`, (..., 11) mm.
+
+    The constraint has no inside: NaN where it holds, else how far it is from that, negative.
     """
-    lengths = leg_lengths(design, poses).copy()
-    apart = np.abs(violation(design, poses))
-    held = apart <= CONSTRAINT_SLACK
-    lengths[~held, SPR] = np.nan
-    low, high = design.stroke[:, 0] - STROKE_SLACK, design.stroke[:, 1] + STROKE_SLACK
-    within = held & ((lengths >= low) & (lengths <= high)).all(axis=-1)
-    return InverseSolutions(
-        modes=MODES,
-        joints=frozen(lengths[..., None, :]),
-        within_stroke=frozen(np.asarray(within)[..., None]),
-        residual=frozen(np.asarray(np.where(held, apart, np.nan))),
+    room = np.stack([joints - design.stroke[:, 0], design.stroke[:, 1] - joints], axis=-1)
+    off = np.full(poses.shape[:-1], np.nan)
+    broken = np.isnan(joints[..., SPR])
+    if broken.any():
+        off[broken] = -np.abs(violation(design, poses[broken]))
+    return np.concatenate([off[..., None], room.reshape(*joints.shape[:-1], -1)], axis=-1)
+
+
+def closure_residual(design: FourSPSSPRDesign, poses: Array, joints: Array) -> Array:
+    """(..., 6) mm: how far given lengths are from closing, then how far the constraint is."""
+    exact, apart = _closing(design, poses)
+    off = np.abs(joints - exact)
+    return np.concatenate([off, (np.abs(apart) + 0.0 * off[..., SPR])[..., None]], axis=-1)
+
+
+def why_not(amount: float) -> str:
+    """Why limb 5 cannot close."""
+    return (
+        f"limb 5 cannot close: A₅ lies {amount:.{decimals(amount)}f} mm off the plane normal to "
+        "its revolute axis; let one of the six coordinates follow from the constraint"
     )
-
-
-def inside(design: FourSPSSPRDesign, poses: ArrayLike) -> NDArray[np.bool_]:
-    """Whether poses (..., 6) can be held within all strokes, (...,)."""
-    return frozen(inverse(design, poses).within_stroke[..., 0].copy())
-
-
-# --- one posture ---------------------------------------------------------------------------
-
-
-def posture(
-    design: FourSPSSPRDesign,
-    pose: Sequence[float] | ArrayLike,
-    *,
-    known: ArrayLike | None = None,
-) -> Posture:
-    """The posture at one pose, with reasons where it cannot be held.
-
-    Args:
-        known: lengths (5,) mm for which the pose was solved; where the pose gives them back but
-            for rounding (`SNAP`), the posture has exactly these, and its residual is theirs.
-
-    Raises:
-        InputError: the pose is not six finite numbers.
-    """
-    p = finite(pose, name="a pose", last=POSE)
-    if p.shape != (POSE,):
-        raise InputError("a posture takes one pose of 6 numbers (x, y, z, α, β, γ)")
-    exact = leg_lengths(design, p)
-    apart = float(violation(design, p))
-    lengths = exact.copy()
-    if known is not None:
-        wanted = finite(known, name="the known lengths", last=LIMBS)
-        lengths = np.where(np.abs(lengths - wanted) <= SNAP, wanted, lengths)
-    residual = max(float(np.abs(lengths - exact).max()), abs(apart))
-    reasons: list[Reason] = []
-    margins: list[Margin] = []
-    if abs(apart) > CONSTRAINT_SLACK:
-        lengths[SPR] = np.nan
-        residual = float(np.abs(lengths - exact)[:SPR].max())
-        reasons.append(_constraint_reason(abs(apart)))
-    for i, (limb, length) in enumerate(zip(design.limbs, lengths.tolist(), strict=True)):
-        if not np.isfinite(length):
-            continue
-        low, high = limb.stroke
-        margins.append(Margin(i + 1, "rho_min", length - low))
-        margins.append(Margin(i + 1, "rho_max", high - length))
-        if length < low - STROKE_SLACK:
-            reasons.append(_stroke_reason(i, "rho_min", length, low))
-        elif length > high + STROKE_SLACK:
-            reasons.append(_stroke_reason(i, "rho_max", length, high))
-    return Posture(
-        pose=tuple(p.tolist()),
-        mode="",
-        joints=tuple(lengths.tolist()),
-        reasons=tuple(reasons),
-        residual=residual,
-        margins=tuple(margins),
-    )
-
-
-def _constraint_reason(amount: float) -> Reason:
-    text = (
-        f"limb 5 cannot close: A₅ lies {amount:.{digits(amount)}f} mm off the plane normal to its "
-        "revolute axis; let one of the six coordinates follow from the constraint"
-    )
-    return Reason(SPR + 1, "link", amount, text)
-
-
-def _stroke_reason(i: int, bound: Bound, length: float, end: float) -> Reason:
-    amount = abs(length - end)
-    places = digits(amount)
-    word, name = ("short", "l min") if bound == "rho_min" else ("long", "l max")
-    text = (
-        f"limb {i + 1} is {amount:.{places}f} mm too {word} "
-        f"(l{SUBSCRIPTS[i]} = {length:.{places}f} mm, {name} = {end:g} mm)"
-    )
-    return Reason(i + 1, bound, amount, text)
-
-
-def digits(amount: float) -> int:
-    """Decimals that show an amount: one, and more for less than 0.1 mm."""
-    return 1 if amount >= 0.1 or amount == 0.0 else min(12, 1 - int(np.floor(np.log10(amount))))

@@ -8,12 +8,13 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kinematics.answers.bounds import Bound
 from kinematics.answers.drawings import Drawing
 from kinematics.answers.solutions import (
     Finding,
     Posture,
 )
-from kinematics.arrays import Array
+from kinematics.arrays import Array, largest
 from kinematics.mechanism import Coordinate, Facets, Mechanism
 from kinematics.mechanisms.four_sps_spr import (
     constraint,
@@ -35,10 +36,10 @@ class FourSPSSPR(Mechanism[FourSPSSPRDesign]):
     title = "4-SPS + 1-SPR (5 DOF)"
     schema = designs.SCHEMA
     modes = inverse.MODES
-    mode_noun = ""
+    snap = inverse.SNAP
+    bounds = inverse.LIMITS
     facets: ClassVar = Facets(
         __package__,
-        inverse="facets:SPSInverse",
         following="following:Following",
         forward="facets:SPSForward",
         motion="facets:SPSMotion",
@@ -85,6 +86,18 @@ class FourSPSSPR(Mechanism[FourSPSSPRDesign]):
         dependent: int | None = None,
     ) -> tuple[float, ...]:
         return constraint.complete_pose(self.design, pose, moved, dependent)
+
+    def joints(self, poses: Array, mode: str) -> Array:
+        return inverse.joints_of(self.design, poses)
+
+    def margins(self, poses: Array, mode: str, joints: Array) -> Array:
+        return inverse.margins(self.design, poses, joints)
+
+    def residual(self, poses: Array, mode: str, joints: Array) -> Array:
+        return largest(inverse.closure_residual(self.design, poses, joints))
+
+    def why_not(self, bound: Bound, pose: Array, mode: str, amount: float) -> str:
+        return inverse.why_not(amount) if bound.end == "link" else ""
 
     def home(self) -> Posture:
         return home.home(self.design)

@@ -6,13 +6,13 @@ from math import ceil, floor
 
 import numpy as np
 
+from kinematics.answers.bounds import decimals as digits
 from kinematics.answers.clearances import DesignChange, Remedy
 from kinematics.answers.solutions import Posture
-from kinematics.mechanisms.four_sps_spr import inverse
+from kinematics.facets.inverse import posture
 from kinematics.mechanisms.four_sps_spr.constraint import complete_pose
 from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
 from kinematics.mechanisms.four_sps_spr.home import home
-from kinematics.mechanisms.four_sps_spr.inverse import digits
 from kinematics.mechanisms.four_sps_spr.plane import nearest_place
 
 _HALVINGS = 40
@@ -58,11 +58,11 @@ def _at(
         return None
     # The constraint and the strokes to the last digit: a hair further inside.
     pose = complete_pose(design, (*found[0].tolist(), *angles))
-    there = inverse.posture(design, pose)
+    there = posture(design, pose)
     if not there.reachable and max(r.amount for r in there.reasons) > 1e-6:
         return None
     known = np.clip(there.joints, design.stroke[:, 0], design.stroke[:, 1])
-    return inverse.posture(design, pose, known=known), float(np.linalg.norm(found[0] - position))
+    return posture(design, pose, known=known), float(np.linalg.norm(found[0] - position))
 
 
 def _turned(design: FourSPSSPRDesign, wanted: Posture) -> tuple[Posture, float] | None:

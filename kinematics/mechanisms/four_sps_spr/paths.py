@@ -15,12 +15,12 @@ from numpy.typing import ArrayLike
 from kinematics.answers.singularities import Event
 from kinematics.answers.solutions import Followed, Posture
 from kinematics.arrays import Array
+from kinematics.facets.inverse import posture
 from kinematics.facets.pose_paths import corners_of, follow_ways
 from kinematics.mechanisms.four_sps_spr.design import LIMBS, FourSPSSPRDesign
 from kinematics.mechanisms.four_sps_spr.inverse import (
     STROKE_SLACK,
     leg_lengths,
-    posture,
     rotation,
     violation,
     wrap_angle,

@@ -20,7 +20,10 @@ class Regions(RegionsFacet[FourSPSSPRDesign]):
 
     specs = (
         RegionSpec(
-            "workspace", "Constant-orientation workspace, in the plane m = R n₆", ("u", "v")
+            "workspace",
+            "Constant-orientation workspace, in the plane m = R n₆",
+            ("u", "v"),
+            joint="l",
         ),
     )
 

@@ -7,14 +7,16 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kinematics.answers.bounds import decimals as digits
+from kinematics.answers.bounds import range_of
 from kinematics.answers.clearances import Clearance
 from kinematics.answers.loci import LocusCurves, LocusSpec
 from kinematics.answers.singularities import AT, Measure, Singularity, SingularityKind
-from kinematics.answers.solutions import Bound, Posture
+from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
 from kinematics.mechanisms.four_sps_spr.design import LIMBS, FourSPSSPRDesign
-from kinematics.mechanisms.four_sps_spr.inverse import CONSTRAINT_SLACK, digits, violation
+from kinematics.mechanisms.four_sps_spr.inverse import CONSTRAINT_SLACK, LIMITS, violation
 from kinematics.mechanisms.four_sps_spr.motion import UPRIGHT, angular_axes
 from kinematics.mechanisms.four_sps_spr.plane import Plane, plane, rings
 from kinematics.mechanisms.four_sps_spr.singular_curve import cubic, nearest_singular, traced
@@ -95,8 +97,6 @@ def singularities(
 
 # --- clearances ----------------------------------------------------------------------------
 
-_ENDS: tuple[Bound, Bound] = ("rho_min", "rho_max")
-_NAMES = {"rho_min": "l min", "rho_max": "l max"}
 _EXACT = 1e-9  # of the machine's size
 
 
@@ -125,9 +125,10 @@ def clearances(
         edge = nearest_point(region, uv)
         if edge is not None:
             point, k = edge
-            limb, bound = int(region.limb[k]), _ENDS[int(region.bound[k])]
+            limb = int(region.limb[k])
+            bound = range_of(LIMITS, limb)[int(region.bound[k])]
             amount = float(np.linalg.norm(point - uv))
-            text = f"{_far(amount)} the boundary of the workspace (limb {limb} at {_NAMES[bound]})"
+            text = f"{_far(amount)} the boundary of the workspace (limb {limb} at {bound.name})"
             found.append(
                 Clearance("boundary", amount, _xyz(here.place(point)), text, limb, bound, error)
             )
@@ -151,13 +152,15 @@ def _strokes(
         away = uv - found.center[i]
         length = float(np.linalg.norm(away))
         unit = away / length if length > 0.0 else np.array([1.0, 0.0])
-        for bound, radius in zip(_ENDS, (found.inner[i], found.outer[i]), strict=True):
+        for bound, radius in zip(
+            range_of(LIMITS, i + 1), (found.inner[i], found.outer[i]), strict=True
+        ):
             if not radius > 0.0:
                 continue  # the plane does not meet this sphere
             beyond = any(r.limb == i + 1 and r.bound == bound for r in posture.reasons)
             amount = abs(length - float(radius)) * (-1.0 if beyond else 1.0)
             point = here.place(found.center[i] + radius * unit)
-            text = f"{_far(amount)} the end of limb {i + 1}'s stroke ({_NAMES[bound]})"
+            text = f"{_far(amount)} the end of limb {i + 1}'s stroke ({bound.name})"
             answer.append(Clearance("stroke", amount, _xyz(point), text, i + 1, bound, error))
     return answer
 

@@ -17,12 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
+from kinematics.answers.bounds import Bound, named, range_of
 from kinematics.answers.circles import OrientationCircle, Profile, ProfileCurve
 from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.facets.circles import CirclesFacet
 from kinematics.mechanisms.tripods import polynomial, posing
 from kinematics.mechanisms.tripods.design import LIMBS, TripodDesign, mode_sign
+from kinematics.mechanisms.tripods.inverse import LIMITS
 from kinematics.mechanisms.tripods.micr import RING, contact_azimuths, micr, table
 
 _RADII = 241  # circles looked at, 0.75° apart
@@ -35,9 +37,7 @@ _SAME = 1e-7  # rad by which circles meet a limit together
 _LOWEST, _HIGHEST, _COUNT = 0.02, 4.0, 200  # of Z / h1, as in the paper's figures
 _MOST = 12  # ratios h2 / h1 side by side
 
-Bound = Literal["rho_min", "rho_max"]
 _Contacts = tuple[tuple[float, float], ...]
-_ENDS: tuple[Bound, Bound] = ("rho_min", "rho_max")
 
 
 class Circles(CirclesFacet[TripodDesign]):
@@ -161,7 +161,7 @@ def _strokes(home: Home) -> OrientationCircle:
     best: tuple[float, _Contacts, int, Bound] | None = None
     sampled = home.lengths_at(_grid(frame))
     for i in range(LIMBS):
-        for bound, end in zip(_ENDS, home.design.stroke, strict=True):
+        for bound, end in zip(range_of(LIMITS, i + 1), home.design.stroke, strict=True):
             side = 1.0 if bound == "rho_min" else -1.0
             radius: float = 0.0
             contacts: _Contacts = ((home.tilt, home.azimuth),)
@@ -204,7 +204,7 @@ def _circle(
     what = {
         "parallel": "a parallel singularity",
         "constraint": "the constraint singularity",
-        "stroke": f"the end of limb {limb}'s stroke ({bound.replace('rho_', 'ρ ')})",
+        "stroke": f"the end of limb {limb}'s stroke ({named(bound)})",
     }[limit]
     if radius >= np.pi and limit != "constraint":
         text = f"No orientation at this altitude meets {what.partition(' (')[0]}."

@@ -10,18 +10,19 @@ from __future__ import annotations
 
 import numpy as np
 
+from kinematics.answers.bounds import named, range_of
 from kinematics.answers.clearances import Clearance, DesignChange, Remedy
-from kinematics.answers.solutions import Bound, Posture
+from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
+from kinematics.facets.inverse import posture as posture_at
 from kinematics.mechanisms.tripods import polynomial, posing
 from kinematics.mechanisms.tripods.circles import circles
 from kinematics.mechanisms.tripods.design import LIMBS, MODES, SCHEMA, TripodDesign, mode_sign
-from kinematics.mechanisms.tripods.inverse import posture as posture_at
+from kinematics.mechanisms.tripods.inverse import LIMITS
 from kinematics.mechanisms.tripods.posing import Reduced
 from kinematics.mechanisms.tripods.powers import Power
 from kinematics.mechanisms.tripods.study import translation
 
-_ENDS: tuple[Bound, Bound] = ("rho_min", "rho_max")
 _EXACT = 1e-9  # of the machine's size
 _TILTS, _TURNS = 121, 72  # of the search for the nearest orientation
 _REFINED = 5
@@ -59,7 +60,7 @@ def _along(design: TripodDesign, posture: Posture) -> list[Clearance]:
         point = _place(design, reduced, value, posture.mode)
         found.append(Clearance("parallel", amount, point, text, error=error, along=what))
     for i in range(LIMBS):
-        for bound, end in zip(_ENDS, design.stroke, strict=True):
+        for bound, end in zip(range_of(LIMITS, i + 1), design.stroke, strict=True):
             if end <= abs(outward[i]):
                 continue  # the line does not meet this end
             rise = float(np.sqrt(end**2 - outward[i] ** 2))
@@ -69,8 +70,7 @@ def _along(design: TripodDesign, posture: Posture) -> list[Clearance]:
             amount = -abs(way) if beyond else abs(way)
             word = "beyond" if beyond else "to"
             text = (
-                f"{abs(way):.2f} mm {what} {word} the end of limb {i + 1}'s stroke "
-                f"({bound.replace('rho_', 'ρ ')})"
+                f"{abs(way):.2f} mm {what} {word} the end of limb {i + 1}'s stroke ({bound.name})"
             )
             point = _place(design, reduced, v + way, posture.mode)
             found.append(Clearance("stroke", amount, point, text, i + 1, bound, error, along=what))
@@ -110,11 +110,10 @@ def _turning(design: TripodDesign, posture: Posture) -> list[Clearance]:
         tilt, azimuth = circle.contacts[0]
         there = np.array([z, tilt, azimuth])
         x, y, _ = posing.positions(design, there, posture.mode).tolist()
-        bound = circle.bound.replace("rho_", "ρ ")
         what = {
             "parallel": "a parallel singularity",
             "constraint": "the constraint singularity at a tilt of 180°",
-            "stroke": f"the end of limb {circle.limb}'s stroke ({bound})",
+            "stroke": f"the end of limb {circle.limb}'s stroke ({named(circle.bound)})",
         }[circle.limit]
         text = (
             f"{np.degrees(circle.radius):.2f}° of turning at this altitude to {what} (about "

@@ -15,6 +15,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from kinematics.answers.modes import Mode
 from kinematics.arrays import Array
 from kinematics.designs.schema import Key, Schema, ordered, positive
 from kinematics.errors import InputError
@@ -26,7 +27,7 @@ SUBSCRIPTS = "₁₂₃"
 JOINT_SYMBOLS = tuple(f"ρ{index}" for index in SUBSCRIPTS)
 AZIMUTHS = (0.0, -2.0 * np.pi / 3.0, 2.0 * np.pi / 3.0)
 """Of u_1, u_2, u_3, rad."""
-MODES = ("1", "2")
+MODES = (Mode(1), Mode(2))
 """The operation modes: 1 is x0 = 0, a half turn about z at home, and 2 is x3 = 0."""
 
 

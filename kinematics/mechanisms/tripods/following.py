@@ -16,10 +16,10 @@ import numpy as np
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
 from kinematics.facets.following import ClosureFollowing
+from kinematics.facets.inverse import posture
 from kinematics.homotopy.quadrics import Quadrics, square, unknowns
 from kinematics.mechanisms.tripods import posing
 from kinematics.mechanisms.tripods.design import AZIMUTHS, LIMBS, TripodDesign, mode_sign
-from kinematics.mechanisms.tripods.inverse import posture
 from kinematics.mechanisms.tripods.posing import Reduced
 
 _COUNT = 9

@@ -8,9 +8,9 @@ import numpy as np
 
 from kinematics.answers.solutions import Finding, Posture
 from kinematics.arrays import Array
+from kinematics.facets.inverse import posture
 from kinematics.mechanisms.tripods import posing
 from kinematics.mechanisms.tripods.design import MODES, TripodDesign, mode_sign
-from kinematics.mechanisms.tripods.inverse import posture
 from kinematics.mechanisms.tripods.micr import micr
 
 _LEVELS, _TILTS, _AZIMUTHS = 41, 19, 24  # of the grid that is searched where level is out of reach

@@ -9,17 +9,19 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kinematics.answers.bounds import Bound
 from kinematics.answers.drawings import Drawing
 from kinematics.answers.solutions import (
     Finding,
     Posture,
 )
-from kinematics.arrays import Array
+from kinematics.arrays import Array, largest
 from kinematics.mechanism import Coordinate, Facets, Mechanism
 from kinematics.mechanisms.tripods import design as designs
 from kinematics.mechanisms.tripods import (
     drawing,
     home,
+    inverse,
     posing,
     wrenches,
 )
@@ -33,10 +35,9 @@ class Tripod(Mechanism[TripodDesign]):
     kind: ClassVar[Kind]
     schema = designs.SCHEMA
     modes = designs.MODES
-    mode_noun = "operation mode"
+    bounds = inverse.LIMITS
     facets: ClassVar = Facets(
         __package__,
-        inverse="facets:TripodInverse",
         following="following:Following",
         forward="facets:TripodForward",
         motion="facets:TripodMotion",
@@ -76,6 +77,18 @@ class Tripod(Mechanism[TripodDesign]):
             )
             for i in range(designs.LIMBS)
         )
+
+    def joints(self, poses: Array, mode: str) -> Array:
+        return posing.limb_lengths(self.design, posing.read_poses(poses), mode)
+
+    def margins(self, poses: Array, mode: str, joints: Array) -> Array:
+        return inverse.margins(self.design, joints)
+
+    def residual(self, poses: Array, mode: str, joints: Array) -> Array:
+        return largest(inverse.closure_residual(self.design, poses, mode, joints))
+
+    def why_not(self, bound: Bound, pose: Array, mode: str, amount: float) -> str:
+        return inverse.why_not(bound, amount)
 
     def home(self) -> Posture:
         return home.home(self.design)

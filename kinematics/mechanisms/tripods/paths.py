@@ -13,18 +13,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
+from kinematics.answers.bounds import range_of
 from kinematics.answers.singularities import Event
-from kinematics.answers.solutions import Bound, Followed, Posture
+from kinematics.answers.solutions import Followed, Posture
 from kinematics.arrays import Array
+from kinematics.facets.inverse import posture as posture_at
 from kinematics.facets.pose_paths import corners_of, follow_ways
 from kinematics.mechanisms.tripods import polynomial, posing
 from kinematics.mechanisms.tripods.design import LIMBS, TripodDesign, mode_sign
-from kinematics.mechanisms.tripods.inverse import posture as posture_at
+from kinematics.mechanisms.tripods.inverse import LIMITS
 
 _STEPS = 720  # of a way
 _BEFORE = 1e-6  # of the way, by which a path stops before a singularity
 _TURN_ROUND = 1e-9  # rad from 180°: the tilt at which the operation modes meet
-_ENDS: tuple[Bound, Bound] = ("rho_min", "rho_max")
 
 
 def passed(design: TripodDesign, before: Posture, after: Posture) -> tuple[Event, ...]:
@@ -119,7 +120,7 @@ def _strokes(
     lengths = posing.limb_lengths(design, poses, mode)
     found = []
     for i in range(LIMBS):
-        for bound, end in zip(_ENDS, design.stroke, strict=True):
+        for bound, end in zip(range_of(LIMITS, i + 1), design.stroke, strict=True):
             sign = 1.0 if bound == "rho_min" else -1.0
             with np.errstate(invalid="ignore"):
                 room = sign * (lengths[:, i] - end)
@@ -133,9 +134,10 @@ def _strokes(
             for n in np.flatnonzero(out | back).tolist():
                 low, high = float(fractions[n]), float(fractions[n + 1])
                 at = float(brentq(left, low, high, xtol=1e-14)) if room[n] != 0.0 else low
-                name = bound.replace("rho_", "ρ ")
                 word = "passed" if out[n] else "came back within"
-                text = f"limb {i + 1} {word} the end of its stroke ({name}) at {_where(way, at)}"
+                text = (
+                    f"limb {i + 1} {word} the end of its stroke ({bound.name}) at {_where(way, at)}"
+                )
                 found.append(Event("stroke", at, way.pose(at), i + 1, text, bool(out[n])))
     return found
 

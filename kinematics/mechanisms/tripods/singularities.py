@@ -14,9 +14,9 @@ from kinematics.answers.singularities import AT, Measure, ModeChange, Singularit
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
 from kinematics.errors import InputError
+from kinematics.facets.inverse import posture as posture_at
 from kinematics.mechanisms.tripods import polynomial, posing, wrenches
 from kinematics.mechanisms.tripods.design import LIMBS, SUBSCRIPTS, TripodDesign, mode_sign
-from kinematics.mechanisms.tripods.inverse import posture as posture_at
 from kinematics.mechanisms.tripods.motion import pose_change
 from kinematics.screws.singularity_geometry import listed, lost
 

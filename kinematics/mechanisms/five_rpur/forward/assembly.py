@@ -50,7 +50,9 @@ from kinematics.mechanisms.five_rpur.forward.families import membership
 from kinematics.mechanisms.five_rpur.inverse import MODES, STROKE_SLACK
 from kinematics.mechanisms.five_rpur.velocity import characteristic_length
 
-MODE_SIGNS = {mode: tuple(1.0 if s == "+" else -1.0 for s in mode) for mode in MODES}
+MODE_SIGNS: dict[str, tuple[float, ...]] = {
+    mode: tuple(1.0 if s == "+" else -1.0 for s in mode) for mode in MODES
+}
 """σ_i of every working mode."""
 
 _DOUBLE = 1e-5  # of the size of a solution: closer ones are one, seen twice

@@ -17,8 +17,9 @@ import numpy as np
 
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
+from kinematics.facets.inverse import posture
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
-from kinematics.mechanisms.five_rpur.inverse import posture, signs
+from kinematics.mechanisms.five_rpur.inverse import signs
 from kinematics.mechanisms.five_rpur.offsets import offset_points
 from kinematics.screws.spatial import rotation_y
 

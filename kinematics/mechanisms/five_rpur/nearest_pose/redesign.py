@@ -16,18 +16,20 @@ from math import ceil, floor
 
 import numpy as np
 
+from kinematics.answers.bounds import decimals
 from kinematics.answers.clearances import DesignChange
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
 from kinematics.designs.schema import SHORTEST
 from kinematics.errors import BohemiaError
+from kinematics.facets.inverse import posture
 from kinematics.mechanisms.five_rpur.design import (
     SCHEMA,
     FiveRPURDesign,
     Limb,
     Point,
 )
-from kinematics.mechanisms.five_rpur.inverse import LINK_SLACK, STROKE_SLACK, decimals, posture
+from kinematics.mechanisms.five_rpur.inverse import LINK_SLACK, STROKE_SLACK
 from kinematics.mechanisms.five_rpur.offsets import offset_points
 from kinematics.screws.spatial import rotation_x, rotation_y
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from math import degrees
 
+from kinematics.answers.bounds import decimals
 from kinematics.answers.clearances import Remedy
 from kinematics.answers.solutions import Posture
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
-from kinematics.mechanisms.five_rpur.inverse import MODES, decimals, inverse
+from kinematics.mechanisms.five_rpur.inverse import MODES, inverse
 from kinematics.mechanisms.five_rpur.nearest_pose.projection import Found, nearest
 from kinematics.mechanisms.five_rpur.nearest_pose.redesign import changes
 from kinematics.mechanisms.five_rpur.nearest_pose.turning import turned
@@ -69,10 +70,10 @@ def _nearest(design: FiveRPURDesign, wanted: Posture) -> tuple[Found | None, str
         for k, symbol in ((3, "φ"), (4, "θ"))
         if abs(there.pose[k] - pose[k]) > 5e-4
     ]
-    mode = "" if there.mode == wanted.mode else f" in working mode {shown(there.mode)}"
+    by_mode = "" if there.mode == wanted.mode else f" in working mode {shown(there.mode)}"
     return found, (
         f"no working mode has any place at this orientation; the nearest pose that a search found "
-        f"is {_mm(found.distance)} away with {' and '.join(by)}{mode}"
+        f"is {_mm(found.distance)} away with {' and '.join(by)}{by_mode}"
     )
 
 

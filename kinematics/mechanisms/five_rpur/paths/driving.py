@@ -8,9 +8,9 @@ from numpy.typing import ArrayLike
 
 from kinematics.answers.singularities import Event
 from kinematics.answers.solutions import Followed, Posture
+from kinematics.facets.inverse import posture
 from kinematics.facets.pose_paths import after_part, corners_of, follow_ways
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
-from kinematics.mechanisms.five_rpur.inverse import posture
 from kinematics.mechanisms.five_rpur.paths.events import events
 from kinematics.mechanisms.five_rpur.paths.nearness import warning
 from kinematics.mechanisms.five_rpur.paths.straight import Way

@@ -14,12 +14,13 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kinematics.answers.bounds import decimals
 from kinematics.answers.singularities import Event
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array, finite
 from kinematics.facets.pose_paths import after_part, along
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
-from kinematics.mechanisms.five_rpur.inverse import LINK_SLACK, STROKE_SLACK, decimals
+from kinematics.mechanisms.five_rpur.inverse import LINK_SLACK, STROKE_SLACK
 from kinematics.mechanisms.five_rpur.paths.chebyshev import (
     special_points,
     with_middles,

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from kinematics.answers.bounds import decimals
 from kinematics.answers.solutions import Posture
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
-from kinematics.mechanisms.five_rpur.inverse import decimals
 from kinematics.mechanisms.five_rpur.paths.straight import Way
 
 WARNED = 5.0

@@ -14,6 +14,7 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
+from kinematics.facets import inverse as generic
 from kinematics.machine import machine_of
 from kinematics.mechanisms.five_bar import aspects, curves, inverse, workspace
 from kinematics.mechanisms.five_bar.curve_edges import curve_edge
@@ -121,7 +122,7 @@ def scanned(design: FiveBarDesign, mode: str) -> float:
         rows = np.flatnonzero(length > 0.0)
         if len(rows):
             middle = np.stack([0.5 * (ends[rows, k] + ends[rows, k + 1]), line[rows]], axis=-1)
-            held = inverse.inside(design, middle, (mode,))
+            held = generic.inside(design, middle, (mode,))
             total += float(weight[rows] @ (length[rows] * held))
     return total
 

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinematics.errors import InputError
+from kinematics.facets import inverse as generic
 from kinematics.machine import machine_of
 from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.five_bar import forward, inverse
@@ -25,7 +26,7 @@ lengths = st.floats(50.0, 500.0)
 def test_the_reference(reference: dict[str, Any]) -> None:
     for case in reference["ik_fk"]:
         p = 10.0 * np.array(case["p"])
-        answer = inverse.inverse(PAPER, p)
+        answer = generic.inverse(PAPER, p)
         for n, mode in enumerate(answer.modes):
             wanted = case["ik"][mode]
             np.testing.assert_allclose(answer.joints[n], wanted["theta"], atol=1e-13)
@@ -60,7 +61,7 @@ def test_forward_undoes_inverse(name: str) -> None:
     rng = np.random.default_rng(5)
     reach = float((design.proximal + design.distal).max()) + design.half_base
     p = rng.uniform(-reach, reach, (20000, 2))
-    answer = inverse.inverse(design, p)
+    answer = generic.inverse(design, p)
     for n, mode in enumerate(answer.modes):
         ok = np.isfinite(answer.joints[:, n]).all(axis=-1)
         joints = answer.joints[ok, n]
@@ -71,7 +72,7 @@ def test_forward_undoes_inverse(name: str) -> None:
         assert apart[well].max() < 1e-11 * design.size / 10
         assert inverse.mode_of(design, p[ok], joints) == [mode] * int(ok.sum())
     assert np.nanmax(answer.residual) < 1e-12 * design.size
-    inside = inverse.inside(design, p)
+    inside = generic.inside(design, p)
     np.testing.assert_array_equal(inside, answer.within_stroke.any(axis=1))
 
 
@@ -122,7 +123,7 @@ def test_forward_where_the_circles_touch_and_where_they_coincide() -> None:
 
 
 def test_a_point_on_a_base_joint_closes() -> None:
-    answer = inverse.inverse(PAPER, [-240.0, 0.0])
+    answer = generic.inverse(PAPER, [-240.0, 0.0])
     assert np.isfinite(answer.joints).all()
     assert answer.residual < 1e-12
 
@@ -155,9 +156,9 @@ def test_angles_stay_near_the_middle_of_their_range() -> None:
 @pytest.mark.parametrize("pose", [(1.0,), (1.0, np.nan), (1.0, 2.0, 3.0), ("a", 1.0)])
 def test_broken_poses(pose: Any) -> None:
     with pytest.raises(InputError):
-        inverse.inverse(PAPER, pose)
+        generic.inverse(PAPER, pose)
     with pytest.raises(InputError, match="working mode"):
-        inverse.posture(PAPER, (0.0, 700.0), "+")
+        generic.posture(PAPER, (0.0, 700.0), "+")
 
 
 def test_transforms_lie_in_the_plane() -> None:

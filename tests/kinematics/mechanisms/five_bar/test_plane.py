@@ -13,6 +13,7 @@ from scipy import ndimage
 
 from kinematics.answers.sections import BOUNDS
 from kinematics.errors import InputError
+from kinematics.facets import inverse as generic
 from kinematics.machine import machine_of
 from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.five_bar import aspects, curves, inverse, loci, workspace
@@ -70,7 +71,7 @@ def test_areas_are_those_of_dice(
     reach = r + max(a + b, c + d)
     rng = np.random.default_rng(7)
     p = rng.uniform(-reach, reach, (40000, 2))
-    hit = inverse.inside(design, p, modes)
+    hit = generic.inside(design, p, modes)
     error = 4 * reach**2 * np.sqrt(max(hit.mean() * (1 - hit.mean()), 1e-4) / len(p))
     assert section.area == pytest.approx(hit.mean() * 4 * reach**2, abs=5.5 * error)
     if section.loops:

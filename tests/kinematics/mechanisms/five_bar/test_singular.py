@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from kinematics.facets import inverse as generic
 from kinematics.machine import machine_of
 from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.five_bar import curves, inverse, singularities, workspace
@@ -124,7 +125,7 @@ def test_the_way_back_in(design: object, pose: tuple[float, float], mode: str) -
     angle = rng.uniform(0.0, 2 * np.pi, 4000)
     reach = found.distance * (1.0 - 1e-4) * np.sqrt(rng.uniform(0.0, 1.0, 4000))
     ring = np.array(pose) + reach[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    assert not inverse.inside(design, ring, (mode,)).any()
+    assert not generic.inside(design, ring, (mode,)).any()
     assert found.changes
     for changes in found.changes:
         changed = design

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
+from kinematics.facets.inverse import posture
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.inverse import (
     MODES,
@@ -21,7 +22,6 @@ from kinematics.mechanisms.five_rpur.inverse import (
     joint_points,
     limb_lengths,
     pose_from_transform,
-    posture,
     signs,
     transform,
     wrap_angle,

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinematics.designs.files import load_design
+from kinematics.facets import inverse as generic
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.clearances import clearances
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
@@ -26,7 +27,7 @@ def a_posture(seed: int, reachable: bool = True):
         poses = np.column_stack([rng.uniform(-500, 500, (4000, 3)), rng.uniform(-1, 1, (4000, 2))])
         held = inverse.inverse(design, poses).within_stroke
         at, mode = np.argwhere(held == reachable)[rng.integers(0, (held == reachable).sum())]
-        return design, inverse.posture(design, poses[at], inverse.MODES[mode])
+        return design, generic.posture(design, poses[at], inverse.MODES[mode])
 
 
 def brute(relative, link, sign, radius) -> float:
@@ -97,7 +98,7 @@ def test_at_each_nearest_point_its_bound_is_met(seed):
     for clearance in found:
         away = np.subtract(clearance.point, posture.pose[:3])
         assert np.linalg.norm(away) == pytest.approx(clearance.distance, abs=1e-8)
-        there = inverse.posture(design, (*clearance.point, *posture.pose[3:]), posture.mode)
+        there = generic.posture(design, (*clearance.point, *posture.pose[3:]), posture.mode)
         if clearance.bound == "link":
             short = next(m.amount for m in there.margins if m.limb == clearance.limb)
             assert abs(short) < 1e-9
@@ -126,7 +127,7 @@ def test_boundary_is_the_largest_ball_of_the_mode(seed):
     assert all_held(boundary.distance - 1e-9)
     step = np.subtract(boundary.point, posture.pose[:3]) / boundary.distance
     outside = (*(boundary.point + 1e-6 * step), *posture.pose[3:])
-    assert not inverse.posture(design, outside, posture.mode).reachable
+    assert not generic.posture(design, outside, posture.mode).reachable
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -165,7 +166,7 @@ def test_motions_and_another_reference_point_leave_the_distances(seed):
     pose = (*(turn @ (posture.pose[:3] + turned @ other) + shift), phi, theta + about)
     moved = FiveRPURDesign(limbs)
     before = clearances(design, posture)
-    after = clearances(moved, inverse.posture(moved, pose, posture.mode))
+    after = clearances(moved, generic.posture(moved, pose, posture.mode))
 
     def table(found):
         return {(c.kind, c.limb, c.bound): c.distance for c in found if c.kind != "boundary"}
@@ -177,7 +178,7 @@ def test_a_stroke_from_zero_is_no_boundary():
     zero = (0.0, 0.0, 0.0)
     limb = Limb(zero, zero, 100.0, (0.0, 300.0))
     design = FiveRPURDesign((limb,) * 5)
-    posture = inverse.posture(design, (1.0, 0.0, 100.0, 0.0, 0.0), "+++++")
+    posture = generic.posture(design, (1.0, 0.0, 100.0, 0.0, 0.0), "+++++")
     found = clearances(design, posture)
     assert found[0].distance == pytest.approx(1.0)
     assert found[0].bound == "rho_min"

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kinematics.errors import InputError
+from kinematics.facets import inverse as generic
 from kinematics.mechanisms.four_sps_spr import inverse
 from kinematics.mechanisms.four_sps_spr.constraint import complete_pose, dependent_values
 from kinematics.mechanisms.four_sps_spr.home import home
@@ -116,21 +117,21 @@ def test_a_pose_off_the_constraint_cannot_close_and_says_by_how_much() -> None:
     design = preset()
     pose = np.array(home(design).pose)
     pose[:3] += 3.0 * design.axis
-    posture = inverse.posture(design, pose)
+    posture = generic.posture(design, pose)
     assert not posture.closes
     assert not posture.reachable
     (reason,) = posture.reasons
     assert (reason.limb, reason.bound) == (5, "link")
     assert reason.amount == pytest.approx(3.0)
     assert "3.0 mm off the plane" in reason.text
-    answer = inverse.inverse(design, pose)
+    answer = generic.inverse(design, pose)
     assert np.isnan(answer.joints[0, 4])
     assert not answer.within_stroke.any()
 
 
 def test_reasons_name_limb_and_amount() -> None:
     design = preset()
-    posture = inverse.posture(design, (0.0, 0.0, 700.0, 0.0, 0.0, 0.0))
+    posture = generic.posture(design, (0.0, 0.0, 700.0, 0.0, 0.0, 0.0))
     assert {reason.bound for reason in posture.reasons} <= {"rho_max"}
     for reason in posture.reasons:
         beyond = posture.joints[reason.limb - 1] - design.stroke[reason.limb - 1, 1]
@@ -142,11 +143,11 @@ def test_reasons_name_limb_and_amount() -> None:
 def test_batches_are_their_single_poses() -> None:
     design = general()
     batch = poses(design, 12).reshape(3, 4, 6)
-    answer = inverse.inverse(design, batch)
+    answer = generic.inverse(design, batch)
     assert answer.joints.shape == (3, 4, 1, 5)
     assert answer.within_stroke.shape == (3, 4, 1)
     for n in np.ndindex(3, 4):
-        assert answer.joints[n][0] == pytest.approx(inverse.posture(design, batch[n]).joints)
+        assert answer.joints[n][0] == pytest.approx(generic.posture(design, batch[n]).joints)
     with pytest.raises(ValueError, match="read-only"):
         answer.joints[0] = 0.0
 
@@ -154,4 +155,4 @@ def test_batches_are_their_single_poses() -> None:
 @pytest.mark.parametrize("bad", [(1.0, 2.0, 3.0), (1.0, 2.0, 3.0, 4.0, 5.0, NAN)])
 def test_broken_poses_are_refused(bad) -> None:
     with pytest.raises(InputError):
-        inverse.posture(preset(), bad)
+        generic.posture(preset(), bad)

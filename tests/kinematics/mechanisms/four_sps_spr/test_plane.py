@@ -8,6 +8,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from kinematics.errors import InputError
+from kinematics.facets import inverse as generic
 from kinematics.machine import machine_of
 from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.four_sps_spr import inverse, singularities
@@ -40,7 +41,7 @@ def test_the_region_is_what_strokes_and_constraint_leave(design, angles) -> None
     places = (frame @ np.column_stack([uv, np.zeros(400), np.ones(400)]).T).T[:, :3]
     there = np.hstack([places, np.broadcast_to(angles, (400, 3))])
     assert np.abs(inverse.violation(design, there)).max() < 1e-9
-    held = inverse.inside(design, there)
+    held = generic.inside(design, there)
     assert (held == annuli.inside(rings(design, plane(design, angles)), uv)).all()
     # Every edge is the end of the stroke that it says.
     for k in range(len(section.limb)):
@@ -49,7 +50,7 @@ def test_the_region_is_what_strokes_and_constraint_leave(design, angles) -> None
         limb, end = section.limb[k] - 1, 0 if section.bound[k] == 0 else 1
         assert lengths[:, limb] == pytest.approx(design.stroke[limb, end], abs=1e-7)
     if section.loops:
-        assert inverse.inside(design, at(design, angles, region.inside))[0]
+        assert generic.inside(design, at(design, angles, region.inside))[0]
         assert section.loop_area.sum() == pytest.approx(section.area)
 
 
@@ -185,7 +186,7 @@ def test_a_remedy_is_reachable_and_none_is_nearer(design) -> None:
         here = plane(design, tuple(pose[3:]))
         tried = here.coordinates(pose[:3]) + rng.normal(size=(3000, 2)) * found.distance
         away = np.linalg.norm(tried - here.coordinates(pose[:3]), axis=1)
-        held = inverse.inside(design, at(design, tuple(pose[3:]), tried))
+        held = generic.inside(design, at(design, tuple(pose[3:]), tried))
         assert not (held & (away < found.distance - 1e-6)).any()
         (change,) = found.changes
         changed = design

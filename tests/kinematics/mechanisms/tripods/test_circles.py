@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from kinematics.designs.files import load_design
+from kinematics.facets import inverse as generic
 from kinematics.machine import machine_of
-from kinematics.mechanisms.tripods import circles, clearances, inverse, posing, wrenches
+from kinematics.mechanisms.tripods import circles, clearances, posing, wrenches
 from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind
 from tests.kinematics.mechanisms.tripods.machines import machine, some_machines
 
@@ -81,7 +82,7 @@ def test_beyond_a_stroke_the_circle_is_a_point() -> None:
 @pytest.mark.parametrize("mode", MODES)
 def test_clearances_are_where_they_say(kind: Kind, mode: str) -> None:
     design = machine(kind)
-    here = inverse.posture(design, (180.0, 0.3, 0.5), mode)
+    here = generic.posture(design, (180.0, 0.3, 0.5), mode)
     found = clearances.clearances(design, here)
     assert [c.distance for c in found] == sorted(c.distance for c in found)
     origin = posing.transform(design, here.pose, mode)

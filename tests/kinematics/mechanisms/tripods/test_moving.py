@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from kinematics.designs.files import load_design
+from kinematics.facets import inverse as generic
 from kinematics.machine import machine_of
-from kinematics.mechanisms.tripods import forward, inverse, paths, posing, refreshing
+from kinematics.mechanisms.tripods import forward, paths, posing, refreshing
 from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind, TripodDesign
 from tests.kinematics.mechanisms.tripods.machines import machine, some_machines, some_poses
 
@@ -16,7 +17,7 @@ def test_a_followed_motion_ends_on_its_own_assembly_mode(rng: np.random.Generato
     targets = 0
     for design in some_machines(rng, 30):
         mode = MODES[int(rng.integers(2))]
-        here = inverse.posture(design, some_poses(rng, 1)[0], mode)
+        here = generic.posture(design, some_poses(rng, 1)[0], mode)
         goal = np.abs(np.array(here.joints) + rng.uniform(-60.0, 60.0, 3)) + 1.0
         found = machine_of(design).following.follow(here, goal)
         there = found.posture
@@ -43,7 +44,7 @@ def test_a_motion_stops_where_the_operation_modes_meet(kind: Kind) -> None:
     """Through a tilt of 180°: it stops there exactly, and goes on in either mode."""
     design = TripodDesign(kind, 100.0, 160.0, (1.0, 2000.0))
     poses = [(150.0, tilt, 0.4) for tilt in (np.pi - 0.05, np.pi, np.pi - 0.05)]
-    here, meet, _ = (inverse.posture(design, pose, "2") for pose in poses)
+    here, meet, _ = (generic.posture(design, pose, "2") for pose in poses)
     beyond = 2.0 * np.array(meet.joints) - np.array(here.joints)
     found = machine_of(design).following.follow(here, beyond)
     assert found.stop == "singularity"
@@ -54,7 +55,7 @@ def test_a_motion_stops_where_the_operation_modes_meet(kind: Kind) -> None:
     assert change is not None
     assert change.here
     for start in (change.at, change.other):
-        aside = inverse.posture(
+        aside = generic.posture(
             design, (start.pose[0] + 3.0, np.pi - 0.02, start.pose[2]), start.mode
         )
         on = machine_of(design).following.follow(start, aside.joints)
@@ -81,8 +82,8 @@ def test_a_motion_stops_at_a_fold_and_at_a_stroke() -> None:
 
 def test_what_a_move_of_the_pose_passes() -> None:
     wide = TripodDesign("three_spr", 100.0, 200.0, (1.0, 900.0))
-    before = inverse.posture(wide, (100.0, 0.1, -np.pi / 6), "2")
-    after = inverse.posture(wide, (100.0, 0.8, -np.pi / 6), "2")
+    before = generic.posture(wide, (100.0, 0.1, -np.pi / 6), "2")
+    after = generic.posture(wide, (100.0, 0.8, -np.pi / 6), "2")
     (event,) = paths.passed(wide, before, after)
     assert event.kind == "parallel"
     assert event.pose[1] == pytest.approx(np.pi / 6, abs=1e-9)
@@ -92,13 +93,13 @@ def test_what_a_move_of_the_pose_passes() -> None:
     assert reached.posture.pose[1] == pytest.approx(np.pi / 6, abs=1e-5)
     design = load_design("spr-3")
     home = machine_of(design).home
-    up = inverse.posture(design, (200.0, 0.0, 0.0), "2")
+    up = generic.posture(design, (200.0, 0.0, 0.0), "2")
     events = paths.passed(design, home, up)
     assert {event.limb for event in events} == {1, 2, 3}
     way = paths.path(design, home, [(120.0, 0.0, 0.0), up.pose])
     assert way.stop == "stroke"
     assert way.posture.joints == pytest.approx((design.stroke[1],) * 3, abs=1e-6)
-    other = inverse.posture(design, home.pose, "1")
+    other = generic.posture(design, home.pose, "1")
     assert "operation mode" in paths.passed(design, home, other)[0].text
 
 

@@ -10,8 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kinematics.errors import InputError
+from kinematics.facets import inverse as generic
 from kinematics.machine import machine_of
-from kinematics.mechanisms.tripods import inverse, posing, study
+from kinematics.mechanisms.tripods import posing, study
 from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind, TripodDesign
 from kinematics.mechanisms.tripods.forward import distances
 from tests.kinematics.mechanisms.tripods.machines import (
@@ -32,7 +33,7 @@ def test_the_reference_poses(case: dict) -> None:
     placed = posing.transform(design, pose, mode)
     np.testing.assert_allclose(placed[:3, 3], case["t"], atol=1e-12)
     np.testing.assert_allclose(placed[:3, :3].ravel(), case["R"], atol=1e-12)
-    lengths = inverse.posture(design, pose, mode)
+    lengths = generic.posture(design, pose, mode)
     np.testing.assert_allclose(lengths.joints, case["leg_lengths"], atol=1e-12)
     assert lengths.residual < 1e-13
     found = posing.to_study(design, posing.reduce_poses(design, pose, mode), mode)
@@ -106,7 +107,7 @@ def test_level_and_turned_over(
     back = posing.to_poses(design, posing.reduce_poses(design, pose, mode), mode)
     apart = distances(design, pose[None], (mode,), back[None], (mode,))
     assert apart[0, 0] < 1e-9 * (1.0 + z)
-    assert inverse.posture(design, pose, mode).residual < 1e-10 * (1.0 + z)
+    assert generic.posture(design, pose, mode).residual < 1e-10 * (1.0 + z)
 
 
 def test_the_modes_differ_by_a_half_turn_at_home() -> None:
@@ -119,13 +120,13 @@ def test_the_modes_differ_by_a_half_turn_at_home() -> None:
 @pytest.mark.parametrize("mode", MODES)
 def test_at_90_degrees_a_3_spr_has_no_position(mode: str) -> None:
     design = machine("three_spr")
-    there = inverse.posture(design, (100.0, 0.5 * np.pi, 0.3), mode)
+    there = generic.posture(design, (100.0, 0.5 * np.pi, 0.3), mode)
     assert not there.closes
     assert len(there.reasons) == 3
     assert "X and Y go to infinity" in there.reasons[0].text
-    near = inverse.posture(design, (100.0, 0.5 * np.pi - 1e-4, 0.3), mode)
+    near = generic.posture(design, (100.0, 0.5 * np.pi - 1e-4, 0.3), mode)
     assert min(near.joints) > 1e5
-    assert inverse.posture(machine("three_rps"), (100.0, 0.5 * np.pi, 0.3), mode).closes
+    assert generic.posture(machine("three_rps"), (100.0, 0.5 * np.pi, 0.3), mode).closes
     assert not machine_of(design).clearances.of(there)
     drawn = machine_of(design).drawing(there)
     assert {bar.role for bar in drawn.bars} >= {"gap"}
@@ -134,7 +135,7 @@ def test_at_90_degrees_a_3_spr_has_no_position(mode: str) -> None:
 
 def test_reasons_name_limb_bound_and_amount() -> None:
     design = replace(machine("three_rps"), stroke=(50.0, 120.0))
-    there = inverse.posture(design, (115.0, 0.2, 0.0), "2")
+    there = generic.posture(design, (115.0, 0.2, 0.0), "2")
     assert not there.reachable
     assert [r.limb for r in there.reasons] == [
         i + 1 for i, r in enumerate(there.joints) if not 50 <= r <= 120
@@ -151,9 +152,9 @@ def test_reasons_name_limb_bound_and_amount() -> None:
 def test_what_is_refused() -> None:
     design = machine("three_rps")
     with pytest.raises(InputError, match="operation mode is 1 or 2"):
-        inverse.posture(design, (1.0, 0.0, 0.0), "3")
+        generic.posture(design, (1.0, 0.0, 0.0), "3")
     with pytest.raises(InputError, match="3 numbers"):
-        inverse.posture(design, (1.0, 0.0), "1")
+        generic.posture(design, (1.0, 0.0), "1")
     with pytest.raises(InputError, match="rotation"):
         posing.pose_from_transform(design, np.diag([2.0, 1.0, 1.0, 1.0]), "1")
     with pytest.raises(InputError, match="x0 y0"):

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from kinematics.facets import inverse as generic
 from kinematics.machine import machine_of
 from kinematics.mechanisms.tripods import (
     forward,
-    inverse,
     polynomial,
     posing,
     singularities,
@@ -90,7 +90,7 @@ def test_solutions_merge_where_p_is_zero(rng: np.random.Generator) -> None:
 def test_both_modes_meet_at_180_degrees(kind: Kind) -> None:
     design = machine(kind)
     for mode in MODES:
-        there = inverse.posture(design, (150.0, np.pi, 0.7), mode)
+        there = generic.posture(design, (150.0, np.pi, 0.7), mode)
         change = singularities.mode_change(design, there)
         assert change.here
         assert change.turn == 0.0
@@ -104,7 +104,7 @@ def test_both_modes_meet_at_180_degrees(kind: Kind) -> None:
         assert lost.kind == "constraint"
         assert lost.limbs == (1, 2, 3)
         assert lost.measure < 1e-12
-    level = inverse.posture(design, (150.0, 0.2, 0.7), "2")
+    level = generic.posture(design, (150.0, 0.2, 0.7), "2")
     change = singularities.mode_change(design, level)
     assert not change.here
     assert change.turn == pytest.approx(np.pi - 0.2)
@@ -123,7 +123,7 @@ def test_modes_meet_nowhere_else(kind: Kind, mode: str, rng: np.random.Generator
 
 def test_an_actuation_singularity_is_named_with_its_free_motion() -> None:
     design = machine("three_spr", 100.0, 200.0)
-    there = inverse.posture(design, (100.0, np.pi / 6, -np.pi / 6), "2")
+    there = generic.posture(design, (100.0, np.pi / 6, -np.pi / 6), "2")
     (lost,) = machine_of(design).singularities.at(there)
     assert lost.kind == "parallel"
     assert lost.motion is not None
@@ -134,7 +134,7 @@ def test_an_actuation_singularity_is_named_with_its_free_motion() -> None:
 
 def test_a_limb_without_length_is_a_serial_singularity() -> None:
     design = machine("three_rps", 100.0, 100.0)
-    there = inverse.posture(design, (0.0, 0.0, 0.0), "2")
+    there = generic.posture(design, (0.0, 0.0, 0.0), "2")
     (lost,) = machine_of(design).singularities.at(there)
     assert lost.kind == "serial"
     assert lost.limbs == (1, 2, 3)

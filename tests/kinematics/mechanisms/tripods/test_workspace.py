@@ -7,9 +7,10 @@ import pytest
 
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
+from kinematics.facets import inverse as generic
 from kinematics.facets.solids import build_solid
 from kinematics.machine import machine_of
-from kinematics.mechanisms.tripods import chart, inverse, polynomial, workspace
+from kinematics.mechanisms.tripods import chart, polynomial, workspace
 from kinematics.mechanisms.tripods.design import mode_sign
 
 HOME = (0.0, 0.0, 0.0)
@@ -23,14 +24,14 @@ def test_the_solid_is_what_the_strokes_allow(name: str, rng: np.random.Generator
     low, high = built.mesh.vertices.min(axis=0) - 1.0, built.mesh.vertices.max(axis=0) + 1.0
     points = rng.uniform(low, high, (200_000, 3))
     poses = chart.from_chart(design, points)
-    inside = inverse.inside(design, poses, ("2",)) & (poses[:, 1] <= np.pi)
+    inside = generic.inside(design, poses, ("2",)) & (poses[:, 1] <= np.pi)
     box = float(np.prod(high - low))
     share = inside.mean()
     spread = box * np.sqrt(share * (1.0 - share) / len(points))
     assert abs(built.volume - box * share) < built.volume_error + 4.0 * spread
     np.testing.assert_allclose(chart.to_chart(design, poses), points, atol=1e-9)
     # Vertices lie on an end of a stroke, or on the rim.
-    lengths = inverse.inverse(design, chart.from_chart(design, built.mesh.vertices)).joints
+    lengths = generic.inverse(design, chart.from_chart(design, built.mesh.vertices)).joints
     off = np.abs(lengths[:, 1, :, None] - np.array(design.stroke)).min(axis=(1, 2))
     rim = np.pi - chart.from_chart(design, built.mesh.vertices)[:, 1]
     assert np.minimum(off, np.abs(rim) * design.platform_radius).max() < 1e-3

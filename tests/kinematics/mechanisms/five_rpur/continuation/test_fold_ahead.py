@@ -12,9 +12,10 @@ import pytest
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
 from kinematics.errors import InputError
+from kinematics.facets.inverse import posture
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.forward.assembly import forward
-from kinematics.mechanisms.five_rpur.inverse import inverse, limb_lengths, posture
+from kinematics.mechanisms.five_rpur.inverse import inverse, limb_lengths
 from kinematics.mechanisms.five_rpur.velocity import (
     characteristic_length,
     inverse_jacobian,

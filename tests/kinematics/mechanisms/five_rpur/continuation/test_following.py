@@ -13,15 +13,10 @@ from hypothesis import strategies as st
 
 from kinematics.answers.solutions import Posture
 from kinematics.errors import InputError
+from kinematics.facets.inverse import posture
 from kinematics.homotopy import continuation
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
-from kinematics.mechanisms.five_rpur.inverse import (
-    MODES,
-    inverse,
-    joint_points,
-    limb_lengths,
-    posture,
-)
+from kinematics.mechanisms.five_rpur.inverse import MODES, inverse, joint_points, limb_lengths
 from kinematics.mechanisms.five_rpur.velocity import (
     characteristic_length,
     inverse_jacobian,

@@ -9,10 +9,10 @@ import pytest
 
 from kinematics.answers.solutions import ForwardSolutions, Posture
 from kinematics.designs.files import load_design
+from kinematics.facets.inverse import posture
 from kinematics.mechanisms.five_rpur.arrangements import arrangements
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.forward.assembly import forward
-from kinematics.mechanisms.five_rpur.inverse import posture
 from kinematics.mechanisms.five_rpur.velocity import characteristic_length, wrench_matrix
 from tests.kinematics.mechanisms.five_rpur.machines import distance, following
 

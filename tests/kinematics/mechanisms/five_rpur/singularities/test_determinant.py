@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kinematics.facets.inverse import posture
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
-from kinematics.mechanisms.five_rpur.inverse import MODES, joint_points, posture
+from kinematics.mechanisms.five_rpur.inverse import MODES, joint_points
 from kinematics.mechanisms.five_rpur.singularities.determinant import Determinant
 from kinematics.mechanisms.five_rpur.velocity import wrench_matrix
 from tests.kinematics.mechanisms.five_rpur.machines import preset

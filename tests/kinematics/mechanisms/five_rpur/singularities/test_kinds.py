@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from kinematics.answers.singularities import NEAR, Singularity
 from kinematics.arrays import Array
+from kinematics.facets import inverse as generic
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.forward.assembly import forward
@@ -30,7 +31,7 @@ FOLDS = read("rpur_folds.json")
 def at(
     design: FiveRPURDesign, pose: object, mode: str, tolerance: float = 1e-6
 ) -> tuple[Singularity, ...]:
-    return singularities(design, inverse.posture(design, np.asarray(pose), mode), tolerance)
+    return singularities(design, generic.posture(design, np.asarray(pose), mode), tolerance)
 
 
 def mode_with(design: FiveRPURDesign, pose: object, rho: object) -> str:
@@ -359,7 +360,7 @@ def test_the_measure_is_below_the_tolerance_exactly_where_something_is_told(
     design = preset("rpur-table1")
     rng = np.random.default_rng(seed)
     pose = np.array([*rng.uniform((-100, 20, 250), (200, 150, 450)), *rng.uniform(-0.6, 0.6, 2)])
-    posture = inverse.posture(design, pose, mode)
+    posture = generic.posture(design, pose, mode)
     found = singularities(design, posture, 0.05)
     if not posture.closes:
         assert found == ()
