@@ -97,6 +97,7 @@ class Seat:
     def put(self, label: str, value: Any) -> None:
         """Give a widget another value, as a browser would."""
         handle = self.widget(label)
+        value = str(value) if isinstance(value, str) else value  # a browser sends plain text
         assert type(value) is type(handle.value), (label, handle.value)
         handle._impl.value = value
         self._tell(handle)
