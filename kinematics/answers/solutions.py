@@ -13,7 +13,7 @@ import numpy as np
 
 from kinematics.answers.bounds import Bound, Unit
 from kinematics.answers.modes import Mode
-from kinematics.arrays import Array
+from kinematics.arrays import Array, Frozen
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,8 +168,8 @@ class SelfMotion:
     text: str
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class ForwardSolutions:
+@dataclass(frozen=True, eq=False)
+class ForwardSolutions(Frozen):
     """All assembly modes for one vector of actuated joints; N real solutions, read-only arrays.
 
     Attributes:

@@ -16,10 +16,10 @@ import numpy as np
 from scipy.optimize import fsolve
 
 from kinematics.designs.files import load_design
+from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.forward import families, general
 from kinematics.mechanisms.five_rpur.forward.assembly import forward
-from kinematics.mechanisms.five_rpur.forward.refreshing import refresh
 from kinematics.mechanisms.five_rpur.inverse import limb_lengths
 
 CLASSES = ["a1a1", "a1a2", "a1a3", "a2a2", "a2a3", "a3a3", "mpa1", "mpa2", "mpa3"]
@@ -84,7 +84,7 @@ def by_homotopy() -> None:
     (known,) = forward(design, LENGTHS)
     for change in (0.1, 1.0, 5.0):
         moved = np.array(LENGTHS) + change * np.array([1.0, -0.5, 0.3, 0.8, -1.0])
-        took = median(lambda moved=moved: refresh(design, known, moved), 7)
+        took = median(lambda moved=moved: machine_of(design).forward.refresh(known, moved), 7)
         print(
             f"Table 1  {took:6.3f} s after a change of {change:g} mm, with identities "
             f"({verdict(took, 0.1)}: 0.1 s)"

@@ -12,21 +12,17 @@ from kinematics.answers.motion import Motion, Statics, WrenchSystem
 from kinematics.answers.singularities import AT, Event, ModeChange, Singularity
 from kinematics.answers.solutions import (
     Followed,
-    ForwardSolutions,
     Posture,
-    Refreshed,
 )
 from kinematics.answers.trajectories import NamedTrajectory
 from kinematics.arrays import Array
 from kinematics.facets.clearances import ClearancesFacet
-from kinematics.facets.forward import ForwardFacet
 from kinematics.facets.measures import MeasuresFacet
 from kinematics.facets.motion import MotionFacet
 from kinematics.facets.paths import PathsFacet
 from kinematics.facets.singularities import SingularitiesFacet
 from kinematics.facets.statics import StaticsFacet
 from kinematics.mechanisms.five_bar import (
-    forward,
     loci,
     mode_changes,
     motion,
@@ -35,18 +31,6 @@ from kinematics.mechanisms.five_bar import (
 )
 from kinematics.mechanisms.five_bar import singularities as control
 from kinematics.mechanisms.five_bar.design import FiveBarDesign
-
-
-class FiveBarForward(ForwardFacet[FiveBarDesign]):
-    """TODO"""
-
-    def __call__(
-        self, joints: ArrayLike, *, mixed_modes: bool = False
-    ) -> tuple[ForwardSolutions, ...]:
-        return forward.forward(self.design, joints)
-
-    def refresh(self, before: ForwardSolutions, joints: Sequence[float]) -> Refreshed:
-        return forward.refresh(self.design, before, joints)
 
 
 class FiveBarMotion(MotionFacet[FiveBarDesign]):

@@ -9,14 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from time import perf_counter
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics.answers.solutions import ForwardSolutions, Merged, Refreshed, SelfMotion
 from kinematics.arrays import Array, finite
+from kinematics.facets.forward import ForwardFacet
 from kinematics.mechanisms.five_bar.design import LIMBS, FiveBarDesign
 from kinematics.mechanisms.five_bar.inverse import elbows, in_range, mode_of, normal_angles
 from kinematics.mechanisms.five_bar.joints_line import first_crossing
@@ -54,18 +53,38 @@ def both_points(design: FiveBarDesign, joints: ArrayLike) -> Array:
     return points
 
 
-def forward(design: FiveBarDesign, joints: ArrayLike) -> tuple[ForwardSolutions, ...]:
-    """All assembly modes for each of a batch of joint angles (B, 2), or of one (2,), rad.
+class Forward(ForwardFacet[FiveBarDesign]):
+    """Two circles, two points."""
 
-    Raises:
-        InputError: not finite numbers, or not two of them.
-    """
-    flat = finite(joints, name="the joints", last=LIMBS).reshape(-1, LIMBS)
-    start = perf_counter()
-    points = both_points(design, flat)
-    found = [_solutions(design, q, p) for q, p in zip(flat, points, strict=True)]
-    each = (perf_counter() - start) / max(len(found), 1)
-    return tuple(replace(one, seconds=each) for one in found)
+    def is_quick(self, *, mixed_modes: bool = False) -> bool:
+        return True
+
+    def solve(self, joints: Array, *, mixed_modes: bool) -> list[ForwardSolutions]:
+        points = both_points(self.design, joints)
+        return [_solutions(self.design, q, p) for q, p in zip(joints, points, strict=True)]
+
+    def refresh(self, before: ForwardSolutions, joints: Sequence[float]) -> Refreshed:
+        """An assembly mode keeps its sign of the determinant as long as it is real; where both end
+        on the way, they have merged with each other, and what is real at the end is new.
+        """
+        (now,) = self([joints])
+        crossing = first_crossing(self.design, before.joints, now.joints)
+        if crossing is None and len(before) == len(now):
+            order = [_same_side(before, sign) for sign in np.sign(now.determinant)]
+            kept = tuple(before.identities[n] for n in order)
+            return Refreshed(replace(now, identities=kept), (), ())
+        fresh = max(before.identities, default=-1) + 1
+        new = tuple(range(fresh, fresh + len(now)))
+        merged: tuple[Merged, ...] = ()
+        if len(before):
+            last = before.poses[0] if crossing is None else crossing.point
+            pose = (float(last[0]), float(last[1]))
+            pairs = zip(before.identities, reversed(before.identities), strict=True)
+            merged = tuple(
+                Merged(one, two if two != one else None, pose, before.modes[n])
+                for n, (one, two) in enumerate(pairs)
+            )
+        return Refreshed(replace(now, identities=new), new, merged)
 
 
 def _solutions(design: FiveBarDesign, joints: Array, points: Array) -> ForwardSolutions:
@@ -118,20 +137,16 @@ def _packed(
     gap = np.full(len(points), np.inf)
     if len(points) == LIMBS:
         gap[:] = np.hypot(*(points[0] - points[1]))
-    arrays: dict[str, Any] = {
-        "poses": np.array(points).reshape(-1, 2),
-        "residual": residual,
-        "condition": condition(design, points, q),
-        "determinant": unit[:, 0, 0] * unit[:, 1, 1] - unit[:, 0, 1] * unit[:, 1, 0],
-        "within_stroke": in_range(design, normal_angles(design, q)).all(axis=-1),
-        "multiplicity": np.asarray(multiplicity),
-        "gap": gap,
-        "roots": _complex_points(design, b) if count else np.zeros((0, 2), dtype=complex),
-    }
-    for array in arrays.values():
-        array.setflags(write=False)
     return ForwardSolutions(
         joints=tuple(joints.tolist()),
+        poses=np.array(points).reshape(-1, 2),
+        residual=residual,
+        condition=condition(design, points, q),
+        determinant=unit[:, 0, 0] * unit[:, 1, 1] - unit[:, 0, 1] * unit[:, 1, 0],
+        within_stroke=np.asarray(in_range(design, normal_angles(design, q)).all(axis=-1)),
+        multiplicity=np.asarray(multiplicity),
+        gap=gap,
+        roots=_complex_points(design, b) if count else np.zeros((0, 2), dtype=complex),
         modes=tuple(mode_of(design, points, q)),
         identities=identities,
         complex_count=count,
@@ -141,7 +156,6 @@ def _packed(
         seconds=0.0,
         notes=tuple(notes),
         self_motions=motions,
-        **arrays,
     )
 
 
@@ -168,39 +182,6 @@ def _circle(design: FiveBarDesign, joints: Array, center: Array, radius: float) 
         direction=(1.0, 0.0),
         text="P turns freely about B₁ = B₂ with both actuators locked",
     )
-
-
-# --- identities ----------------------------------------------------------------------------
-
-
-def refresh(design: FiveBarDesign, before: ForwardSolutions, joints: Sequence[float]) -> Refreshed:
-    """All assembly modes at other angles, with the identities they had ``before``.
-
-    The joints move on the straight line in between. An assembly mode keeps its sign of the
-    determinant as long as it is real; where both end on the way, they have merged with each other,
-    and what is real at the end is new.
-
-    Raises:
-        InputError: not two finite numbers.
-    """
-    (now,) = forward(design, [finite(joints, name="the joints", last=LIMBS)])
-    crossing = first_crossing(design, before.joints, now.joints)
-    if crossing is None and len(before) == len(now):
-        order = [_same_side(before, sign) for sign in np.sign(now.determinant)]
-        kept = tuple(before.identities[n] for n in order)
-        return Refreshed(replace(now, identities=kept), (), ())
-    fresh = max(before.identities, default=-1) + 1
-    new = tuple(range(fresh, fresh + len(now)))
-    merged: tuple[Merged, ...] = ()
-    if len(before):
-        last = before.poses[0] if crossing is None else crossing.point
-        pose = (float(last[0]), float(last[1]))
-        pairs = zip(before.identities, reversed(before.identities), strict=True)
-        merged = tuple(
-            Merged(one, two if two != one else None, pose, before.modes[n])
-            for n, (one, two) in enumerate(pairs)
-        )
-    return Refreshed(replace(now, identities=new), new, merged)
 
 
 def _same_side(before: ForwardSolutions, sign: float) -> int:

@@ -41,7 +41,7 @@ class FiveBar(Mechanism[FiveBarDesign]):
     facets: ClassVar = Facets(
         __package__,
         following="following:Following",
-        forward="facets:FiveBarForward",
+        forward="forward:Forward",
         motion="facets:FiveBarMotion",
         statics="facets:FiveBarStatics",
         measures="facets:FiveBarMeasures",

@@ -13,9 +13,7 @@ from kinematics.answers.motion import Motion, Statics, WrenchSystem
 from kinematics.answers.singularities import AT, Event, Singularity
 from kinematics.answers.solutions import (
     Followed,
-    ForwardSolutions,
     Posture,
-    Refreshed,
 )
 from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur import clearances as room
@@ -25,7 +23,6 @@ from kinematics.mechanisms.five_rpur import (
     statics,
 )
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
-from kinematics.mechanisms.five_rpur.forward import assembly, refreshing
 from kinematics.mechanisms.five_rpur.nearest_pose import ways_in
 from kinematics.mechanisms.five_rpur.paths import driving, events
 from kinematics.mechanisms.five_rpur.singularities import curves, kinds
@@ -33,27 +30,11 @@ from kinematics.mechanisms.five_rpur.singularities import curves, kinds
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
     pass
 from kinematics.facets.clearances import ClearancesFacet
-from kinematics.facets.forward import ForwardFacet
 from kinematics.facets.measures import MeasuresFacet
 from kinematics.facets.motion import MotionFacet
 from kinematics.facets.paths import PathsFacet
 from kinematics.facets.singularities import SingularitiesFacet
 from kinematics.facets.statics import StaticsFacet
-
-
-class RPURForward(ForwardFacet[FiveRPURDesign]):
-    """TODO"""
-
-    def __call__(
-        self, joints: ArrayLike, *, mixed_modes: bool = False
-    ) -> tuple[ForwardSolutions, ...]:
-        return assembly.forward(self.design, joints, mixed_modes=mixed_modes)
-
-    def refresh(self, before: ForwardSolutions, joints: Sequence[float]) -> Refreshed:
-        return refreshing.refresh(self.design, before, joints)
-
-    def is_quick(self, *, mixed_modes: bool = False) -> bool:
-        return assembly.forward_is_quick(self.design, mixed_modes=mixed_modes)
 
 
 class RPURMotion(MotionFacet[FiveRPURDesign]):

@@ -42,7 +42,7 @@ class FiveRPUR(Mechanism[FiveRPURDesign]):
         __package__,
         inverse="inverse:RPURInverse",
         following="following:Following",
-        forward="facets:RPURForward",
+        forward="forward.refreshing:Forward",
         motion="facets:RPURMotion",
         statics="facets:RPURStatics",
         singularities="facets:RPURSingularities",

@@ -13,9 +13,7 @@ from kinematics.answers.motion import Motion, Statics, WrenchSystem
 from kinematics.answers.singularities import AT, Event, Singularity
 from kinematics.answers.solutions import (
     Followed,
-    ForwardSolutions,
     Posture,
-    Refreshed,
 )
 from kinematics.arrays import Array
 from kinematics.mechanisms.four_sps_spr import (
@@ -26,29 +24,15 @@ from kinematics.mechanisms.four_sps_spr import (
 from kinematics.mechanisms.four_sps_spr import nearest_pose as remedy
 from kinematics.mechanisms.four_sps_spr import singularities as control
 from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
-from kinematics.mechanisms.four_sps_spr.forward import assembly, refreshing
 
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
     pass
 from kinematics.facets.clearances import ClearancesFacet
-from kinematics.facets.forward import ForwardFacet
 from kinematics.facets.measures import MeasuresFacet
 from kinematics.facets.motion import MotionFacet
 from kinematics.facets.paths import PathsFacet
 from kinematics.facets.singularities import SingularitiesFacet
 from kinematics.facets.statics import StaticsFacet
-
-
-class SPSForward(ForwardFacet[FourSPSSPRDesign]):
-    """TODO"""
-
-    def __call__(
-        self, joints: ArrayLike, *, mixed_modes: bool = False
-    ) -> tuple[ForwardSolutions, ...]:
-        return assembly.forward(self.design, joints)
-
-    def refresh(self, before: ForwardSolutions, joints: Sequence[float]) -> Refreshed:
-        return refreshing.refresh(self.design, before, joints)
 
 
 class SPSMotion(MotionFacet[FourSPSSPRDesign]):

@@ -41,7 +41,7 @@ class FourSPSSPR(Mechanism[FourSPSSPRDesign]):
     facets: ClassVar = Facets(
         __package__,
         following="following:Following",
-        forward="facets:SPSForward",
+        forward="forward.refreshing:Forward",
         motion="facets:SPSMotion",
         statics="facets:SPSStatics",
         measures="facets:SPSMeasures",

@@ -13,18 +13,14 @@ from kinematics.answers.motion import Motion, Statics, WrenchSystem
 from kinematics.answers.singularities import AT, Event, ModeChange, Singularity
 from kinematics.answers.solutions import (
     Followed,
-    ForwardSolutions,
     Posture,
-    Refreshed,
 )
 from kinematics.arrays import Array
 from kinematics.mechanisms.tripods import clearances as room
 from kinematics.mechanisms.tripods import (
-    forward,
     loci,
     motion,
     paths,
-    refreshing,
     wrenches,
 )
 from kinematics.mechanisms.tripods import singularities as singularity
@@ -33,24 +29,11 @@ from kinematics.mechanisms.tripods.design import TripodDesign
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
     pass
 from kinematics.facets.clearances import ClearancesFacet
-from kinematics.facets.forward import ForwardFacet
 from kinematics.facets.measures import MeasuresFacet
 from kinematics.facets.motion import MotionFacet
 from kinematics.facets.paths import PathsFacet
 from kinematics.facets.singularities import SingularitiesFacet
 from kinematics.facets.statics import StaticsFacet
-
-
-class TripodForward(ForwardFacet[TripodDesign]):
-    """TODO"""
-
-    def __call__(
-        self, joints: ArrayLike, *, mixed_modes: bool = False
-    ) -> tuple[ForwardSolutions, ...]:
-        return forward.forward(self.design, joints)
-
-    def refresh(self, before: ForwardSolutions, joints: Sequence[float]) -> Refreshed:
-        return refreshing.refresh(self.design, before, joints)
 
 
 class TripodMotion(MotionFacet[TripodDesign]):

@@ -8,17 +8,16 @@ revolute joints: Z changes its sign, the tilt stays, the azimuth turns by π in 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from time import perf_counter
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinematics.answers.solutions import ForwardSolutions, SelfMotion
-from kinematics.arrays import Array, frozen
-from kinematics.homotopy.assembly_sets import positive_lengths
+from kinematics.arrays import Array
+from kinematics.facets.forward import ForwardFacet, gaps, placed_apart
 from kinematics.mechanisms.tripods import conics, posing
 from kinematics.mechanisms.tripods.conics import Complex
-from kinematics.mechanisms.tripods.design import JOINT_SYMBOLS, MODES, TripodDesign, mode_sign
+from kinematics.mechanisms.tripods.design import MODES, TripodDesign, mode_sign
 from kinematics.mechanisms.tripods.inverse import STROKE_SLACK
 from kinematics.mechanisms.tripods.posing import Reduced
 from kinematics.mechanisms.tripods.wrenches import characteristic_length, condition, wrench_system
@@ -29,39 +28,28 @@ _REAL = 1e-9  # largest imaginary part, relative, of what is real but for roundi
 _SAME = 3e-7  # distance, relative, of solutions that are one, seen several times
 _FAR = 1e6  # beyond it a solution is at infinity
 _MISS = 1e-12  # what a solution may leave of the equations, relative
-_CHUNK = 512  # length vectors at a time
 _METHOD = "two conics a mode in closed form, polished"
 
 
-def forward(design: TripodDesign, joints: ArrayLike) -> tuple[ForwardSolutions, ...]:
-    """All assembly modes for each of some vectors of limb lengths.
+class Forward(ForwardFacet[TripodDesign]):
+    """``roots`` are Study parameters (8, 16), complex, mode 1 first, mirror pairs side by side."""
 
-    Args:
-        joints: (3,) or (..., 3) mm, > 0.
+    keeps_mode = True
 
-    Returns:
-        One set for each vector, in their order; ``roots`` are Study parameters (8, 16), complex,
-        mode 1 first, mirror pairs next to each other. Lengths beyond a stroke are answered too.
+    def is_quick(self, *, mixed_modes: bool = False) -> bool:
+        return True
 
-    Raises:
-        InputError: not three finite positive lengths each.
-    """
-    rho = positive_lengths(joints, JOINT_SYMBOLS)
-    answers: list[ForwardSolutions] = []
-    for part in (rho[n : n + _CHUNK] for n in range(0, len(rho), _CHUNK)):
-        began = perf_counter()
+    def solve(self, joints: Array, *, mixed_modes: bool) -> list[ForwardSolutions]:
+        design = self.design
         h = design.revolute_radius / design.spherical_radius
-        scaled = part / design.spherical_radius
+        scaled = joints / design.spherical_radius
         both: list[list[_Told]] = []
         for mode in MODES:
             r = conics.roots(h, mode_sign(mode), scaled)
             points = np.stack([r.x0, r.x1, r.x2, r.v], axis=-1)
             sets = [_distinct(*one) for one in zip(points, r.miss, strict=True)]
-            both.append(_told(design, part, mode, sets, r.curve.tolist()))
-        seconds = (perf_counter() - began) / len(part)
-        told = zip(part, both[0], both[1], strict=True)
-        answers += [_answer(design, one, a, b, seconds) for one, a, b in told]
-    return tuple(answers)
+            both.append(_told(design, joints, mode, sets, r.curve.tolist()))
+        return [_answer(design, *one) for one in zip(joints, *both, strict=True)]
 
 
 def mirrored(design: TripodDesign, poses: ArrayLike, mode: str) -> Array:
@@ -167,10 +155,7 @@ def _told(
     ]
 
 
-def _answer(
-    design: TripodDesign, rho: Array, first: _Told, second: _Told, seconds: float
-) -> ForwardSolutions:
-    began = perf_counter()
+def _answer(design: TripodDesign, rho: Array, first: _Told, second: _Told) -> ForwardSolutions:
     both = (first, second)
     sets = [told.found for told in both]
     curve = [told.curve for told in both]
@@ -187,9 +172,6 @@ def _answer(
     motions = _self_motions(design, rho, curve)
     low, high = design.stroke
     within = bool(((rho >= low - STROKE_SLACK) & (rho <= high + STROKE_SLACK)).all())
-    arrays = (pose, residual, number, determinant)
-    for array in arrays:
-        array.setflags(write=False)
     return ForwardSolutions(
         joints=tuple(rho.tolist()),
         poses=pose,
@@ -197,18 +179,18 @@ def _answer(
         residual=residual,
         condition=number,
         determinant=determinant,
-        within_stroke=frozen(np.full(len(pose), within)),
-        multiplicity=frozen(np.concatenate(numbers)),
-        gap=frozen(_gaps(design, placed)),
+        within_stroke=np.full(len(pose), within),
+        multiplicity=np.concatenate(numbers),
+        gap=gaps(placed_apart(placed, placed, design.platform_radius)),
         identities=tuple(range(len(pose))),
         complex_count=count,
         expected_count=EXPECTED,
         complete=complete,
         method=_METHOD,
-        seconds=seconds + perf_counter() - began,
+        seconds=0.0,
         notes=_notes(count, len(pose), motions, number, complete=complete),
         self_motions=motions,
-        roots=frozen(np.concatenate(roots).T),
+        roots=np.concatenate(roots).T,
     )
 
 
@@ -219,35 +201,6 @@ def _closed(points: Complex) -> bool:
     other = np.stack([points * np.array([s, s, s, 1.0]) for s in (1.0, -1.0)]).conj()
     apart = np.abs(other[:, :, None] - points[None, None]).max(axis=-1).min(axis=(0, 2))
     return bool((apart <= 1e-6 * (1.0 + np.abs(points).max(axis=-1))).all())
-
-
-def _gaps(design: TripodDesign, placed: Array) -> Array:
-    """(N,) distance of each pose to the nearest other one, mm, angles times h2; inf of a single."""
-    if len(placed) < 2:
-        return np.full(len(placed), np.inf)
-    apart = _apart(design, placed, placed)
-    np.fill_diagonal(apart, np.inf)
-    return np.asarray(apart.min(axis=1))
-
-
-def distances(
-    design: TripodDesign,
-    poses: Array,
-    modes: tuple[str, ...],
-    others: Array,
-    other_modes: tuple[str, ...],
-) -> Array:
-    """(N, M) mm: √(|ΔO′|² + (h2 · angle)²) between all poses of two sets, whatever their modes."""
-    a, b = posing.transform(design, poses, modes), posing.transform(design, others, other_modes)
-    return _apart(design, a, b)
-
-
-def _apart(design: TripodDesign, a: Array, b: Array) -> Array:
-    shift = np.linalg.norm(a[:, None, :3, 3] - b[None, :, :3, 3], axis=-1)
-    # |R1 − R2| = 2 √2 sin(angle/2), which is exact for small angles too.
-    turn = np.linalg.norm(a[:, None, :3, :3] - b[None, :, :3, :3], axis=(-1, -2))
-    angle = 2.0 * np.arcsin(np.clip(turn / np.sqrt(8.0), 0.0, 1.0))
-    return np.asarray(np.hypot(shift, characteristic_length(design) * angle))
 
 
 def _self_motions(design: TripodDesign, rho: Array, curve: list[bool]) -> tuple[SelfMotion, ...]:

@@ -39,7 +39,7 @@ class Tripod(Mechanism[TripodDesign]):
     facets: ClassVar = Facets(
         __package__,
         following="following:Following",
-        forward="facets:TripodForward",
+        forward="forward:Forward",
         motion="facets:TripodMotion",
         statics="facets:TripodStatics",
         measures="facets:TripodMeasures",

@@ -14,12 +14,14 @@ from numpy.typing import NDArray
 
 from kinematics.answers.solutions import ForwardSolutions, Refreshed
 from kinematics.arrays import Array
+from kinematics.facets.forward import ForwardFacet
 from kinematics.homotopy.assembly_tracking import CAREFULLY, arrivals, became, told_apart
 from kinematics.homotopy.tracking import Control, Ending, Index, Tracked, track
 from kinematics.mechanisms.five_rpur.arrangements import arrangements
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.forward.assembly import (
     MODE_SIGNS,
+    forward,
     forward_from,
     forward_is_quick,
     pose_points,
@@ -50,37 +52,42 @@ _THERE = 1e-6  # of the machine's size: an end and the solution that it is
 _TOGETHER = 0.2  # of the machine's size: solutions left at the same fold
 
 
-def refresh(design: FiveRPURDesign, before: ForwardSolutions, joints: Sequence[float]) -> Refreshed:
-    """All assembly modes at other lengths, with the identities they had ``before``.
+class Forward(ForwardFacet[FiveRPURDesign]):
+    """Solving by stages or by a homotopy, and who is who."""
 
-    Raises:
-        InputError: not five finite positive lengths.
-    """
-    now = forward_from(design, before, joints)
-    frame, length = Frame.of(design), characteristic_length(design)
-    starts = _configurations(design, frame, before)
-    g0, g1 = (parameters(design, s.joints, frame) for s in (before, now))
-    tied = () if before.mixed_modes else _ties(design)
-    way = _Following(Deformation(g0, g0._replace(rho2=g1.rho2)), tied)
-    sides = _sides(g0, starts, tied), _sides(g1, _configurations(design, frame, now), tied)
+    def solve(self, joints: Array, *, mixed_modes: bool) -> tuple[ForwardSolutions, ...]:
+        return forward(self.design, joints, mixed_modes=mixed_modes)
 
-    def distances(one: Array, other: Array) -> Array:
-        d = pose_points(one, length)[:, None, :] - pose_points(other, length)[None, :, :]
-        return np.asarray(np.sqrt((d * d).sum(axis=-1)))
+    def is_quick(self, *, mixed_modes: bool = False) -> bool:
+        return forward_is_quick(self.design, mixed_modes=mixed_modes)
 
-    def follow(columns: Index | None) -> Tracked:
-        if columns is None:
-            return _followed(way, starts, _AT_ONCE)
-        return _followed(way.take(columns), starts[:, columns], CAREFULLY)
+    def refresh(self, before: ForwardSolutions, joints: Sequence[float]) -> Refreshed:
+        design = self.design
+        now = forward_from(design, before, joints)
+        frame, length = Frame.of(design), characteristic_length(design)
+        starts = _configurations(design, frame, before)
+        g0, g1 = (parameters(design, s.joints, frame) for s in (before, now))
+        tied = () if before.mixed_modes else _ties(design)
+        way = _Following(Deformation(g0, g0._replace(rho2=g1.rho2)), tied)
+        sides = _sides(g0, starts, tied), _sides(g1, _configurations(design, frame, now), tied)
 
-    def at_ends(ends: Tracked) -> Index:
-        arrived = ends.ended(Ending.REGULAR)
-        poses = to_poses(frame, real_part(ends.values[:, arrived])[0])
-        return arrivals(distances(poses, now.poses), arrived, sides, _THERE * frame.unit)
+        def distances(one: Array, other: Array) -> Array:
+            d = pose_points(one, length)[:, None, :] - pose_points(other, length)[None, :, :]
+            return np.asarray(np.sqrt((d * d).sum(axis=-1)))
 
-    ends, which = became(follow, at_ends)
-    last, near = to_poses(frame, real_part(ends.values)[0]), _TOGETHER * frame.unit
-    return told_apart(before, now, which, last, sides[0], distances, near)
+        def follow(columns: Index | None) -> Tracked:
+            if columns is None:
+                return _followed(way, starts, _AT_ONCE)
+            return _followed(way.take(columns), starts[:, columns], CAREFULLY)
+
+        def at_ends(ends: Tracked) -> Index:
+            arrived = ends.ended(Ending.REGULAR)
+            poses = to_poses(frame, real_part(ends.values[:, arrived])[0])
+            return arrivals(distances(poses, now.poses), arrived, sides, _THERE * frame.unit)
+
+        ends, which = became(follow, at_ends)
+        last, near = to_poses(frame, real_part(ends.values)[0]), _TOGETHER * frame.unit
+        return told_apart(before, now, which, last, sides[0], distances, near)
 
 
 def _followed(way: _Following, starts: Complex, control: Control) -> Tracked:

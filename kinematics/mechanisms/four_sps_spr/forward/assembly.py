@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-from time import perf_counter
-
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from kinematics.answers.solutions import ForwardSolutions
-from kinematics.arrays import Array, frozen
+from kinematics.arrays import Array
+from kinematics.facets.forward import ForwardFacet
 from kinematics.homotopy.assembly_sets import (
     NEAR,
     NONE_FOUND,
     NONE_REAL,
     described,
     grouped,
-    positive_lengths,
 )
 from kinematics.homotopy.solving import Roots
 from kinematics.homotopy.tracking import Complex
 from kinematics.mechanisms.four_sps_spr import closure as moving
-from kinematics.mechanisms.four_sps_spr.design import JOINT_SYMBOLS, FourSPSSPRDesign
+from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
 from kinematics.mechanisms.four_sps_spr.forward.equations import Frame, normal_form, to_transforms
 from kinematics.mechanisms.four_sps_spr.forward.roots import own_start_set, roots_at
 from kinematics.mechanisms.four_sps_spr.forward.self_motion import self_motions
@@ -37,36 +35,21 @@ REAL = 1e-7
 """Largest imaginary part of a real solution, relative to its size; of a double one its root."""
 _DOUBLE_REAL = 1e-4  # as REAL, of solutions where several coincide
 _DOUBLE = 1e-5  # of the characteristic length: closer ones are one, seen twice
-_CHUNK = 16  # length vectors at a time
 _FAR = 500.0  # units: with longer legs the platform is a point to them, and digits are lost
 
 
-def forward(design: FourSPSSPRDesign, joints: ArrayLike) -> tuple[ForwardSolutions, ...]:
-    """All assembly modes for each of some vectors of leg lengths.
+class Solving(ForwardFacet[FourSPSSPRDesign]):
+    """All assembly modes for given leg lengths."""
 
-    Args:
-        joints: (5,) or (..., 5) mm, > 0.
+    noun = "leg lengths"
+    chunk = 16
 
-    Returns:
-        One set for each vector, in their order. No solution, or lengths beyond a stroke, are
-        answers like others.
-
-    Raises:
-        InputError: not five finite positive lengths each.
-    """
-    lengths = positive_lengths(joints, JOINT_SYMBOLS, "leg lengths")
-    answers: list[ForwardSolutions] = []
-    for k in range(0, len(lengths), _CHUNK):
-        part = lengths[k : k + _CHUNK]
-        began = perf_counter()
-        found = roots_at(design, part)
-        made = [_real_ones(design, one, roots) for one, roots in zip(part, found, strict=True)]
-        seconds = (perf_counter() - began) / len(part)
-        answers += [
-            _answer(design, one, roots, real, seconds)
-            for one, roots, real in zip(part, found, made, strict=True)
+    def solve(self, joints: Array, *, mixed_modes: bool) -> list[ForwardSolutions]:
+        found = roots_at(self.design, joints)
+        return [
+            _answer(self.design, one, roots, _real_ones(self.design, one, roots))
+            for one, roots in zip(joints, found, strict=True)
         ]
-    return tuple(answers)
 
 
 class _Real:
@@ -114,9 +97,7 @@ def _nearly_real(
     return int(np.count_nonzero((apart < NEAR) & (away > limit))) // 2
 
 
-def _answer(
-    design: FourSPSSPRDesign, joints: Array, roots: Roots, real: _Real, seconds: float
-) -> ForwardSolutions:
+def _answer(design: FourSPSSPRDesign, joints: Array, roots: Roots, real: _Real) -> ForwardSolutions:
     poses, weights, gap = _merged(design, real)
     count = len(poses)
     generic = own_start_set(design).roots.shape[1]
@@ -136,23 +117,23 @@ def _answer(
         residual = np.maximum(error, np.abs(violation(design, poses)))
     return ForwardSolutions(
         joints=tuple(joints.tolist()),
-        poses=frozen(poses),
+        poses=poses,
         modes=("",) * count,
-        residual=frozen(residual),
-        condition=frozen(condition(design, poses)) if count else frozen(np.zeros(0)),
-        determinant=wrench_system(design, poses).determinant if count else frozen(np.zeros(0)),
-        within_stroke=frozen(np.full(count, reach)),
-        multiplicity=frozen(weights),
-        gap=frozen(gap),
+        residual=residual,
+        condition=condition(design, poses) if count else np.zeros(0),
+        determinant=wrench_system(design, poses).determinant if count else np.zeros(0),
+        within_stroke=np.full(count, reach),
+        multiplicity=weights,
+        gap=gap,
         identities=tuple(range(1, count + 1)),
         complex_count=roots.count,
         expected_count=generic,
         complete=roots.complete and not free and not far,
         method=f"{roots.expected} paths tracked from the design's own start set",
-        seconds=seconds,
+        seconds=0.0,
         notes=notes,
         self_motions=free,
-        roots=frozen(normal_form(roots.values)),
+        roots=normal_form(roots.values),
     )
 
 

@@ -15,8 +15,7 @@ from kinematics.arrays import Array
 from kinematics.homotopy.assembly_tracking import AT_ONCE, CAREFULLY, arrivals, became, told_apart
 from kinematics.homotopy.tracking import Ending, Index, Tracked, track
 from kinematics.mechanisms.four_sps_spr import closure
-from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
-from kinematics.mechanisms.four_sps_spr.forward.assembly import forward, pose_distances
+from kinematics.mechanisms.four_sps_spr.forward.assembly import Solving, pose_distances
 from kinematics.mechanisms.four_sps_spr.forward.equations import (
     Deformation,
     Frame,
@@ -30,35 +29,32 @@ _THERE = 1e-5  # of the characteristic length: an end and the solution that it i
 _TOGETHER = 0.5  # of the characteristic length: solutions left at the same fold
 
 
-def refresh(
-    design: FourSPSSPRDesign, before: ForwardSolutions, joints: Sequence[float]
-) -> Refreshed:
-    """All assembly modes at other lengths, with the identities they had ``before``.
+class Forward(Solving):
+    """Solving, and who is who."""
 
-    Raises:
-        InputError: not five finite positive lengths.
-    """
-    (now,) = forward(design, [joints])
-    frame = Frame.of(design)
-    g0, g1 = (parameters(design, s.joints, frame) for s in (before, now))
-    way = Deformation(g0, g1)
-    starts = from_transforms(frame, rotation(before.poses), before.poses[:, :3])
-    sides = np.sign(before.determinant), np.sign(now.determinant)
-    distances = partial(pose_distances, design)
+    def refresh(self, before: ForwardSolutions, joints: Sequence[float]) -> Refreshed:
+        design = self.design
+        (now,) = self([joints])
+        frame = Frame.of(design)
+        g0, g1 = (parameters(design, s.joints, frame) for s in (before, now))
+        way = Deformation(g0, g1)
+        starts = from_transforms(frame, rotation(before.poses), before.poses[:, :3])
+        sides = np.sign(before.determinant), np.sign(now.determinant)
+        distances = partial(pose_distances, design)
 
-    def follow(columns: Index | None) -> Tracked:
-        if columns is None:
-            return track(way, starts, AT_ONCE)
-        return track(way.take(columns), starts[:, columns], CAREFULLY)
+        def follow(columns: Index | None) -> Tracked:
+            if columns is None:
+                return track(way, starts, AT_ONCE)
+            return track(way.take(columns), starts[:, columns], CAREFULLY)
 
-    def at_ends(ends: Tracked) -> Index:
-        arrived = ends.ended(Ending.REGULAR)
-        apart = distances(_poses(frame, ends)[arrived], now.poses)
-        return arrivals(apart, arrived, sides, _THERE * design.length)
+        def at_ends(ends: Tracked) -> Index:
+            arrived = ends.ended(Ending.REGULAR)
+            apart = distances(_poses(frame, ends)[arrived], now.poses)
+            return arrivals(apart, arrived, sides, _THERE * design.length)
 
-    ends, which = became(follow, at_ends)
-    last, near = _poses(frame, ends), _TOGETHER * design.length
-    return told_apart(before, now, which, last, sides[0], distances, near)
+        ends, which = became(follow, at_ends)
+        last, near = _poses(frame, ends), _TOGETHER * design.length
+        return told_apart(before, now, which, last, sides[0], distances, near)
 
 
 def _poses(frame: Frame, ends: Tracked) -> Array:

@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kinematics.errors import InputError
-from kinematics.mechanisms.tripods import forward, posing, refreshing, study
+from kinematics.machine import machine_of
+from kinematics.mechanisms.tripods import forward, posing, study
 from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind, TripodDesign
 from tests.kinematics.mechanisms.tripods.machines import machine, some_machines, some_poses, stored
 
@@ -45,7 +46,7 @@ def _study(solution: dict) -> np.ndarray:
 def test_the_reference_cases_come_out_whole(case: dict) -> None:
     assert case["mech"] == "RPS"
     design = TripodDesign("three_rps", case["h1"], case["h2"], (0.0, 9.0))
-    (found,) = forward.forward(design, case["r"])
+    (found,) = machine_of(design).forward(case["r"])
     assert found.complete
     assert found.complex_count == found.expected_count == 16
     for mode in (1, 2):
@@ -66,7 +67,7 @@ def test_the_reference_cases_come_out_whole(case: dict) -> None:
 def test_the_cases_of_the_3_spr_are_the_inverses(case: dict) -> None:
     rps = TripodDesign("three_rps", case["h1"], case["h2"], (0.0, 9.0))
     spr = TripodDesign("three_spr", case["h2"], case["h1"], (0.0, 9.0))
-    (ours,), (others,) = forward.forward(spr, case["r"]), forward.forward(rps, case["r"])
+    (ours,), (others,) = machine_of(spr).forward(case["r"]), machine_of(rps).forward(case["r"])
     assert ours.complete
     assert ours.modes == others.modes
     left = np.linalg.inv(posing.transform(rps, others.poses, others.modes))
@@ -81,16 +82,18 @@ def test_solutions_of_inverse_results_hold_the_pose(rng: np.random.Generator) ->
         for mode in MODES:
             poses = some_poses(rng, 10)
             lengths = posing.limb_lengths(design, poses, mode)
-            for pose, found in zip(poses, forward.forward(design, lengths), strict=True):
+            for pose, found in zip(poses, machine_of(design).forward(lengths), strict=True):
                 assert found.complete
-                apart = forward.distances(design, pose[None], (mode,), found.poses, found.modes)
+                apart = machine_of(design).forward.distances(
+                    pose[None], (mode,), found.poses, found.modes
+                )
                 assert apart.min() < 1e-7
                 assert found.residual.max() < 1e-9
 
 
 def test_solutions_are_mirror_pairs(rng: np.random.Generator) -> None:
     for design in some_machines(rng, 10):
-        (found,) = forward.forward(design, rng.uniform(150.0, 400.0, 3))
+        (found,) = machine_of(design).forward(rng.uniform(150.0, 400.0, 3))
         for mode in MODES:
             own = np.array([m == mode for m in found.modes])
             if not own.any():
@@ -99,21 +102,21 @@ def test_solutions_are_mirror_pairs(rng: np.random.Generator) -> None:
             assert len(poses) % 2 == 0
             mirrored = forward.mirrored(design, poses, mode)
             modes = (mode,) * len(poses)
-            apart = forward.distances(design, mirrored, modes, poses, modes)
+            apart = machine_of(design).forward.distances(mirrored, modes, poses, modes)
             assert apart.min(axis=1).max() < 1e-6
             np.testing.assert_allclose(mirrored[:, 0], -poses[:, 0], atol=1e-9)
 
 
 def test_many_random_lengths_are_all_complete(rng: np.random.Generator) -> None:
     for design in some_machines(rng, 20):
-        for found in forward.forward(design, rng.uniform(20.0, 600.0, (25, 3))):
+        for found in machine_of(design).forward(rng.uniform(20.0, 600.0, (25, 3))):
             assert found.complete, (design, found.joints, found.complex_count)
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_equal_limbs_give_the_level_platform_and_triples(kind: Kind) -> None:
     design = machine(kind)
-    (found,) = forward.forward(design, [200.0] * 3)
+    (found,) = machine_of(design).forward([200.0] * 3)
     assert found.complete
     level = found.poses[found.poses[:, 1] < 1e-9]
     assert len(level) >= 2
@@ -124,12 +127,13 @@ def test_equal_limbs_give_the_level_platform_and_triples(kind: Kind) -> None:
         turned = own + np.array([0.0, 0.0, 2.0 * np.pi / 3.0])
         modes = (mode,) * len(own)
         assert (
-            not len(own) or forward.distances(design, turned, modes, own, modes).min(1).max() < 1e-7
+            not len(own)
+            or machine_of(design).forward.distances(turned, modes, own, modes).min(1).max() < 1e-7
         )
 
 
 def test_no_real_solution_is_an_answer() -> None:
-    (found,) = forward.forward(machine("three_rps"), [30.0, 500.0, 30.0])
+    (found,) = machine_of(machine("three_rps")).forward([30.0, 500.0, 30.0])
     assert len(found) == 0
     assert found.complete
     assert "cannot be assembled" in found.notes[0]
@@ -139,7 +143,7 @@ def test_no_real_solution_is_an_answer() -> None:
 def test_a_triangle_of_twice_the_size_moves_freely_on_equal_limbs(kind: Kind) -> None:
     h = (100.0, 200.0) if kind == "three_rps" else (200.0, 100.0)
     design = machine(kind, *h)
-    (found,) = forward.forward(design, [180.0] * 3)
+    (found,) = machine_of(design).forward([180.0] * 3)
     assert not found.complete
     (motion,) = found.self_motions
     pose = np.array(motion.pose)
@@ -150,7 +154,7 @@ def test_a_triangle_of_twice_the_size_moves_freely_on_equal_limbs(kind: Kind) ->
         assert np.abs(moved - 180.0).max() < 1e-5  # of second order in the step
     assert motion.text in found.notes
     # Nearly equal limbs are no exception any more.
-    (near,) = forward.forward(design, [180.0, 180.001, 180.003])
+    (near,) = machine_of(design).forward([180.0, 180.001, 180.003])
     assert near.complete
 
 
@@ -160,7 +164,7 @@ def test_a_triangle_of_twice_the_size_moves_freely_on_equal_limbs(kind: Kind) ->
     joints=st.tuples(*[st.sampled_from([60.0, 99.0, 100.0, 100.0000001, 150.0, 300.0])] * 3),
 )
 def test_round_lengths_never_fail(kind: Kind, h2: float, joints: tuple[float, ...]) -> None:
-    (found,) = forward.forward(machine(kind, 100.0, h2), joints)
+    (found,) = machine_of(machine(kind, 100.0, h2)).forward(joints)
     assert found.complex_count <= 16
     if len(found):
         assert found.residual.max() < 1e-5
@@ -171,7 +175,7 @@ def test_round_lengths_never_fail(kind: Kind, h2: float, joints: tuple[float, ..
 def test_a_turned_over_platform_belongs_to_both_modes() -> None:
     design = machine("three_rps")
     lengths = posing.limb_lengths(design, np.array([120.0, np.pi, 0.4]), "2")
-    (found,) = forward.forward(design, lengths)
+    (found,) = machine_of(design).forward(lengths)
     assert found.complete
     over = [n for n in range(len(found)) if abs(found.poses[n, 1] - np.pi) < 1e-6]
     assert {found.modes[n] for n in over} == {"1", "2"}
@@ -180,7 +184,7 @@ def test_a_turned_over_platform_belongs_to_both_modes() -> None:
 
 def test_a_3_spr_at_90_degrees_is_told_by_the_pose_next_to_it() -> None:
     design = machine("three_spr", 100.0, 100.0)
-    (found,) = forward.forward(design, [150.0] * 3)
+    (found,) = machine_of(design).forward([150.0] * 3)
     assert found.complete
     upright = np.abs(found.poses[:, 1] - 0.5 * np.pi) < 1e-6
     assert upright.sum() == 6
@@ -191,16 +195,16 @@ def test_a_3_spr_at_90_degrees_is_told_by_the_pose_next_to_it() -> None:
 def test_identities_stay_while_limbs_move(rng: np.random.Generator) -> None:
     design = machine("three_rps", 200.0, 100.0)
     joints = np.array([300.0, 310.0, 305.0])
-    (found,) = forward.forward(design, joints)
-    small = refreshing.refresh(design, found, joints + np.array([1.0, -2.0, 0.5]))
+    (found,) = machine_of(design).forward(joints)
+    small = machine_of(design).forward.refresh(found, joints + np.array([1.0, -2.0, 0.5]))
     assert sorted(small.solutions.identities) == sorted(found.identities)
     assert not small.appeared
     assert not small.merged
-    big = refreshing.refresh(design, found, joints + np.array([150.0, 10.0, 0.0]))
+    big = machine_of(design).forward.refresh(found, joints + np.array([150.0, 10.0, 0.0]))
     stayed = set(found.identities) & set(big.solutions.identities)
     assert len(stayed) + len(big.merged) == len(found)
     assert len(stayed) + len(big.appeared) == len(big.solutions)
-    back = refreshing.refresh(design, small.solutions, joints)
+    back = machine_of(design).forward.refresh(small.solutions, joints)
     for identity, pose in zip(found.identities, found.poses, strict=True):
         n = back.solutions.identities.index(identity)
         np.testing.assert_allclose(back.solutions.poses[n], pose, atol=1e-8)
@@ -208,6 +212,6 @@ def test_identities_stay_while_limbs_move(rng: np.random.Generator) -> None:
 
 def test_what_is_refused() -> None:
     with pytest.raises(InputError, match="positive"):
-        forward.forward(machine("three_rps"), [1.0, -1.0, 2.0])
+        machine_of(machine("three_rps")).forward([1.0, -1.0, 2.0])
     with pytest.raises(InputError, match="3 numbers"):
-        forward.forward(machine("three_rps"), [1.0, 2.0])
+        machine_of(machine("three_rps")).forward([1.0, 2.0])

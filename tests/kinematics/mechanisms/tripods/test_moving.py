@@ -8,7 +8,7 @@ import pytest
 from kinematics.designs.files import load_design
 from kinematics.facets import inverse as generic
 from kinematics.machine import machine_of
-from kinematics.mechanisms.tripods import forward, paths, posing, refreshing
+from kinematics.mechanisms.tripods import paths, posing
 from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind, TripodDesign
 from tests.kinematics.mechanisms.tripods.machines import machine, some_machines, some_poses
 
@@ -29,10 +29,12 @@ def test_a_followed_motion_ends_on_its_own_assembly_mode(rng: np.random.Generato
             continue
         targets += 1
         # The full sets, matched on their own way along the same line, say the same.
-        (before,) = forward.forward(design, here.joints)
-        after = refreshing.refresh(design, before, there.joints).solutions
+        (before,) = machine_of(design).forward(here.joints)
+        after = machine_of(design).forward.refresh(before, there.joints).solutions
         start, end = (
-            forward.distances(design, np.array([p.pose]), (mode,), s.poses, s.modes).argmin()
+            machine_of(design)
+            .forward.distances(np.array([p.pose]), (mode,), s.poses, s.modes)
+            .argmin()
             for p, s in ((here, before), (there, after))
         )
         assert before.identities[int(start)] == after.identities[int(end)]

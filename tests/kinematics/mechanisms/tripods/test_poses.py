@@ -14,7 +14,6 @@ from kinematics.facets import inverse as generic
 from kinematics.machine import machine_of
 from kinematics.mechanisms.tripods import posing, study
 from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind, TripodDesign
-from kinematics.mechanisms.tripods.forward import distances
 from tests.kinematics.mechanisms.tripods.machines import (
     NAMES,
     machine,
@@ -105,7 +104,7 @@ def test_level_and_turned_over(
     design = machine(kind)
     pose = np.array([z, tilt, azimuth])
     back = posing.to_poses(design, posing.reduce_poses(design, pose, mode), mode)
-    apart = distances(design, pose[None], (mode,), back[None], (mode,))
+    apart = machine_of(design).forward.distances(pose[None], (mode,), back[None], (mode,))
     assert apart[0, 0] < 1e-9 * (1.0 + z)
     assert generic.posture(design, pose, mode).residual < 1e-10 * (1.0 + z)
 

@@ -9,7 +9,6 @@ from scipy.optimize import brentq
 from kinematics.facets import inverse as generic
 from kinematics.machine import machine_of
 from kinematics.mechanisms.tripods import (
-    forward,
     polynomial,
     posing,
     singularities,
@@ -79,8 +78,8 @@ def test_solutions_merge_where_p_is_zero(rng: np.random.Generator) -> None:
     design, mode = machine("three_spr", 100.0, 200.0), "2"
     pose = np.array([100.0, np.pi / 6, -np.pi / 6])  # where the MICR is met
     lengths = posing.limb_lengths(design, pose, mode)
-    (found,) = forward.forward(design, lengths)
-    apart = forward.distances(design, pose[None], (mode,), found.poses, found.modes)[0]
+    (found,) = machine_of(design).forward(lengths)
+    apart = machine_of(design).forward.distances(pose[None], (mode,), found.poses, found.modes)[0]
     n = int(apart.argmin())
     assert apart[n] < 1e-4
     assert found.multiplicity[n] == 2 or found.gap[n] < 1e-2

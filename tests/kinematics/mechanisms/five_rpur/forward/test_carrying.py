@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from kinematics.designs.files import load_design
+from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur.forward.assembly import forward
-from kinematics.mechanisms.five_rpur.forward.refreshing import refresh
 from tests.kinematics.references import read
 
 FOLDS = read("rpur_folds.json")
@@ -25,7 +25,7 @@ def walk(design, stations, start):
     (found,) = forward(design, start)
     history = [(found, (), ())]
     for joints in stations:
-        answer = refresh(design, found, joints)
+        answer = machine_of(design).forward.refresh(found, joints)
         found = answer.solutions
         history.append((found, answer.appeared, answer.merged))
     return history
@@ -35,7 +35,7 @@ def test_at_the_same_joints_everybody_stays():
     for name in ("rpur-table1", "rpur-a2a3"):
         design = load_design(name)
         (found,) = forward(design, START)
-        again = refresh(design, found, START)
+        again = machine_of(design).forward.refresh(found, START)
         assert not again.appeared
         assert not again.merged
         assert again.solutions.identities == found.identities
@@ -81,7 +81,7 @@ def test_the_two_that_merge_at_the_stored_fold_are_named():
     design = load_design("rpur-table1")
     fold = FOLDS["folds"][0]
     (found,) = forward(design, START + (fold["t"] - 0.05) * WAY)
-    answer = refresh(design, found, START + (fold["t"] + 0.05) * WAY)
+    answer = machine_of(design).forward.refresh(found, START + (fold["t"] + 0.05) * WAY)
     assert len(answer.merged) == 2
     one, other = answer.merged
     assert (one.partner, other.partner) == (other.identity, one.identity)
@@ -95,8 +95,8 @@ def test_the_two_that_merge_at_the_stored_fold_are_named():
 def test_identities_survive_forth_and_back():
     design = load_design("rpur-a1a3")
     (found,) = forward(design, START)
-    there = refresh(design, found, START + 2.0 * WAY)
-    back = refresh(design, there.solutions, START)
+    there = machine_of(design).forward.refresh(found, START + 2.0 * WAY)
+    back = machine_of(design).forward.refresh(there.solutions, START)
     stayed = set(found.identities) & set(back.solutions.identities)
     lost = {m.identity for m in there.merged}
     assert stayed == set(found.identities) - lost
@@ -113,7 +113,7 @@ def test_limbs_of_an_arrangement_pass_their_serial_singularity_as_one():
     for _ in range(12):
         joints = rng.uniform(260, 390, 5)
         (found,) = forward(design, joints)
-        answer = refresh(design, found, joints + rng.uniform(-8, 8, 5))
+        answer = machine_of(design).forward.refresh(found, joints + rng.uniform(-8, 8, 5))
         before, now = by_identity(found), by_identity(answer.solutions)
         for name in set(before) & set(now):
             mode = now[name][0]
@@ -127,8 +127,8 @@ def test_limbs_of_an_arrangement_pass_their_serial_singularity_as_one():
 def test_from_no_solution_and_to_none():
     design = load_design("rpur-table2")
     (none,) = forward(design, [1.0] * 5)
-    answer = refresh(design, none, START)
+    answer = machine_of(design).forward.refresh(none, START)
     assert len(answer.appeared) == len(answer.solutions) > 0
-    gone = refresh(design, answer.solutions, [1.0] * 5)
+    gone = machine_of(design).forward.refresh(answer.solutions, [1.0] * 5)
     assert len(gone.solutions) == 0
     assert len(gone.merged) == len(answer.solutions)

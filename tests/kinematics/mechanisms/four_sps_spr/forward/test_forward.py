@@ -12,7 +12,7 @@ from kinematics.errors import InputError
 from kinematics.machine import machine_of
 from kinematics.mechanisms.four_sps_spr import inverse
 from kinematics.mechanisms.four_sps_spr.forward import monodromy
-from kinematics.mechanisms.four_sps_spr.forward.assembly import forward, pose_distances
+from kinematics.mechanisms.four_sps_spr.forward.assembly import pose_distances
 from kinematics.mechanisms.four_sps_spr.forward.equations import (
     Frame,
     conjugate,
@@ -22,7 +22,6 @@ from kinematics.mechanisms.four_sps_spr.forward.equations import (
     polish,
     to_transforms,
 )
-from kinematics.mechanisms.four_sps_spr.forward.refreshing import refresh
 from kinematics.mechanisms.four_sps_spr.forward.roots import distances, own_start_set, roots_at
 from kinematics.mechanisms.four_sps_spr.forward.start_set import GENERAL_COUNT, general_set
 from kinematics.mechanisms.four_sps_spr.home import home
@@ -46,7 +45,7 @@ def design_of(case):
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["kind"])
 def test_every_reference_solution_is_found_and_no_other(case) -> None:
-    (found,) = forward(design_of(case), case["lengths"])
+    (found,) = machine_of(design_of(case)).forward(case["lengths"])
     assert found.complex_count == found.expected_count == case["n_complex"]
     assert found.complete
     assert len(found) == case["n_real"]
@@ -64,7 +63,7 @@ def test_every_reference_solution_is_found_and_no_other(case) -> None:
 )
 def test_random_poses_are_among_the_solutions_of_their_lengths(design, count: int) -> None:
     there = poses(design, 24, seed=8, tilt=0.8)
-    answers = forward(design, inverse.leg_lengths(design, there))
+    answers = machine_of(design).forward(inverse.leg_lengths(design, there))
     for pose, found in zip(there, answers, strict=True):
         # Of the pentagons, some solutions of single lengths coincide or go to infinity.
         assert found.complete
@@ -80,7 +79,7 @@ def test_a_general_pair_of_planes_has_forty_too() -> None:
     base[:, :2] += rng.normal(size=(5, 2)) * 60.0
     platform[:, :2] += rng.normal(size=(5, 2)) * 30.0
     design = machine(base, platform, (*rng.normal(size=2), 0.0))
-    found = forward(design, inverse.leg_lengths(design, poses(design, 6)))
+    found = machine_of(design).forward(inverse.leg_lengths(design, poses(design, 6)))
     assert {each.complex_count for each in found} == {40}
     for each in found:  # base, platform and axis are plane: mirror images
         mirrored = each.poses * np.array([1.0, 1.0, -1.0, 1.0, -1.0, -1.0])
@@ -102,16 +101,18 @@ def test_the_set_is_closed_under_conjugation_and_regular() -> None:
 def test_batches_are_their_single_vectors() -> None:
     design = preset()
     lengths = inverse.leg_lengths(design, poses(design, 20, seed=2))
-    together = forward(design, lengths.reshape(4, 5, 5))
+    together = machine_of(design).forward(lengths.reshape(4, 5, 5))
     for one, found in zip(lengths[::7], together[::7], strict=True):
-        (alone,) = forward(design, one)
+        (alone,) = machine_of(design).forward(one)
         assert found.poses == pytest.approx(alone.poses, abs=1e-8)
         assert found.joints == tuple(one.tolist())
 
 
 def test_a_level_pentagon_is_a_fourfold_solution() -> None:
     design = pentagons()
-    (found,) = forward(design, inverse.leg_lengths(design, (0.0, 0.0, 560.0, 0.0, 0.0, 0.0)))
+    (found,) = machine_of(design).forward(
+        inverse.leg_lengths(design, (0.0, 0.0, 560.0, 0.0, 0.0, 0.0))
+    )
     assert found.multiplicity.tolist() == [4, 4, 4, 4]
     assert found.complete
     assert any("4-fold" in note for note in found.notes)
@@ -129,7 +130,7 @@ def test_two_solutions_near_a_fold_are_both_there() -> None:
     now = np.array(start.joints)
     before = now + (np.array(fold.joints) - now) * (1.0 - 1e-6)
     beyond = now + (np.array(fold.joints) - now) * (1.0 + 1e-6)
-    (near,), (gone,) = forward(design, before), forward(design, beyond)
+    (near,), (gone,) = machine_of(design).forward(before), machine_of(design).forward(beyond)
     apart = pose_distances(design, np.array([fold.pose]), near.poses)[0]
     assert np.sort(apart)[1] < 1.0
     assert len(gone) == len(near) - 4  # the pair and its mirror image
@@ -138,7 +139,7 @@ def test_two_solutions_near_a_fold_are_both_there() -> None:
 
 
 def test_lengths_that_cannot_be_assembled_have_no_real_solution() -> None:
-    (found,) = forward(preset(), (100.0, 900.0, 100.0, 900.0, 100.0))
+    (found,) = machine_of(preset()).forward((100.0, 900.0, 100.0, 900.0, 100.0))
     assert len(found) == 0
     assert found.complete
     assert any("cannot be assembled" in note for note in found.notes)
@@ -147,12 +148,12 @@ def test_lengths_that_cannot_be_assembled_have_no_real_solution() -> None:
 @pytest.mark.parametrize("bad", [(1.0, 2.0, 3.0), (1.0, 2.0, 3.0, 4.0, -5.0), (0.0,) * 5])
 def test_broken_lengths_are_refused(bad) -> None:
     with pytest.raises(InputError):
-        forward(preset(), bad)
+        machine_of(preset()).forward(bad)
 
 
 def test_absurdly_long_legs_are_never_called_complete() -> None:
     design = preset()
-    (found,) = forward(design, np.full(5, 2e6))
+    (found,) = machine_of(design).forward(np.full(5, 2e6))
     assert not found.complete
     assert any("digits are lost" in note for note in found.notes)
 
@@ -162,9 +163,9 @@ def test_absurdly_long_legs_are_never_called_complete() -> None:
 
 def test_solutions_keep_their_identity_while_legs_move() -> None:
     design = preset()
-    (before,) = forward(design, home(design).joints)
+    (before,) = machine_of(design).forward(home(design).joints)
     joints = np.add(home(design).joints, (3.0, -2.0, 4.0, 1.0, -3.0))
-    after = refresh(design, before, joints)
+    after = machine_of(design).forward.refresh(before, joints)
     assert not after.merged
     assert not after.appeared
     names = after.solutions.identities
@@ -173,7 +174,7 @@ def test_solutions_keep_their_identity_while_legs_move() -> None:
         was = before.poses[before.identities.index(name)]
         moved = pose_distances(design, was[None], after.solutions.poses[n : n + 1])
         assert moved[0, 0] < 60.0
-    back = refresh(design, after.solutions, home(design).joints)
+    back = machine_of(design).forward.refresh(after.solutions, home(design).joints)
     for n, name in enumerate(back.solutions.identities):
         same = before.poses[before.identities.index(name)]
         assert pose_distances(design, same[None], back.solutions.poses[n : n + 1])[0, 0] < 1e-6
@@ -181,10 +182,10 @@ def test_solutions_keep_their_identity_while_legs_move() -> None:
 
 def test_who_merges_is_named_and_who_appears_is_new() -> None:
     design, start = preset(), home(preset())
-    (before,) = forward(design, start.joints)
+    (before,) = machine_of(design).forward(start.joints)
     joints = np.array(start.joints)
     joints[0] -= 40.0
-    after = refresh(design, before, joints)
+    after = machine_of(design).forward.refresh(before, joints)
     partners = {each.identity: each.partner for each in after.merged}
     assert len(partners) == 4
     assert all(partners[other] == name for name, other in partners.items())
