@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -12,6 +12,7 @@ from kinematics.arrays import Array
 
 Role = Literal["base", "platform", "cylinder", "rod", "link", "joint", "rail", "stop", "gap"]
 Frame = Literal["base", "platform"]
+Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,8 +24,8 @@ class Bar:
     """
 
     name: str
-    start: tuple[float, float, float]
-    end: tuple[float, float, float]
+    start: Point
+    end: Point
     radius: float
     role: Role
     limb: int | None = None
@@ -35,7 +36,7 @@ class Body:
     """A rigid body: the hull of balls of ``radius`` about ``points``, fixed in ``frame``."""
 
     name: str
-    points: tuple[tuple[float, float, float], ...]
+    points: tuple[Point, ...]
     radius: float
     role: Role
     frame: Frame
@@ -47,9 +48,9 @@ class Mark:
 
     name: str
     text: str
-    position: tuple[float, float, float]
+    position: Point
     limb: int | None = None
-    direction: tuple[float, float, float] | None = None
+    direction: Point | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +98,40 @@ def direction(along: Array, short: float) -> Array:
     return unit
 
 
-def spot(point: Array) -> tuple[float, float, float]:
+def spot(point: Array) -> Point:
     """A point (3,) as drawings have it."""
     x, y, z = point.tolist()
     return x, y, z
+
+
+def joint(limb: int, key: str, at: Array, half: Array, radius: float) -> Bar:
+    """A joint of a limb (from 1) at (3,): a bar of ``half`` (3,) to both sides, mm.
+
+    A revolute joint is a pin along its axis, a spherical one a bar that is shorter than thick.
+    """
+    return Bar(f"limb{limb}/{key}", spot(at - half), spot(at + half), radius, "joint", limb)
+
+
+def letters(limb: int, **points: Array) -> list[Mark]:
+    """Joint points of a limb (from 1) by their letters, as ``A=(3,)``."""
+    mark = chr(ord("₀") + limb)
+    return [Mark(f"limb{limb}/{key}", f"{key}{mark}", spot(at), limb) for key, at in points.items()]
+
+
+def pedestals(base: Array, floor: float, radius: float) -> Iterator[Bar]:
+    """What base points (N, 3) stand on, from the floor up."""
+    for i, point in enumerate(base):
+        foot = np.array([point[0], point[1], floor])
+        yield Bar(f"limb{i + 1}/pedestal", spot(foot), spot(point), radius, "base")
+
+
+def corners(points: Iterable[Array]) -> tuple[Point, ...]:
+    """The corners of a body, each once."""
+    return tuple(dict.fromkeys(spot(point) for point in points))
+
+
+def round_plate(middle: Array, radius: float, floor: float, count: int) -> tuple[Point, ...]:
+    """The rim of a round plate about (2,), mm."""
+    turns = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
+    x, y = middle[0] + radius * np.cos(turns), middle[1] + radius * np.sin(turns)
+    return corners(np.stack([x, y, np.full(count, floor)], axis=-1))

@@ -18,7 +18,8 @@ from kinematics.answers.solutions import Fold, Followed, Posture, Stop
 from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
 from kinematics.facets.facet import Facet
-from kinematics.homotopy.continuation import Curve, turn_ahead, walk
+from kinematics.homotopy.continuation import turn_ahead, walk
+from kinematics.homotopy.curve import Curve
 from kinematics.homotopy.quadrics import Quadrics
 from kinematics.mechanism import D
 
@@ -64,7 +65,7 @@ class FollowingFacet(Facet[D]):
         Raises:
             InputError: it is not.
         """
-        count = len(self.mechanism.joint_coordinates())
+        count = len(self.mechanism.actuators)
         wanted = finite(joints, name="the joints", last=count)
         if wanted.shape != (count,):
             raise InputError(f"one set of {count} joints can be followed at a time")
@@ -139,7 +140,7 @@ class ClosureFollowing(FollowingFacet[D]):
         if not posture.closes:
             return Followed(posture, "stalled", not_closed_text(posture), 0.0)
         first, now = self._start(posture)
-        coordinates = self.mechanism.joint_coordinates()
+        coordinates = self.mechanism.actuators
         low, high = np.array([(c.lower, c.upper) for c in coordinates]).T
         aim, blocked, share = aimed(now, wanted, low, high)
         symbols = [c.symbol for c in coordinates]
@@ -176,7 +177,7 @@ class ClosureFollowing(FollowingFacet[D]):
         wanted = self.wanted(joints)
         if (wanted < 0.0).any():
             limb = int((wanted < 0.0).argmax())
-            symbol = self.mechanism.joint_coordinates()[limb].symbol
+            symbol = self.mechanism.actuators[limb].symbol
             raise InputError(f"the joints must not be negative, got {symbol} = {wanted[limb]:g} mm")
         if not posture.closes:
             return None

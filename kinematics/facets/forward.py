@@ -50,7 +50,7 @@ class ForwardFacet(Facet[D]):
         Raises:
             InputError: not J finite numbers each; lengths that are not positive.
         """
-        coordinates = self.mechanism.joint_coordinates()
+        coordinates = self.mechanism.actuators
         symbols = [c.symbol for c in coordinates]
         if all(c.unit == "mm" for c in coordinates):
             flat = positive_lengths(joints, symbols, self.noun)

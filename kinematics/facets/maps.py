@@ -57,7 +57,7 @@ class MapsFacet(Facet[D]):
         for key in quantities:
             if key not in known:
                 raise InputError(f"a map shows {', '.join(known)}, not {key!r}")
-        count = len(self.mechanism.pose_coordinates())
+        count = len(self.mechanism.coordinates)
         flat = finite(poses, name="poses", last=count).reshape(-1, count).tolist()
         found = [self.measures(pose, modes, quantities, relative) for pose in flat]
         both = np.array([[one[key] for key in quantities] for one in found])

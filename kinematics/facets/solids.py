@@ -132,7 +132,7 @@ class SolidsFacet(Facet[D]):
         """
         places = np.asarray(points, dtype=float)
         poses = np.tile(np.asarray(pose, dtype=float), (len(places), 1))
-        for n, c in enumerate(self.mechanism.pose_coordinates()):
+        for n, c in enumerate(self.mechanism.coordinates):
             if c.key in ("x", "y", "z"):
                 poses[:, n] = places[:, "xyz".index(c.key)]
         return poses

@@ -11,16 +11,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from kinematics.answers.drawings import Bar, Body, Drawing, Mark
+from kinematics.answers.drawings import Bar, Body, Drawing, Mark, Point, letters
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
-from kinematics.mechanisms.five_bar.design import LIMBS, SUBSCRIPTS, FiveBarDesign
+from kinematics.mechanisms.five_bar.design import LIMBS, FiveBarDesign
 from kinematics.mechanisms.five_bar.inverse import elbows
 
 _PROXIMAL = 1.0, 4.0  # heights of the layers, in layers
 _DISTAL = 2.0, 3.0
-
-Point = tuple[float, float, float]
 
 
 def drawing(design: FiveBarDesign, posture: Posture) -> Drawing:
@@ -29,7 +27,8 @@ def drawing(design: FiveBarDesign, posture: Posture) -> Drawing:
     layer, thick = 0.055 * size, 0.022 * size
     p = np.array(posture.pose)
     closed = [bool(np.isfinite(q)) for q in posture.joints]
-    joints = np.array([q if np.isfinite(q) else _toward(design, i, p) for i, q in _each(posture)])
+    held = enumerate(posture.joints)
+    joints = np.array([q if np.isfinite(q) else _toward(design, i, p) for i, q in held])
     b = elbows(design, joints)
     bars: list[Bar] = []
     points: list[Mark] = []
@@ -57,10 +56,8 @@ def drawing(design: FiveBarDesign, posture: Posture) -> Drawing:
         bars += _stops(design, i, low, size, thick)
         if not closed[i]:
             bars.append(Bar(f"{name}/gap", _t(end, high), _t(p, high), 0.5 * thick, "gap", limb))
-        points += [
-            Mark(f"{name}/A", f"A{SUBSCRIPTS[i]}", _t(a, low + thick), limb),
-            Mark(f"{name}/B", f"B{SUBSCRIPTS[i]}", _t(b[i], max(low, high) + thick), limb),
-        ]
+        tops = np.array([*a, low + thick]), np.array([*b[i], max(low, high) + thick])
+        points += letters(limb, A=tops[0], B=tops[1])
     bars.append(
         Bar(
             "R_P", _t(p, _DISTAL[0] * layer - 1.8 * thick), _t(p, 4.2 * layer), 1.3 * thick, "joint"
@@ -81,10 +78,6 @@ def drawing(design: FiveBarDesign, posture: Posture) -> Drawing:
         ),
         size=size,
     )
-
-
-def _each(posture: Posture) -> Iterator[tuple[int, float]]:
-    return enumerate(posture.joints)
 
 
 def _toward(design: FiveBarDesign, i: int, p: Array) -> float:

@@ -6,10 +6,22 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from kinematics.answers.drawings import Bar, Body, Drawing, Mark, prismatic, spot
+from kinematics.answers.drawings import (
+    Bar,
+    Body,
+    Drawing,
+    Mark,
+    Point,
+    corners,
+    joint,
+    letters,
+    pedestals,
+    prismatic,
+    spot,
+)
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
-from kinematics.mechanisms.five_rpur.design import SUBSCRIPTS, FiveRPURDesign
+from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inverse import joint_points, transform
 from kinematics.screws.spatial import rotation_y
 
@@ -33,30 +45,22 @@ def drawing(design: FiveRPURDesign, posture: Posture) -> Drawing:
         bars += _limb(design, i, a, b, gap_end if gap_end is not None else c, e2, size)
         if gap_end is not None:
             bars.append(Bar(f"limb{limb}/gap", spot(gap_end), spot(c), 0.012 * size, "gap", limb))
-        points += [
-            Mark(f"limb{limb}/A", f"A{SUBSCRIPTS[i]}", spot(a), limb),
-            Mark(f"limb{limb}/B", f"B{SUBSCRIPTS[i]}", spot(b), limb),
-            Mark(f"limb{limb}/C", f"C{SUBSCRIPTS[i]}", spot(c), limb),
-        ]
-    bars += _pedestals(design, size)
-    placed = transform(posture.pose)
-    centre = placed[:3, 3]
-    floor = design.base[:, 2].min() - 0.2 * size
+        points += letters(limb, A=a, B=b, C=c)
+    centre = transform(posture.pose)[:3, 3]
+    floor = float(design.base[:, 2].min() - 0.2 * size)
+    bars += pedestals(design.base, floor, 0.03 * size)
+    # With O', so that even coincident joints make a body.
+    platform = corners([*design.platform, np.zeros(3)])
+    below = design.base.mean(axis=0) * [1, 1, 0] + [0, 0, floor]
     return Drawing(
         bars=tuple(bars),
         bodies=(
-            Body("platform", _hull_points(design.platform), 0.028 * size, "platform", "platform"),
+            Body("platform", platform, 0.028 * size, "platform", "platform"),
             Body("base", _slab(design, floor, size), 0.02 * size, "base", "base"),
         ),
         points=tuple(points),
         axes=(
-            Mark(
-                "e1",
-                "e₁",
-                spot(design.base.mean(axis=0) * [1, 1, 0] + [0, 0, floor]),
-                None,
-                spot(E1),
-            ),
+            Mark("e1", "e₁", spot(below), None, spot(E1)),
             Mark("e2", "e₂", spot(centre), None, spot(e2)),
         ),
         size=size,
@@ -71,21 +75,13 @@ def machine_size(design: FiveRPURDesign) -> float:
 def _limb(
     design: FiveRPURDesign, i: int, a: Array, b: Array, c: Array, e2: Array, size: float
 ) -> Iterator[Bar]:
-    limb, name = i + 1, f"limb{i + 1}"
-    thick = 0.026 * size
+    limb, thick = i + 1, 0.026 * size
     yield from prismatic(limb, a, b, design.stroke[i], thick, 1e-9 * size)
-    yield Bar(f"{name}/link", spot(b), spot(c), 0.5 * thick, "link", limb)
+    yield Bar(f"limb{limb}/link", spot(b), spot(c), 0.5 * thick, "link", limb)
     # R joint at A about e1; U joint at B about e1 and e2; R joint at C about e2.
     for key, at, axis in (("R_A", a, E1), ("U_B1", b, E1), ("U_B2", b, e2), ("R_C", c, e2)):
         reach = (1.5 if key == "R_A" else 1.15) * thick
-        yield Bar(
-            f"{name}/{key}",
-            spot(at - reach * axis),
-            spot(at + reach * axis),
-            0.62 * thick,
-            "joint",
-            limb,
-        )
+        yield joint(limb, key, at, reach * axis, 0.62 * thick)
 
 
 def _nearest_closure(design: FiveRPURDesign, i: int, c: Array, a: Array) -> tuple[Array, Array]:
@@ -97,26 +93,11 @@ def _nearest_closure(design: FiveRPURDesign, i: int, c: Array, a: Array) -> tupl
     return elbow, tip
 
 
-def _pedestals(design: FiveRPURDesign, size: float) -> Iterator[Bar]:
-    floor = design.base[:, 2].min() - 0.2 * size
-    for i, a in enumerate(design.base):
-        foot = np.array([a[0], a[1], floor])
-        yield Bar(f"limb{i + 1}/pedestal", spot(foot), spot(a), 0.03 * size, "base")
-
-
-def _slab(
-    design: FiveRPURDesign, floor: float, size: float
-) -> tuple[tuple[float, float, float], ...]:
+def _slab(design: FiveRPURDesign, floor: float, size: float) -> tuple[Point, ...]:
     reach = 0.12 * size
-    corners = [
-        (x + dx, y + dy, floor)
+    return corners(
+        np.array([x + dx, y + dy, floor])
         for x, y, _ in design.base
         for dx in (-reach, reach)
         for dy in (-reach, reach)
-    ]
-    return tuple(spot(np.array(p)) for p in dict.fromkeys(corners))
-
-
-def _hull_points(points: Array) -> tuple[tuple[float, float, float], ...]:
-    """The platform's joints and its origin O', so that even coincident joints make a body."""
-    return tuple(dict.fromkeys((*(spot(p) for p in points), (0.0, 0.0, 0.0))))
+    )

@@ -6,7 +6,20 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from kinematics.answers.drawings import Bar, Body, Drawing, Mark, direction, prismatic, spot
+from kinematics.answers.drawings import (
+    Bar,
+    Body,
+    Drawing,
+    Mark,
+    corners,
+    direction,
+    joint,
+    letters,
+    pedestals,
+    prismatic,
+    round_plate,
+    spot,
+)
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
 from kinematics.mechanisms.tripods import posing
@@ -28,16 +41,15 @@ def drawing(design: TripodDesign, posture: Posture) -> Drawing:
     for i in range(LIMBS):
         limb = i + 1
         if posture.closes:
-            bars += _limb(design, i, a[i], b[i], axes[i], size)
+            bars += _limb(design, limb, a[i], b[i], axes[i], size)
         else:
             bars.append(Bar(f"limb{limb}/gap", spot(a[i]), spot(b[i]), 0.012 * size, "gap", limb))
-        points += [
-            Mark(f"limb{limb}/A", f"A{SUBSCRIPTS[i]}", spot(a[i]), limb),
-            Mark(f"limb{limb}/B", f"B{SUBSCRIPTS[i]}", spot(b[i]), limb),
-        ]
+        points += letters(limb, A=a[i], B=b[i])
         hinge = a[i] if design.revolute_on_base else b[i]
         marks.append(Mark(f"s{limb}", f"s{SUBSCRIPTS[i]}", spot(hinge), limb, spot(axes[i])))
-    bars += _pedestals(a, size)
+    floor, platform = -0.12 * size, corners(design.platform_radius * RADIAL)
+    bars += pedestals(a, floor, 0.032 * size)
+    plate = round_plate(np.zeros(2), design.base_radius + 0.1 * size, floor, _CORNERS)
     centre, azimuth = matrix[:3, 3], float(pose[2])
     tilt_axis = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
     marks += [
@@ -48,8 +60,8 @@ def drawing(design: TripodDesign, posture: Posture) -> Drawing:
     return Drawing(
         bars=tuple(bars),
         bodies=(
-            Body("platform", _platform(design), 0.02 * size, "platform", "platform"),
-            Body("base", _plate(design, size), 0.02 * size, "base", "base"),
+            Body("platform", platform, 0.02 * size, "platform", "platform"),
+            Body("base", plate, 0.02 * size, "base", "base"),
         ),
         points=tuple(points),
         axes=tuple(marks),
@@ -58,35 +70,11 @@ def drawing(design: TripodDesign, posture: Posture) -> Drawing:
 
 
 def _limb(
-    design: TripodDesign, i: int, a: Array, b: Array, axis: Array, size: float
+    design: TripodDesign, limb: int, a: Array, b: Array, axis: Array, size: float
 ) -> Iterator[Bar]:
-    limb, name = i + 1, f"limb{i + 1}"
     unit, thick = direction(b - a, 1e-9 * size), 0.026 * size
     yield from prismatic(limb, a, b, np.array(design.stroke), thick, 1e-9 * size)
-    # A revolute joint is a pin along its axis, a spherical one a ball: a bar shorter than thick.
     hinge, ball = (a, b) if design.revolute_on_base else (b, a)
     pin, round_ = ("R_A", "S_B") if design.revolute_on_base else ("R_B", "S_A")
-    half = 1.7 * thick * axis
-    yield Bar(f"{name}/{pin}", spot(hinge - half), spot(hinge + half), 0.7 * thick, "joint", limb)
-    half = 0.4 * thick * unit
-    yield Bar(f"{name}/{round_}", spot(ball - half), spot(ball + half), 1.3 * thick, "joint", limb)
-
-
-def _pedestals(a: Array, size: float) -> Iterator[Bar]:
-    for i in range(LIMBS):
-        foot = a[i] - np.array([0.0, 0.0, 0.12 * size])
-        yield Bar(f"limb{i + 1}/pedestal", spot(foot), spot(a[i]), 0.032 * size, "base")
-
-
-def _platform(design: TripodDesign) -> tuple[tuple[float, float, float], ...]:
-    """The triangle of its joints, cut at the corners, and the side at joint 1 told by a tip."""
-    corners = design.platform_radius * RADIAL
-    return tuple(spot(corner) for corner in corners)
-
-
-def _plate(design: TripodDesign, size: float) -> tuple[tuple[float, float, float], ...]:
-    turns = np.linspace(0.0, 2.0 * np.pi, _CORNERS, endpoint=False)
-    radius, floor = design.base_radius + 0.1 * size, -0.12 * size
-    return tuple(
-        spot(np.array([radius * np.cos(turn), radius * np.sin(turn), floor])) for turn in turns
-    )
+    yield joint(limb, pin, hinge, 1.7 * thick * axis, 0.7 * thick)
+    yield joint(limb, round_, ball, 0.4 * thick * unit, 1.3 * thick)

@@ -11,7 +11,8 @@ import pytest
 from kinematics.answers.solutions import Fold, Followed, Margin, Posture
 from kinematics.errors import InputError
 from kinematics.facets.following import ClosureFollowing
-from kinematics.homotopy.continuation import Curve, turn_ahead, walk
+from kinematics.homotopy.continuation import turn_ahead, walk
+from kinematics.homotopy.curve import Curve
 from kinematics.homotopy.quadrics import Quadrics, square, unknowns
 from kinematics.mechanism import Coordinate
 
@@ -27,7 +28,7 @@ class Slider(ClosureFollowing):
 
     def __init__(self, low: float, high: float) -> None:
         stroke = (Coordinate("s", "s", "mm", low, high, limb=1),)
-        super().__init__(SimpleNamespace(design=None, joint_coordinates=lambda: stroke))
+        super().__init__(SimpleNamespace(design=None, actuators=stroke))
 
     def closure(self, mode: str) -> Quadrics:
         y, s = unknowns(2)

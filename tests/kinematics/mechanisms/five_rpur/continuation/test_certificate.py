@@ -13,7 +13,8 @@ from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
 from kinematics.designs.files import load_design
 from kinematics.facets.inverse import posture
-from kinematics.homotopy.continuation import LAMBDA, Curve, Middle, Piece, Place, ahead
+from kinematics.homotopy.continuation import ahead
+from kinematics.homotopy.curve import LAMBDA, Curve, Middle, Piece, Place
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.forward.assembly import forward
 from kinematics.mechanisms.five_rpur.velocity import characteristic_length, inverse_jacobian
