@@ -17,14 +17,19 @@ from importlib import import_module
 from typing import Any, ClassVar, Generic, Literal, Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from kinematics.answers.bounds import Bound
 from kinematics.answers.drawings import Drawing
 from kinematics.answers.modes import Mode, noun
+from kinematics.answers.motion import Wrenches, WrenchName
 from kinematics.answers.solutions import Finding, Posture
 from kinematics.arrays import Array
 from kinematics.errors import InputError
+from kinematics.screws.spatial import cross_matrix
+
+TINY = 1e-30
+"""The imaginary time of derivatives: nothing beside the numbers, and far from underflow."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +71,9 @@ class DesignField:
 
 _GENERIC = {
     "inverse": "kinematics.facets.inverse:InverseFacet",
+    "motion": "kinematics.facets.motion:MotionFacet",
+    "statics": "kinematics.facets.statics:StaticsFacet",
+    "singularities": "kinematics.facets.singularities:SingularitiesFacet",
 }
 
 
@@ -118,6 +126,8 @@ class Mechanism(ABC, Generic[D]):
         mode_noun: what they are: "working mode", "operation mode", "mode" of both kinds; "" where
             there is one mode only.
         snap: mm or rad within which joints that a pose gives back are those it was solved for.
+        wrench_names: of the wrenches that its limbs exert, actuators first; the first rows of
+            `wrenches`. Those after them are the same in every posture.
         facets: the kind's own facets by name (`kinematics.machine.Machine`); a facet that is not
             named is the generic one, or None where there is no generic one.
     """
@@ -128,6 +138,7 @@ class Mechanism(ABC, Generic[D]):
     modes: tuple[Mode, ...]
     mode_noun: str
     snap: ClassVar[float] = 1e-9
+    wrench_names: ClassVar[tuple[WrenchName, ...]]
     facets: ClassVar[Mapping[str, type[Any]]]
 
     def __init_subclass__(cls) -> None:
@@ -296,6 +307,55 @@ class Mechanism(ABC, Generic[D]):
     def why_not(self, bound: Bound, pose: Array, mode: str, amount: float) -> str:
         """Why a pose (P,) is ``amount`` beyond a bound, in words; "": as of every joint's range."""
         return ""
+
+    # --- motion and forces
+
+    def placement(self, poses: ArrayLike, mode: str) -> Array:
+        """`transform` (..., 4, 4) where the machine can be assembled; NaN elsewhere."""
+        return self.transform(poses, mode)
+
+    @abstractmethod
+    def velocity_axes(self, poses: Array, mode: str) -> Array:
+        """(..., 6, P): the velocity [v of O′, ω] for a unit rate of each coordinate of the pose.
+
+        Analytic in the poses: complex ones are handed in for the derivative along a motion.
+        """
+
+    @abstractmethod
+    def wrenches(self, placement: Array, mode: str) -> Wrenches:
+        """What actuators and constraints exert on the platform placed at (..., 4, 4).
+
+        NaN for limbs that cannot close. Analytic in the placement: complex ones are handed in for
+        the derivative along a motion, and where there is none the answer to those is NaN.
+
+        Args:
+            mode: one, or whatever else the mechanism takes for a batch of them.
+        """
+
+    @property
+    def largest_gain(self) -> Array | float:
+        """(J,) the most that the gains of `wrenches` can be: 1, or a crank's length in mm."""
+        return 1.0
+
+    def bias(self, placement: Array, mode: str, velocity: Array, joint_rates: Array) -> Array:
+        """(..., 6): β of row · [a, α] + β = gain · joint acceleration (0 for constraints).
+
+        β = d(row)/dt · [v, ω] − d(gain)/dt · joint rate, here to rounding by the imaginary part of
+        `wrenches` at a placement moved by an imaginary time.
+
+        Args:
+            velocity: (..., 6) [v, ω] of the platform.
+            joint_rates: (..., J).
+        """
+        rate = np.zeros((*np.broadcast_shapes(velocity.shape[:-1], placement.shape[:-2]), 4, 4))
+        rate[..., :3, :3] = cross_matrix(velocity[..., 3:]) @ placement[..., :3, :3]
+        rate[..., :3, 3] = velocity[..., :3]
+        moved: NDArray[Any] = placement + 1j * TINY * rate
+        with np.errstate(divide="ignore", invalid="ignore"):  # complex NaN warn
+            rows, gain, _ = self.wrenches(moved, mode)
+            answer: Array = (rows.imag / TINY @ velocity[..., None])[..., 0]
+        answer[..., : gain.shape[-1]] -= gain.imag / TINY * joint_rates
+        return answer
 
     # --- the machine as people see it
 

@@ -8,7 +8,7 @@ in the base frame. Lengths mm, angles rad, time s. Arrays are read-only.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from kinematics.arrays import Array, Frozen
 
@@ -49,6 +49,22 @@ class WrenchName:
     symbol: str
 
 
+class Wrenches(NamedTuple):
+    """Six wrenches at a batch of placements, as a mechanism supplies them (`Mechanism.wrenches`).
+
+    Attributes:
+        rows: (..., 6, 6) [F, T about O′], those of the J actuators first; unit forces, or unit
+            couples where the force vanishes. row · [v, ω] is gain · joint rate of an actuator, 0 of
+            a constraint.
+        gain: (..., J) 1, or mm per rad; 0 in a serial singularity.
+        point: (..., 6, 3) mm, a point on each wrench's line; O′ for couples.
+    """
+
+    rows: Array
+    gain: Array
+    point: Array
+
+
 @dataclass(frozen=True, eq=False)
 class WrenchSystem(Frozen):
     """The wrenches that a machine can exert on its platform at a batch of postures.
@@ -60,12 +76,14 @@ class WrenchSystem(Frozen):
         determinant: (...,) of the rows, moments of forces divided by a characteristic length and
             couples as units (`wrenches.determinant`); zero exactly at parallel and constraint
             singularities.
+        gain: (..., J) power per joint rate and unit of the actuator's wrench, see `Wrenches`.
     """
 
     names: tuple[WrenchName, ...]
     rows: Array
     point: Array
     determinant: Array
+    gain: Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -51,6 +51,13 @@ def _rotation(angle: ArrayLike, first: int, second: int) -> Array:
     return matrix
 
 
+def cross_matrix(vectors: Array) -> Array:
+    """(..., 3) → (..., 3, 3): the matrix that is v × when it is multiplied by."""
+    matrix = np.zeros((*vectors.shape, 3))
+    matrix[..., 2, 1], matrix[..., 0, 2], matrix[..., 1, 0] = np.moveaxis(vectors, -1, 0)
+    return matrix - matrix.swapaxes(-1, -2)
+
+
 def homogeneous(rotation: ArrayLike, translation: ArrayLike) -> Array:
     """4x4 matrices from rotations (..., 3, 3) and translations (..., 3) in mm."""
     r = np.asarray(rotation, dtype=float)

@@ -13,9 +13,10 @@ from statistics import median
 
 from kinematics.designs.files import load_design
 from kinematics.facets.solids import RESOLUTIONS
+from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur.singularities.aspects import aspects
 from kinematics.mechanisms.five_rpur.singularities.ball import singularity_free_ball
-from kinematics.mechanisms.five_rpur.singularities.curves import SPECS, locus
+from kinematics.mechanisms.five_rpur.singularities.curves import Loci
 from kinematics.mechanisms.five_rpur.singularities.nearest import nearest_singularity
 from kinematics.mechanisms.five_rpur.workspace.workspace import workspace
 
@@ -53,10 +54,10 @@ def main() -> None:
             f"but for {built.locus_unplaced}"
         )
         pose = (80.0, 100.0, 300.0, phi, theta)
-        for spec in SPECS:
+        for spec in Loci.loci:
             measured(
                 f"curves    {where} {spec.key}",
-                lambda k=spec.key, p=pose, m=mode: locus(design, k, p, m),
+                lambda k=spec.key, p=pose, m=mode: machine_of(design).singularities.locus(k, p, m),
             )
         measured(f"nearest   {where}", lambda p=pose, m=mode: nearest_singularity(design, p, m))
         measured(

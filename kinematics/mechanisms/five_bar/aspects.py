@@ -25,7 +25,7 @@ from kinematics.mechanisms.five_bar.curve_edges import curve_edge
 from kinematics.mechanisms.five_bar.curves import pieces
 from kinematics.mechanisms.five_bar.design import LIMBS, FiveBarDesign
 from kinematics.mechanisms.five_bar.inverse import MODES, joints_of
-from kinematics.mechanisms.five_bar.motion import sines
+from kinematics.mechanisms.five_bar.statics import sines
 from kinematics.plane import arcs, regions
 from kinematics.plane.arcs import Edge
 

@@ -19,7 +19,7 @@ from kinematics.facets.forward import ForwardFacet
 from kinematics.mechanisms.five_bar.design import LIMBS, FiveBarDesign
 from kinematics.mechanisms.five_bar.inverse import elbows, in_range, mode_of, normal_angles
 from kinematics.mechanisms.five_bar.joints_line import first_crossing
-from kinematics.mechanisms.five_bar.motion import condition
+from kinematics.mechanisms.five_bar.statics import condition
 
 MEETING = 1e-12
 """Part of the size: circles that miss each other by less touch; centres that near coincide."""

@@ -11,7 +11,7 @@ from kinematics.arrays import Array
 from kinematics.facets.inverse import posture
 from kinematics.mechanisms.five_bar.design import FiveBarDesign
 from kinematics.mechanisms.five_bar.inverse import MODES, in_range, joints_of
-from kinematics.mechanisms.five_bar.motion import condition, sines
+from kinematics.mechanisms.five_bar.statics import condition, sines
 
 GRID = 81
 _ORDER = ("+-", "-+", "++", "--")  # elbows outwards first, as in Fig. 1 of the paper

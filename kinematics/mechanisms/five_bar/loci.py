@@ -15,6 +15,7 @@ from kinematics.answers.sections import BOUNDS
 from kinematics.answers.singularities import SingularityKind
 from kinematics.arrays import Array
 from kinematics.errors import InputError
+from kinematics.facets.singularities import SingularitiesFacet
 from kinematics.mechanisms.five_bar import workspace
 from kinematics.mechanisms.five_bar.curves import closure, pieces, sampled
 from kinematics.mechanisms.five_bar.design import LIMBS, FiveBarDesign
@@ -35,38 +36,46 @@ SPECS = (
 _Curve = tuple[Array, SingularityKind, int, Array]
 
 
-def locus(design: FiveBarDesign, key: str, mode: str) -> LocusCurves:
-    """The curves of a chart of `SPECS`.
+class Loci(SingularitiesFacet[FiveBarDesign]):
+    """The charts, in the plane and over the driven angles."""
 
-    "plane": serial and parallel ones in one working mode; "plane-all": in all of them; "joints":
-    those of all working modes over (θ_1, θ_2), where they do not depend on the mode.
+    loci = SPECS
 
-    Raises:
-        InputError: there is no such chart, or no such mode.
-    """
-    signs(mode)
-    if key in ("plane", "plane-all"):
-        modes = (mode,) if key == "plane" else MODES
-        curves = [*_serial_plane(design, modes), *_parallel_plane(design, modes)]
-        reach = design.half_base + float((design.proximal + design.distal).max())
-        bounds = np.array([[-reach, reach], [-reach, reach]])
-    elif key == "joints":
-        curves = [*_serial_joints(design), *_parallel_joints(design)]
-        low, high = design.joint_range.T
-        free = np.isinf(low)
-        bounds = np.stack([np.where(free, -np.pi, low), np.where(free, np.pi, high)], axis=-1)
-    else:
-        known = ", ".join(spec.key for spec in SPECS)
-        raise InputError(f"a five-bar has no loci {key!r}; known are {known}")
-    counts = [len(points) for points, *_ in curves]
-    return LocusCurves(
-        points=np.concatenate([np.zeros((0, 2)), *(points for points, *_ in curves)]),
-        start=np.concatenate([[0], np.cumsum(counts)]).astype(int),
-        kinds=tuple(kind for _, kind, _, _ in curves),
-        limb=np.array([limb for _, _, limb, _ in curves], dtype=int),
-        residual=np.concatenate([np.zeros(0), *(left for *_, left in curves)]),
-        bounds=bounds,
-    )
+    def locus(
+        self, key: str, pose: Sequence[float], mode: str, at: float | None = None
+    ) -> LocusCurves:
+        """The curves of a chart of `SPECS`.
+
+        "plane": serial and parallel ones in one working mode; "plane-all": in all of them;
+        "joints": those of all working modes over (θ_1, θ_2), where they do not depend on the mode.
+
+        Raises:
+            InputError: there is no such chart, or no such mode.
+        """
+        design = self.design
+        signs(mode)
+        if key in ("plane", "plane-all"):
+            modes = (mode,) if key == "plane" else MODES
+            curves = [*_serial_plane(design, modes), *_parallel_plane(design, modes)]
+            reach = design.half_base + float((design.proximal + design.distal).max())
+            bounds = np.array([[-reach, reach], [-reach, reach]])
+        elif key == "joints":
+            curves = [*_serial_joints(design), *_parallel_joints(design)]
+            low, high = design.joint_range.T
+            free = np.isinf(low)
+            bounds = np.stack([np.where(free, -np.pi, low), np.where(free, np.pi, high)], axis=-1)
+        else:
+            known = ", ".join(spec.key for spec in SPECS)
+            raise InputError(f"a five-bar has no loci {key!r}; known are {known}")
+        counts = [len(points) for points, *_ in curves]
+        return LocusCurves(
+            points=np.concatenate([np.zeros((0, 2)), *(points for points, *_ in curves)]),
+            start=np.concatenate([[0], np.cumsum(counts)]).astype(int),
+            kinds=tuple(kind for _, kind, _, _ in curves),
+            limb=np.array([limb for _, _, limb, _ in curves], dtype=int),
+            residual=np.concatenate([np.zeros(0), *(left for *_, left in curves)]),
+            bounds=bounds,
+        )
 
 
 def base_points(design: FiveBarDesign) -> list[int]:

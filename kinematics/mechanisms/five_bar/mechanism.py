@@ -11,10 +11,8 @@ from numpy.typing import ArrayLike
 
 from kinematics.answers.bounds import Bound
 from kinematics.answers.drawings import Drawing
-from kinematics.answers.solutions import (
-    Finding,
-    Posture,
-)
+from kinematics.answers.motion import Wrenches
+from kinematics.answers.solutions import Finding, Posture
 from kinematics.arrays import Array, largest
 from kinematics.mechanism import Coordinate, Facets, Mechanism
 from kinematics.mechanisms.five_bar import design as designs
@@ -23,6 +21,7 @@ from kinematics.mechanisms.five_bar import (
     home,
     inverse,
     motion,
+    statics,
 )
 from kinematics.mechanisms.five_bar import findings as remarks
 from kinematics.mechanisms.five_bar import texts as about
@@ -38,15 +37,15 @@ class FiveBar(Mechanism[FiveBarDesign]):
     modes = inverse.MODES
     snap = inf  # angles that are known are taken as they are, also where a limb is stretched
     bounds = inverse.LIMITS
+    wrench_names = statics.NAMES
     facets: ClassVar = Facets(
         __package__,
         following="following:Following",
         forward="forward:Forward",
-        motion="facets:FiveBarMotion",
-        statics="facets:FiveBarStatics",
-        measures="facets:FiveBarMeasures",
-        singularities="facets:FiveBarSingularities",
-        clearances="facets:FiveBarClearances",
+        statics="statics:Statics",
+        measures="measures:Measures",
+        singularities="singularities:Singularities",
+        clearances="clearances:Clearances",
         paths="facets:FiveBarPaths",
         regions="regions:Regions",
     )
@@ -95,9 +94,22 @@ class FiveBar(Mechanism[FiveBarDesign]):
     def pose_from_transform(self, transform: ArrayLike, mode: str = "") -> tuple[float, ...]:
         return inverse.pose_from_transform(transform)
 
+    def velocity_axes(self, poses: Array, mode: str) -> Array:
+        return motion.velocity_axes(poses)
+
+    def wrenches(self, placement: Array, mode: str) -> Wrenches:
+        return statics.wrenches(self.design, placement, mode)
+
+    @property
+    def largest_gain(self) -> Array:
+        return self.design.proximal
+
+    def bias(self, placement: Array, mode: str, velocity: Array, joint_rates: Array) -> Array:
+        return motion.bias(self.design, placement, mode, velocity, joint_rates)
+
     def drawing(self, posture: Posture) -> Drawing:
         return drawing.drawing(self.design, posture)
 
     @property
     def length(self) -> float:
-        return motion.characteristic_length(self.design)
+        return float(self.design.proximal.mean())

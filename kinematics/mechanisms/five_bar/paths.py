@@ -23,7 +23,7 @@ from kinematics.facets.pose_paths import after_part, along, corners_of, follow_w
 from kinematics.mechanisms.five_bar.curves import sextic
 from kinematics.mechanisms.five_bar.design import LIMBS, SUBSCRIPTS, FiveBarDesign
 from kinematics.mechanisms.five_bar.inverse import in_range, joints_of, signs
-from kinematics.mechanisms.five_bar.motion import sines
+from kinematics.mechanisms.five_bar.statics import sines
 
 GAP = 1e-6
 """mm by which a path stops before a singularity."""

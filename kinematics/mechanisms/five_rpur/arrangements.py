@@ -30,7 +30,6 @@ from kinematics.answers.solutions import Finding
 from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur.design import LIMBS, SUBSCRIPTS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inverse import MODES, inside, signs
-from kinematics.mechanisms.five_rpur.velocity import characteristic_length
 
 PairKind = Literal["A1", "A2", "A3", "same"]
 
@@ -294,7 +293,7 @@ def _normalised_determinant(design: FiveRPURDesign, poses: Array, sigma: Array) 
     """|det| of the six wrenches over the product of their norms, in the turned frame.
 
     With the couple along e1 × e2 (the frame's z') taken out, rows are the force −(qX, pY, pq)
-    and its moments about e2 and e1; see `kinematics.mechanisms.five_rpur.velocity`.
+    and its moments about e2 and e1; see `kinematics.mechanisms.five_rpur.statics`.
     """
     theta, phi = poses[:, 4, None], poses[:, 3, None]
     c, s, cf, sf = np.cos(theta), np.sin(theta), np.cos(phi), np.sin(phi)
@@ -305,7 +304,7 @@ def _normalised_determinant(design: FiveRPURDesign, poses: Array, sigma: Array) 
     y = poses[:, 1, None] + my - design.base[:, 1]
     q = sigma * np.sqrt((design.link**2 - y**2).astype(complex))
     p = z - q
-    length = characteristic_length(design)
+    length = design.length
     force = np.stack([q * x, p * y, p * q], axis=-1)
     # B − O' = (s_x, m_y − Y, m_z − q); its moment with the force about e2 (x') and e1 (y').
     about_e2 = (my - y) * force[..., 2] - (mz - q) * force[..., 1]

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+
 from kinematics.arrays import Array, read_only
 from kinematics.designs.schema import Key, Schema, ordered, point, positive
 
@@ -61,6 +63,17 @@ class FiveRPURDesign:
     def stroke(self) -> Array:
         """(5, 2) mm: ρ_min and ρ_max, read-only."""
         return read_only([limb.stroke for limb in self.limbs])
+
+    @cached_property
+    def length(self) -> float:
+        """The characteristic length, mm, that makes rotations comparable with displacements.
+
+        The root mean square distance of the platform points from their centroid; where they all
+        coincide, the mean link length.
+        """
+        spread = self.platform - self.platform.mean(axis=0)
+        length = float(np.sqrt((spread**2).sum(axis=1).mean()))
+        return length if length > 1e-9 * float(self.link.max()) else float(self.link.mean())
 
 
 # --- design files --------------------------------------------------------------------------

@@ -10,10 +10,8 @@ from numpy.typing import ArrayLike
 
 from kinematics.answers.bounds import Bound
 from kinematics.answers.drawings import Drawing
-from kinematics.answers.solutions import (
-    Finding,
-    Posture,
-)
+from kinematics.answers.motion import Wrenches
+from kinematics.answers.solutions import Finding, Posture
 from kinematics.arrays import Array, largest
 from kinematics.mechanism import Coordinate, Facets, Mechanism
 from kinematics.mechanisms.five_rpur import (
@@ -21,7 +19,8 @@ from kinematics.mechanisms.five_rpur import (
     drawing,
     home,
     inverse,
-    velocity,
+    motion,
+    statics,
 )
 from kinematics.mechanisms.five_rpur import design as designs
 from kinematics.mechanisms.five_rpur import texts as about
@@ -38,17 +37,16 @@ class FiveRPUR(Mechanism[FiveRPURDesign]):
     modes = inverse.MODES
     snap = inverse.SNAP
     bounds = inverse.LIMITS
+    wrench_names = statics.NAMES
     facets: ClassVar = Facets(
         __package__,
         inverse="inverse:RPURInverse",
         following="following:Following",
         forward="forward.refreshing:Forward",
-        motion="facets:RPURMotion",
-        statics="facets:RPURStatics",
-        singularities="facets:RPURSingularities",
+        singularities="singularities.kinds:Singularities",
         clearances="facets:RPURClearances",
         paths="facets:RPURPaths",
-        measures="facets:RPURMeasures",
+        measures="measures:Measures",
         solids="solids:Solids",
         sections="sections:Sections",
         maps="maps:Maps",
@@ -100,12 +98,18 @@ class FiveRPUR(Mechanism[FiveRPURDesign]):
     def pose_from_transform(self, transform: ArrayLike, mode: str) -> tuple[float, ...]:
         return tuple(float(v) for v in inverse.pose_from_transform(transform))
 
+    def velocity_axes(self, poses: Array, mode: str) -> Array:
+        return motion.velocity_axes(poses)
+
+    def wrenches(self, placement: Array, mode: str) -> Wrenches:
+        return statics.wrenches(self.design, placement, mode)
+
     def drawing(self, posture: Posture) -> Drawing:
         return drawing.drawing(self.design, posture)
 
     @property
     def length(self) -> float:
-        return velocity.characteristic_length(self.design)
+        return self.design.length
 
     @classmethod
     def prepare(cls) -> None:

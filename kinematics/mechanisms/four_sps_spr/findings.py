@@ -12,7 +12,7 @@ from kinematics.errors import InputError
 from kinematics.mechanisms.four_sps_spr.constraint import complete_pose
 from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
 from kinematics.mechanisms.four_sps_spr.home import home
-from kinematics.mechanisms.four_sps_spr.wrenches import legs, matrix, scaled, singular_values
+from kinematics.mechanisms.four_sps_spr.statics import legs, matrix, sizes
 
 SINGULAR = 1e-9
 """Smallest singular value of G, relative to the largest, below which a layout is singular."""
@@ -133,8 +133,8 @@ def _sampled(design: FourSPSSPRDesign, *, level: bool) -> Array:
 
 
 def _ratio(design: FourSPSSPRDesign, poses: Array) -> Array:
-    sizes = singular_values(scaled(matrix(legs(design, poses)), design.length))
-    ratio: Array = sizes[:, -1] / np.maximum(sizes[:, 0], 1e-300)
+    values = sizes(matrix(legs(design, poses)), design.length)
+    ratio: Array = values[:, -1] / np.maximum(values[:, 0], 1e-300)
     return ratio
 
 
@@ -142,6 +142,6 @@ def _ranks(design: FourSPSSPRDesign, poses: Array) -> np.ndarray:
     """(n,) of G at poses (n, 6)."""
     if not len(poses):
         return np.zeros(0, dtype=int)
-    sizes = singular_values(scaled(matrix(legs(design, poses)), design.length))
-    ranks: np.ndarray = (sizes > SINGULAR * sizes[:, :1]).sum(axis=1)
+    values = sizes(matrix(legs(design, poses)), design.length)
+    ranks: np.ndarray = (values > SINGULAR * values[:, :1]).sum(axis=1)
     return ranks

@@ -10,10 +10,8 @@ from numpy.typing import ArrayLike
 
 from kinematics.answers.bounds import Bound
 from kinematics.answers.drawings import Drawing
-from kinematics.answers.solutions import (
-    Finding,
-    Posture,
-)
+from kinematics.answers.motion import Wrenches
+from kinematics.answers.solutions import Finding, Posture
 from kinematics.arrays import Array, largest
 from kinematics.mechanism import Coordinate, Facets, Mechanism
 from kinematics.mechanisms.four_sps_spr import (
@@ -23,6 +21,8 @@ from kinematics.mechanisms.four_sps_spr import (
     findings,
     home,
     inverse,
+    motion,
+    statics,
 )
 from kinematics.mechanisms.four_sps_spr import design as designs
 from kinematics.mechanisms.four_sps_spr import texts as about
@@ -38,15 +38,14 @@ class FourSPSSPR(Mechanism[FourSPSSPRDesign]):
     modes = inverse.MODES
     snap = inverse.SNAP
     bounds = inverse.LIMITS
+    wrench_names = statics.NAMES
     facets: ClassVar = Facets(
         __package__,
         following="following:Following",
         forward="forward.refreshing:Forward",
-        motion="facets:SPSMotion",
-        statics="facets:SPSStatics",
-        measures="facets:SPSMeasures",
-        singularities="facets:SPSSingularities",
-        clearances="facets:SPSClearances",
+        measures="measures:Measures",
+        singularities="singularities:Singularities",
+        clearances="clearances:Clearances",
         paths="facets:SPSPaths",
         regions="regions:Regions",
         solids="solids:Solids",
@@ -107,6 +106,15 @@ class FourSPSSPR(Mechanism[FourSPSSPRDesign]):
 
     def pose_from_transform(self, transform: ArrayLike, mode: str = "") -> tuple[float, ...]:
         return dragging.pose_from_transform(self.design, transform)
+
+    def placement(self, poses: ArrayLike, mode: str) -> Array:
+        return motion.placement(self.design, poses)
+
+    def velocity_axes(self, poses: Array, mode: str) -> Array:
+        return motion.velocity_axes(poses)
+
+    def wrenches(self, placement: Array, mode: str) -> Wrenches:
+        return statics.wrenches(self.design, placement)
 
     def drawing(self, posture: Posture) -> Drawing:
         return drawing.drawing(self.design, posture)

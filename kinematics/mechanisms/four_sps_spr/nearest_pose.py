@@ -9,6 +9,7 @@ import numpy as np
 from kinematics.answers.bounds import decimals as digits
 from kinematics.answers.clearances import DesignChange, Remedy
 from kinematics.answers.solutions import Posture
+from kinematics.facets.clearances import ClearancesFacet
 from kinematics.facets.inverse import posture
 from kinematics.mechanisms.four_sps_spr.constraint import complete_pose
 from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
@@ -18,35 +19,38 @@ from kinematics.mechanisms.four_sps_spr.plane import nearest_place
 _HALVINGS = 40
 
 
-def remedy(design: FourSPSSPRDesign, wanted: Posture) -> Remedy:
-    """The ways out of a posture that cannot be held.
+class NearestPose(ClearancesFacet[FourSPSSPRDesign]):
+    """Exact at the orientation: a plane region bounded by arcs."""
 
-    The nearest posture at the same orientation is exact: the nearest point of a plane region
-    bounded by arcs. Where that region is empty, the orientation is turned towards that of home as
-    little as it takes, which is not proven to be the nearest of all.
-    """
-    if wanted.reachable:
-        return Remedy(wanted, 0.0, (), "this pose can be held")
-    found = _at(design, wanted, wanted.pose[3:])
-    error = 0.0
-    if found is not None:
-        text = f"the nearest pose that can be held is {_mm(found[1])} away"
-    else:
-        found = _turned(design, wanted)
-        error = float("inf")
-        text = (
-            "no place can be held at this orientation, and none was found at others"
-            if found is None
-            else "no place can be held at this orientation; one that can, turned towards home, "
-            f"is {_mm(found[1])} away"
+    def nearest_pose(self, posture: Posture) -> Remedy:
+        """The ways out of a posture that cannot be held.
+
+        Where the region is empty, the orientation is turned towards that of home as little as it
+        takes, which is not proven to be the nearest of all.
+        """
+        design, wanted = self.design, posture
+        if wanted.reachable:
+            return Remedy(wanted, 0.0, (), "this pose can be held")
+        found = _at(design, wanted, wanted.pose[3:])
+        error = 0.0
+        if found is not None:
+            text = f"the nearest pose that can be held is {_mm(found[1])} away"
+        else:
+            found = _turned(design, wanted)
+            error = float("inf")
+            text = (
+                "no place can be held at this orientation, and none was found at others"
+                if found is None
+                else "no place can be held at this orientation; one that can, turned towards home, "
+                f"is {_mm(found[1])} away"
+            )
+        return Remedy(
+            nearest=None if found is None else found[0],
+            distance=float("inf") if found is None else found[1],
+            changes=_changes(design, wanted),
+            text=text,
+            error=error,
         )
-    return Remedy(
-        nearest=None if found is None else found[0],
-        distance=float("inf") if found is None else found[1],
-        changes=_changes(design, wanted),
-        text=text,
-        error=error,
-    )
 
 
 def _at(

@@ -25,7 +25,8 @@ from kinematics.mechanisms.four_sps_spr.inverse import (
     violation,
     wrap_angle,
 )
-from kinematics.mechanisms.four_sps_spr.wrenches import wrench_system
+from kinematics.mechanisms.four_sps_spr.statics import legs, matrix
+from kinematics.screws.wrenches import determinant
 
 _PLACES = 65
 _HALVINGS = 40
@@ -97,7 +98,7 @@ class _Way:
         low, high = self.design.stroke.T
         return np.column_stack(
             [
-                wrench_system(self.design, poses).determinant,
+                determinant(matrix(legs(self.design, poses)), self.design.length),
                 lengths - low + STROKE_SLACK,
                 high - lengths + STROKE_SLACK,
             ]

@@ -17,8 +17,9 @@ import numpy as np
 from kinematics.arrays import Array
 from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
 from kinematics.mechanisms.four_sps_spr.plane import Plane, plane
-from kinematics.mechanisms.four_sps_spr.wrenches import legs, matrix, scaled
+from kinematics.mechanisms.four_sps_spr.statics import legs, matrix
 from kinematics.plane.contours import Contours, zero_curves
+from kinematics.screws.wrenches import scale
 
 _DEGREE = 3
 _NODES = 6  # along each axis of the interpolation
@@ -119,7 +120,7 @@ def _determinants(
     places = here.place(uv)
     poses = np.hstack([places, np.broadcast_to(np.asarray(angles), (len(places), 3))])
     at = legs(design, poses)
-    rows = scaled(matrix(at), design.length)
+    rows = matrix(at) / scale(design.length)
     product = np.prod(at.length, axis=1)
     hadamard = np.prod(np.linalg.norm(rows, axis=-1), axis=-1)
     answer: Array = np.linalg.det(rows) * product

@@ -31,7 +31,7 @@ from kinematics.mechanisms.four_sps_spr.design import LIMBS, SPR, FourSPSSPRDesi
 from kinematics.mechanisms.four_sps_spr.inverse import wrap_angle
 from kinematics.mechanisms.four_sps_spr.motion import angular_axes
 from kinematics.mechanisms.four_sps_spr.plane import plane, rings
-from kinematics.mechanisms.four_sps_spr.wrenches import legs
+from kinematics.mechanisms.four_sps_spr.statics import legs
 from kinematics.plane.annuli import Rings, rings_moments
 from kinematics.solids.isosurfaces import positive_part
 

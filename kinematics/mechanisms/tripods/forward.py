@@ -20,7 +20,8 @@ from kinematics.mechanisms.tripods.conics import Complex
 from kinematics.mechanisms.tripods.design import MODES, TripodDesign, mode_sign
 from kinematics.mechanisms.tripods.inverse import STROKE_SLACK
 from kinematics.mechanisms.tripods.posing import Reduced
-from kinematics.mechanisms.tripods.wrenches import characteristic_length, condition, wrench_system
+from kinematics.mechanisms.tripods.statics import wrenches
+from kinematics.screws.wrenches import condition, determinant
 
 EXPECTED = 16
 _EACH = 8  # in one operation mode
@@ -138,14 +139,15 @@ def _told(
     off = posing.limb_lengths(design, poses, mode) - np.repeat(rho, counts, axis=0)
     a, b, c, d = np.concatenate([one.everything for one in sets]).T
     roots = posing.to_study(design, Reduced(a, b, c, radius * d), mode)
+    held = wrenches(design, posing.placement(design, poses, mode))
     each = [
         np.split(values, np.cumsum(counts)[:-1])
         for values in (
             poses,
             posing.transform(design, poses, mode),
             np.abs(off).max(axis=-1, initial=0.0),
-            condition(design, poses, mode),
-            wrench_system(design, poses, mode).determinant,
+            condition(held, design.platform_radius),
+            determinant(held.rows, design.platform_radius),
         )
     ]
     whole = np.split(roots, np.cumsum([len(one.everything) for one in sets])[:-1])
@@ -242,7 +244,7 @@ def _self_motions(design: TripodDesign, rho: Array, curve: list[bool]) -> tuple[
 
 def free_direction(design: TripodDesign, pose: Array, mode: str) -> tuple[float, ...]:
     """d(Z, θ, φ) of unit length, angles times h2, that changes the limb lengths least."""
-    length = characteristic_length(design)
+    length = design.platform_radius
     step = 1e-6
     scale = np.array([length, 1.0, 1.0]) * step
     up, down = (

@@ -8,6 +8,7 @@ missed and none has to be found on a grid.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -17,6 +18,7 @@ from kinematics.answers.loci import LocusCurves, LocusSpec
 from kinematics.answers.singularities import SingularityKind
 from kinematics.arrays import Array
 from kinematics.errors import InputError
+from kinematics.facets.singularities import SingularitiesFacet
 from kinematics.mechanisms.tripods import polynomial
 from kinematics.mechanisms.tripods.design import Kind, TripodDesign, mode_sign
 from kinematics.mechanisms.tripods.micr import RING, critical_tilts
@@ -44,36 +46,46 @@ _RIM = 181  # points of the constraint circle
 _PARTED = 12  # times a piece is parted that should not have to be
 
 
-def locus(design: TripodDesign, key: str, altitude: float, mode: str) -> LocusCurves:
-    """Actuation singularities at an altitude and the constraint singularity at a tilt of 180°.
+class Loci(SingularitiesFacet[TripodDesign]):
+    """The chart of orientations at an altitude."""
 
-    ``barriers`` of a 3-SPR is its ring at 90°, where no position has the altitude.
+    loci = LOCI
 
-    Raises:
-        InputError: there is no such chart, or the altitude is not finite.
-    """
-    if key != ORIENTATION:
-        raise InputError(f"there is no chart {key!r}; known is {ORIENTATION}")
-    if not np.isfinite(altitude):
-        raise InputError("the altitude must be a finite number")
-    k = mode_sign(mode) * design.platform_radius / design.base_radius
-    z = altitude / design.base_radius
-    curves = singular_curves(design.mechanism, k, z)
-    rim = np.stack([np.full(_RIM, np.pi), np.linspace(-np.pi, np.pi, _RIM)], axis=-1)
-    rim[-1] = rim[0]
-    points = np.concatenate([*curves, rim])
-    residual = np.concatenate([_residual(design.mechanism, k, z, points[:-_RIM]), np.zeros(_RIM)])
-    kinds: list[SingularityKind] = ["parallel"] * len(curves)
-    kinds.append("constraint")
-    return LocusCurves(
-        points=points,
-        start=np.cumsum([0, *(len(curve) for curve in curves), _RIM]).astype(np.int64),
-        kinds=tuple(kinds),
-        limb=np.zeros(len(kinds), dtype=np.int64),
-        residual=residual,
-        bounds=np.array([[0.0, np.pi], [-np.pi, np.pi]]),
-        barriers=() if design.revolute_on_base else (RING,),
-    )
+    def locus(
+        self, key: str, pose: Sequence[float], mode: str, at: float | None = None
+    ) -> LocusCurves:
+        """Actuation singularities at an altitude and the constraint singularity at a tilt of 180°.
+
+        ``barriers`` of a 3-SPR is its ring at 90°, where no position has the altitude.
+
+        Raises:
+            InputError: there is no such chart, or the altitude is not finite.
+        """
+        design, altitude = self.design, float(pose[0])
+        if key != ORIENTATION:
+            raise InputError(f"there is no chart {key!r}; known is {ORIENTATION}")
+        if not np.isfinite(altitude):
+            raise InputError("the altitude must be a finite number")
+        k = mode_sign(mode) * design.platform_radius / design.base_radius
+        z = altitude / design.base_radius
+        curves = singular_curves(design.mechanism, k, z)
+        rim = np.stack([np.full(_RIM, np.pi), np.linspace(-np.pi, np.pi, _RIM)], axis=-1)
+        rim[-1] = rim[0]
+        points = np.concatenate([*curves, rim])
+        residual = np.concatenate(
+            [_residual(design.mechanism, k, z, points[:-_RIM]), np.zeros(_RIM)]
+        )
+        kinds: list[SingularityKind] = ["parallel"] * len(curves)
+        kinds.append("constraint")
+        return LocusCurves(
+            points=points,
+            start=np.cumsum([0, *(len(curve) for curve in curves), _RIM]).astype(np.int64),
+            kinds=tuple(kinds),
+            limb=np.zeros(len(kinds), dtype=np.int64),
+            residual=residual,
+            bounds=np.array([[0.0, np.pi], [-np.pi, np.pi]]),
+            barriers=() if design.revolute_on_base else (RING,),
+        )
 
 
 def singular_curves(kind: Kind, k: float, z: float) -> list[Array]:

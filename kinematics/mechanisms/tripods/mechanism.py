@@ -11,10 +11,8 @@ from numpy.typing import ArrayLike
 
 from kinematics.answers.bounds import Bound
 from kinematics.answers.drawings import Drawing
-from kinematics.answers.solutions import (
-    Finding,
-    Posture,
-)
+from kinematics.answers.motion import Wrenches
+from kinematics.answers.solutions import Finding, Posture
 from kinematics.arrays import Array, largest
 from kinematics.mechanism import Coordinate, Facets, Mechanism
 from kinematics.mechanisms.tripods import design as designs
@@ -22,8 +20,9 @@ from kinematics.mechanisms.tripods import (
     drawing,
     home,
     inverse,
+    motion,
     posing,
-    wrenches,
+    statics,
 )
 from kinematics.mechanisms.tripods import texts as about
 from kinematics.mechanisms.tripods.design import Kind, TripodDesign
@@ -36,14 +35,13 @@ class Tripod(Mechanism[TripodDesign]):
     schema = designs.SCHEMA
     modes = designs.MODES
     bounds = inverse.LIMITS
+    wrench_names = statics.NAMES
     facets: ClassVar = Facets(
         __package__,
         following="following:Following",
         forward="forward:Forward",
-        motion="facets:TripodMotion",
-        statics="facets:TripodStatics",
-        measures="facets:TripodMeasures",
-        singularities="facets:TripodSingularities",
+        measures="measures:Measures",
+        singularities="singularities:Singularities",
         clearances="facets:TripodClearances",
         paths="facets:TripodPaths",
         circles="circles:Circles",
@@ -99,12 +97,21 @@ class Tripod(Mechanism[TripodDesign]):
     def pose_from_transform(self, transform: ArrayLike, mode: str) -> tuple[float, ...]:
         return posing.pose_from_transform(self.design, transform, mode)
 
+    def placement(self, poses: ArrayLike, mode: str) -> Array:
+        return posing.placement(self.design, poses, mode)
+
+    def velocity_axes(self, poses: Array, mode: str) -> Array:
+        return motion.velocity_axes(self.design, poses, mode)
+
+    def wrenches(self, placement: Array, mode: str) -> Wrenches:
+        return statics.wrenches(self.design, placement)
+
     def drawing(self, posture: Posture) -> Drawing:
         return drawing.drawing(self.design, posture)
 
     @property
     def length(self) -> float:
-        return wrenches.characteristic_length(self.design)
+        return self.design.platform_radius
 
 
 class ThreeRPS(Tripod):

@@ -172,6 +172,12 @@ def transform(design: TripodDesign, poses: ArrayLike, mode: str | Sequence[str])
     return homogeneous(study.rotation(quaternion(p, mode)), positions(design, p, mode))
 
 
+def placement(design: TripodDesign, poses: ArrayLike, mode: str) -> Array:
+    """`transform` of poses (..., 3); NaN where no finite position has this altitude."""
+    there = np.isfinite(reduce_poses(design, read_poses(poses), mode).v)
+    return np.where(there[..., None, None], transform(design, poses, mode), np.nan)
+
+
 def pose_from_transform(
     design: TripodDesign, matrix: ArrayLike, mode: str
 ) -> tuple[float, float, float]:

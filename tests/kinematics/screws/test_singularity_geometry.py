@@ -22,7 +22,8 @@ NAMES = (
 
 
 def system(rows: Array, names: tuple[WrenchName, ...] = NAMES) -> WrenchSystem:
-    return WrenchSystem(names, rows, np.zeros((len(rows), 3)), determinant(rows, LENGTH))
+    gain = np.ones(3)
+    return WrenchSystem(names, rows, np.zeros((len(rows), 3)), determinant(rows, LENGTH), gain)
 
 
 def spatial_rates(twist: Array) -> list[float]:

@@ -48,7 +48,6 @@ from kinematics.mechanisms.five_rpur.forward.equations import (
 )
 from kinematics.mechanisms.five_rpur.forward.families import membership
 from kinematics.mechanisms.five_rpur.inverse import MODES, STROKE_SLACK
-from kinematics.mechanisms.five_rpur.velocity import characteristic_length
 
 MODE_SIGNS: dict[str, tuple[float, ...]] = {
     mode: tuple(1.0 if s == "+" else -1.0 for s in mode) for mode in MODES
@@ -238,7 +237,7 @@ def _answers(
     mixed_modes: bool,
 ) -> list[ForwardSolutions]:
     """The real solutions among the roots with all that is said of them; one pass for all."""
-    frame, length = Frame.of(design), characteristic_length(design)
+    frame, length = Frame.of(design), design.length
     numbers = np.repeat(np.arange(len(rho)), [f.roots.shape[1] for f in found])
     roots = np.concatenate([f.roots for f in found], axis=1)
     real = np.flatnonzero(relative_size(roots - conjugate(roots), roots) <= REAL)
@@ -364,7 +363,7 @@ def _mode_numbers(t: Terms) -> NDArray[np.intp]:
 def _conditioning(
     design: FiveRPURDesign, t: Terms, poses: Array, length: float
 ) -> dict[str, Array]:
-    """Condition number of J5 and determinant of the unit wrenches, as in `velocity`.
+    """Condition number of J5 and determinant of the unit wrenches, as in `screws.wrenches`.
 
     The rows of `equations.matrix` are −ρ_i l_i f_i and its moments in the turned frame, about
     the platform's centroid: what is left is to take them about O'.

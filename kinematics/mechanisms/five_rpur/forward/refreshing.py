@@ -43,7 +43,6 @@ from kinematics.mechanisms.five_rpur.forward.equations import (
     to_poses,
 )
 from kinematics.mechanisms.five_rpur.inverse import joint_points
-from kinematics.mechanisms.five_rpur.velocity import characteristic_length
 
 Ties = tuple[tuple[int, ...], ...]
 
@@ -64,7 +63,7 @@ class Forward(ForwardFacet[FiveRPURDesign]):
     def refresh(self, before: ForwardSolutions, joints: Sequence[float]) -> Refreshed:
         design = self.design
         now = forward_from(design, before, joints)
-        frame, length = Frame.of(design), characteristic_length(design)
+        frame, length = Frame.of(design), design.length
         starts = _configurations(design, frame, before)
         g0, g1 = (parameters(design, s.joints, frame) for s in (before, now))
         tied = () if before.mixed_modes else _ties(design)

@@ -17,7 +17,6 @@ from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inverse import MODES, inside, limb_lengths, wrap_angle
 from kinematics.mechanisms.five_rpur.nearest_pose.projection import Found, nearest
 from kinematics.mechanisms.five_rpur.offsets import offset_points
-from kinematics.mechanisms.five_rpur.velocity import characteristic_length
 from kinematics.screws.spatial import rotation_y
 
 _STEPS = 12  # from an angle to half a turn away
@@ -50,7 +49,7 @@ class _Search:
 
     @property
     def metric(self) -> Array:
-        unit = characteristic_length(self.design)
+        unit = self.design.length
         return np.array([1.0, 1.0, 1.0, unit, unit])
 
     def scores(self, poses: Array) -> Array:

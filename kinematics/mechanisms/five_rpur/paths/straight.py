@@ -20,7 +20,6 @@ from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inverse import signs, wrap_angle
 from kinematics.mechanisms.five_rpur.offsets import offset_points
-from kinematics.mechanisms.five_rpur.velocity import characteristic_length
 from kinematics.screws.spatial import rotation_x, rotation_y
 
 ROUNDING = 1e-14
@@ -70,7 +69,7 @@ class Way:
 
     @property
     def metric(self) -> Array:
-        unit = characteristic_length(self.design)
+        unit = self.design.length
         return np.array([1.0, 1.0, 1.0, unit, unit])
 
     @property

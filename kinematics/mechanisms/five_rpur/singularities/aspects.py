@@ -46,7 +46,7 @@ def aspects(
 
     Returns:
         All pieces as one `BuiltSolid`; a piece's sign is that of the determinant of
-        `velocity.wrench_matrix`. Volumes add up to that of the workspace of the mode.
+        the wrenches of `statics`. Volumes add up to that of the workspace of the mode.
 
     Raises:
         InputError: an angle that is not finite, or a mode that is not five signs.

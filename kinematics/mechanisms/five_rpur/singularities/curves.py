@@ -18,6 +18,7 @@ from kinematics.answers.loci import LocusCurves, LocusSpec
 from kinematics.answers.singularities import SingularityKind
 from kinematics.arrays import Array, finite
 from kinematics.errors import ComputationError, InputError
+from kinematics.facets.singularities import SingularitiesFacet
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.singularities.determinant import Determinant, terms
@@ -27,7 +28,6 @@ ORIENTATION = LocusSpec(
     "orientation", "Singular orientations at this position", ("φ", "θ"), ("rad", "rad")
 )
 SECTION = LocusSpec("section", "Singular poses in the section", ("y′", "z′"), ("mm", "mm"))
-SPECS: tuple[LocusSpec, ...] = (ORIENTATION, SECTION)
 
 _NODES = 160  # along y' or over all of φ
 _ACROSS = 240  # along z' or θ
@@ -36,34 +36,38 @@ _EDGE = 1e-7  # rad from the ends of β, as in `nearest`
 _SAME = 1e-12  # part of a limb's size: ends that are one but for rounding
 
 
-def locus(
-    design: FiveRPURDesign, key: str, pose: Sequence[float], mode: str, at: float | None = None
-) -> LocusCurves:
-    """The curves of a chart, one of `SPECS`.
+class Loci(SingularitiesFacet[FiveRPURDesign]):
+    """The charts, in a section and over orientations."""
 
-    Args:
-        design: the machine.
-        key: "orientation", at the pose's position; or "section", at the pose's orientation.
-        pose: (x, y, z, φ, θ), mm and rad.
-        mode: a working mode as "+-+++".
-        at: x' of the section, mm; None: that of the pose.
+    loci: tuple[LocusSpec, ...] = (ORIENTATION, SECTION)
 
-    Returns:
-        Parallel singularities, det = 0, and serial ones, each with its limb.
+    def locus(
+        self, key: str, pose: Sequence[float], mode: str, at: float | None = None
+    ) -> LocusCurves:
+        """The curves of a chart, one of `loci`.
 
-    Raises:
-        InputError: no such chart, or a pose, mode or ``at`` that are not what they should be.
-        ComputationError: every pose of the chart is singular.
-    """
-    values = finite(pose, name="a pose", last=5)
-    if values.shape != (5,):
-        raise InputError("a pose must be one row of 5 numbers (x, y, z, φ, θ)")
-    if key == SECTION.key:
-        return _section(design, values, mode, at)
-    if key == ORIENTATION.key:
-        return _orientation(design, values, mode)
-    known = " or ".join(spec.key for spec in SPECS)
-    raise InputError(f"there is no chart {key!r}; use {known}")
+        Args:
+            key: "orientation", at the pose's position; or "section", at the pose's orientation.
+            pose: (x, y, z, φ, θ), mm and rad.
+            mode: a working mode as "+-+++".
+            at: x' of the section, mm; None: that of the pose.
+
+        Returns:
+            Parallel singularities, det = 0, and serial ones, each with its limb.
+
+        Raises:
+            InputError: no such chart, or a pose, mode or ``at`` that are not what they should be.
+            ComputationError: every pose of the chart is singular.
+        """
+        values = finite(pose, name="a pose", last=5)
+        if values.shape != (5,):
+            raise InputError("a pose must be one row of 5 numbers (x, y, z, φ, θ)")
+        if key == SECTION.key:
+            return _section(self.design, values, mode, at)
+        if key == ORIENTATION.key:
+            return _orientation(self.design, values, mode)
+        known = " or ".join(spec.key for spec in self.loci)
+        raise InputError(f"there is no chart {key!r}; use {known}")
 
 
 @dataclass(eq=False)

@@ -13,7 +13,7 @@ Three columns have p as a factor. Laplace's rule along them leaves ten terms, on
                                                − c_xe X_d p_e + c_xd X_e p_d),
 
 D_abc the determinant of the rows (Y, q, c_y q − c_z Y). F has the sign of the determinant of
-`velocity.wrench_matrix`, and is finite and continuous wherever the limbs close. At a fixed y' all
+the wrenches of `statics`, and is finite and continuous wherever the limbs close. At a fixed y' all
 Y, q and D are constant: F is then a polynomial of degree 2 in x' and 4 in z'. Lengths mm.
 """
 

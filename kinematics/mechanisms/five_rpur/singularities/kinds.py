@@ -20,14 +20,14 @@ import numpy as np
 from kinematics.answers.singularities import AT, NEAR, Singularity
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
+from kinematics.facets.motion import MotionFacet
+from kinematics.facets.statics import StaticsFacet
 from kinematics.mechanisms.five_rpur.arrangements import Group, arrangements
 from kinematics.mechanisms.five_rpur.design import LIMBS, SUBSCRIPTS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.forward.coincidence import finite_motion
 from kinematics.mechanisms.five_rpur.inverse import joint_points
-from kinematics.mechanisms.five_rpur.motion import hessian, pose_rates_of
-from kinematics.mechanisms.five_rpur.statics import wrench_system
-from kinematics.mechanisms.five_rpur.velocity import characteristic_length, velocity_rows
-from kinematics.screws.singularity_geometry import listed, lost, point_text
+from kinematics.mechanisms.five_rpur.singularities.curves import Loci
+from kinematics.screws.singularity_geometry import listed, point_text
 from kinematics.screws.varieties import EXACT
 from kinematics.screws.wrenches import singular_values
 
@@ -36,27 +36,68 @@ _CLOSE = 1e-6  # characteristic lengths within which two axes are one
 _AROUND = 24, 0.05  # poses tried about one for what holds everywhere, and their spread
 
 
-def singularities(
-    design: FiveRPURDesign, posture: Posture, tolerance: float = AT
-) -> tuple[Singularity, ...]:
-    """All singularities of a posture whose measure is below ``tolerance``; serial ones first.
+class Singularities(Loci):
+    """Serial ones by h/l and ρ/l of the limbs, parallel ones with what the paper calls them."""
 
-    The measure of a serial one is h/l or ρ/l of the limb; that of the others the smallest singular
-    value of the wrenches. A posture may be in several at once. Empty where a limb cannot close.
-    """
-    if not posture.closes:
-        return ()
-    serial = _serial(design, posture, tolerance)
-    pose = np.array(posture.pose)
-    length = characteristic_length(design)
-    found = lost(
-        wrench_system(design, pose, posture.mode),
-        posture.pose[:3],
-        length,
-        lambda twist: pose_rates_of(pose, twist).tolist(),
-        tolerance,
-    )
-    return (*serial, *(_explained(design, posture, each) for each in found))
+    def serial(self, posture: Posture, tolerance: float) -> tuple[Singularity, ...]:
+        return _serial(self.design, posture, tolerance)
+
+    def parallel(self, posture: Posture, tolerance: float) -> tuple[Singularity, ...]:
+        return tuple(
+            self._explained(posture, each) for each in super().parallel(posture, tolerance)
+        )
+
+    def _explained(self, posture: Posture, found: Singularity) -> Singularity:
+        """One with what is particular about it: for every pose, or for a motion."""
+        design = self.design
+        if self._everywhere(posture, found.limbs):
+            return _architectural(design, posture, found)
+        name = _named(design, posture)
+        cause = f"{name}; {found.cause}" if name else found.cause
+        if found.measure >= AT or found.motion is None:
+            return replace(found, cause=cause)
+        if finite_motion(design, posture.pose, _elbows(design, posture), posture.joints):
+            text = found.text.replace("Parallel singularity", "Self-motion").removesuffix(".")
+            text = f"{text}; this goes on over a finite way."
+            return replace(found, kind="self-motion", cause=cause, text=text)
+        bent = self._curvature(posture, found.motion)
+        how = ""
+        if bent is not None:
+            how = (
+                " It is stopped at second order: two assembly modes merge here."
+                if bent > _STILL
+                else " It goes on to second order, but not over a finite way."
+            )
+        return replace(found, cause=cause, text=found.text + how)
+
+    def _everywhere(self, posture: Posture, limbs: Sequence[int]) -> bool:
+        """Whether the wrenches of these limbs and the couple are dependent at every pose nearby."""
+        tries, spread = _AROUND
+        rng = np.random.default_rng(20110401)
+        reach = spread * np.array([*[float(self.design.link.min())] * 3, 1.0, 1.0])
+        poses = np.array(posture.pose) + rng.uniform(-reach, reach, (tries, 5))
+        rows = self.other(StaticsFacet).at(poses, posture.mode).rows
+        rows = rows[:, [*(i - 1 for i in limbs), LIMBS]]
+        rows = rows[np.isfinite(rows).all(axis=(1, 2))]
+        values = singular_values(rows, self.design.length)[:, -1]
+        return len(values) > 2 and bool((values < EXACT * 1e-2).all())
+
+    def _curvature(self, posture: Posture, motion: Sequence[float]) -> float | None:
+        """How much locked actuators bend a free motion away at second order; None if not known.
+
+        With rows a_i ẋ = t_i ρ̇_i and Σ n_i a_i = 0, a motion with ρ constant has to have
+        Σ n_i t_i ρ̈_i = 0 where the pose goes straight on.
+        """
+        pose, length = np.array(posture.pose), self.design.length
+        held = self.other(StaticsFacet).at(pose, posture.mode)
+        bent = self.other(MotionFacet).inverse(pose, posture.mode, motion).joint_accelerations
+        axes = self.mechanism.velocity_axes(pose, posture.mode)
+        rows = held.rows[:LIMBS] @ axes / [1.0, 1.0, 1.0, length, length]
+        size = np.linalg.norm(rows, axis=1)
+        if not (np.isfinite(bent).all() and (size > 0.0).all()):
+            return None
+        weights = np.linalg.svd(rows / size[:, None])[0][:, -1]
+        return abs(float(weights @ (held.gain * bent / size))) * length
 
 
 # --- serial --------------------------------------------------------------------------------
@@ -114,43 +155,6 @@ def _slope(a: Array, b: Array, theta: float) -> float:
 # --- parallel ------------------------------------------------------------------------------
 
 
-def _explained(design: FiveRPURDesign, posture: Posture, found: Singularity) -> Singularity:
-    """A parallel singularity with what is particular about it: for every pose, or for a motion."""
-    if _everywhere(design, posture, found.limbs):
-        return _architectural(design, posture, found)
-    name = _named(design, posture)
-    cause = f"{name}; {found.cause}" if name else found.cause
-    if found.measure >= AT or found.motion is None:
-        return replace(found, cause=cause)
-    if finite_motion(design, posture.pose, _elbows(design, posture), posture.joints):
-        text = found.text.replace("Parallel singularity", "Self-motion").removesuffix(".")
-        text = f"{text}; this goes on over a finite way."
-        return replace(found, kind="self-motion", cause=cause, text=text)
-    bent = _curvature(design, posture, found.motion)
-    how = ""
-    if bent is not None:
-        how = (
-            " It is stopped at second order: two assembly modes merge here."
-            if bent > _STILL
-            else " It goes on to second order, but not over a finite way."
-        )
-    return replace(found, cause=cause, text=found.text + how)
-
-
-def _everywhere(design: FiveRPURDesign, posture: Posture, limbs: Sequence[int]) -> bool:
-    """Whether the wrenches of these limbs and the couple are dependent at every pose nearby."""
-    tries, spread = _AROUND
-    rng = np.random.default_rng(20110401)
-    length = characteristic_length(design)
-    reach = spread * np.array([*[float(design.link.min())] * 3, 1.0, 1.0])
-    poses = np.array(posture.pose) + rng.uniform(-reach, reach, (tries, 5))
-    rows = wrench_system(design, poses, posture.mode).rows
-    rows = rows[:, [*(i - 1 for i in limbs), LIMBS]]
-    rows = rows[np.isfinite(rows).all(axis=(1, 2))]
-    values = singular_values(rows, length)[:, -1]
-    return len(values) > 2 and bool((values < EXACT * 1e-2).all())
-
-
 def _architectural(design: FiveRPURDesign, posture: Posture, found: Singularity) -> Singularity:
     reasons = " ".join(arrangements(design).reasons)
     why = reasons or (
@@ -164,7 +168,7 @@ def _architectural(design: FiveRPURDesign, posture: Posture, found: Singularity)
 
 def _named(design: FiveRPURDesign, posture: Posture) -> str:
     """What the paper calls the configuration, if it is one of its self-motions or next to one."""
-    length = characteristic_length(design)
+    length = design.length
     within = NEAR * length
     elbows = _elbows(design, posture)
     merged = [g for g in arrangements(design).groups if _merged(g, posture.mode)]
@@ -212,22 +216,3 @@ def _elbows(design: FiveRPURDesign, posture: Posture) -> Array:
 def _tuple(point: Array) -> tuple[float, float, float]:
     x, y, z = point.tolist()
     return x, y, z
-
-
-def _curvature(design: FiveRPURDesign, posture: Posture, motion: Sequence[float]) -> float | None:
-    """How much locked actuators bend a free motion away at second order; None if not known.
-
-    With rows a_i ẋ = t_i ρ̇_i and Σ n_i a_i = 0, a motion with ρ constant has to have
-    Σ n_i t_i ẋᵀH_iẋ = 0.
-    """
-    length = characteristic_length(design)
-    rows, transmission = velocity_rows(design, np.array(posture.pose), posture.mode)
-    bend = hessian(design, np.array(posture.pose), posture.mode)
-    size = np.linalg.norm(rows / [1.0, 1.0, 1.0, length, length], axis=1)
-    if not (np.isfinite(bend).all() and (size > 0.0).all()):
-        return None
-    unit = rows / [1.0, 1.0, 1.0, length, length] / size[:, None]
-    weights = np.linalg.svd(unit)[0][:, -1]
-    x = np.array(motion)
-    second = transmission * np.einsum("ijk,j,k->i", bend, x, x) / size
-    return abs(float(weights @ second)) * length

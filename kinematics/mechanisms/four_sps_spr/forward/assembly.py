@@ -29,7 +29,9 @@ from kinematics.mechanisms.four_sps_spr.inverse import (
     rotation,
     violation,
 )
-from kinematics.mechanisms.four_sps_spr.wrenches import condition, wrench_system
+from kinematics.mechanisms.four_sps_spr.motion import placement
+from kinematics.mechanisms.four_sps_spr.statics import condition, wrenches
+from kinematics.screws.wrenches import determinant
 
 REAL = 1e-7
 """Largest imaginary part of a real solution, relative to its size; of a double one its root."""
@@ -115,13 +117,14 @@ def _answer(design: FourSPSSPRDesign, joints: Array, roots: Roots, real: _Real) 
     if count:
         error = np.abs(leg_lengths(design, poses) - joints).max(axis=-1)
         residual = np.maximum(error, np.abs(violation(design, poses)))
+    rows = wrenches(design, placement(design, poses)).rows
     return ForwardSolutions(
         joints=tuple(joints.tolist()),
         poses=poses,
         modes=("",) * count,
         residual=residual,
-        condition=condition(design, poses) if count else np.zeros(0),
-        determinant=wrench_system(design, poses).determinant if count else np.zeros(0),
+        condition=condition(rows, design.length),
+        determinant=determinant(rows, design.length),
         within_stroke=np.full(count, reach),
         multiplicity=weights,
         gap=gap,

@@ -11,7 +11,7 @@ from kinematics.machine import machine_of
 from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.five_bar import forward, inverse, paths
 from kinematics.mechanisms.five_bar.joints_line import first_crossing
-from kinematics.mechanisms.five_bar.motion import sines
+from kinematics.mechanisms.five_bar.statics import sines
 from tests.kinematics.mechanisms.five_bar.conftest import BOTH, MACHINES, PAPER, UNLIKE
 
 M = mechanism_class("five_bar")

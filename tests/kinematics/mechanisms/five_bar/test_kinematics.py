@@ -16,7 +16,7 @@ from kinematics.machine import machine_of
 from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.five_bar import forward, inverse
 from kinematics.mechanisms.five_bar.design import FiveBarDesign, Limb
-from kinematics.mechanisms.five_bar.motion import determinants, sines
+from kinematics.mechanisms.five_bar.statics import jacobians, sines
 from tests.kinematics.mechanisms.five_bar.conftest import EMPTY, MACHINES, PAPER, RANGED, UNLIKE
 
 M = mechanism_class("five_bar")
@@ -30,7 +30,8 @@ def test_the_reference(reference: dict[str, Any]) -> None:
         for n, mode in enumerate(answer.modes):
             wanted = case["ik"][mode]
             np.testing.assert_allclose(answer.joints[n], wanted["theta"], atol=1e-13)
-            a, b = determinants(PAPER, p, answer.joints[n])
+            a, b = jacobians(PAPER, p, answer.joints[n])
+            a, b = a.prod(), np.linalg.det(b)
             assert a / 1e4 == pytest.approx(wanted["detA"], rel=1e-13)
             assert b / 1e2 == pytest.approx(wanted["detB"], rel=1e-13)
             both = forward.both_points(PAPER, answer.joints[n]) / 10.0

@@ -18,7 +18,7 @@ from kinematics.machine import machine_of
 from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.five_bar import aspects, curves, inverse, loci, workspace
 from kinematics.mechanisms.five_bar.design import FiveBarDesign, Limb
-from kinematics.mechanisms.five_bar.motion import sines
+from kinematics.mechanisms.five_bar.statics import sines
 from kinematics.plane import regions as outlines
 from tests.kinematics.mechanisms.five_bar.conftest import (
     APART,

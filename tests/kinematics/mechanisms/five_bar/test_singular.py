@@ -8,7 +8,7 @@ import pytest
 from kinematics.facets import inverse as generic
 from kinematics.machine import machine_of
 from kinematics.mechanism import mechanism_class
-from kinematics.mechanisms.five_bar import curves, inverse, singularities, workspace
+from kinematics.mechanisms.five_bar import clearances, curves, inverse, workspace
 from tests.kinematics.mechanisms.five_bar.conftest import (
     BOTH,
     EMPTY,
@@ -201,7 +201,6 @@ def test_what_is_said_of_it() -> None:
 
 
 def test_distances_of_many_points() -> None:
-    found = singularities.parallel_distance(
-        PAPER, "+-", np.array([[0.0, 415.69219381653056 + 5.0]])
-    )
-    assert found[0] == pytest.approx(5.0, abs=1e-6)
+    place = np.array([0.0, 415.69219381653056 + 5.0])
+    (point, _) = clearances.nearest_parallel(PAPER, "+-", place)
+    assert np.hypot(*(point - place)) == pytest.approx(5.0, abs=1e-6)

@@ -23,7 +23,7 @@ from kinematics.mechanisms.five_rpur.arrangements import (
 )
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.inverse import MODES, inside, joint_points
-from kinematics.mechanisms.five_rpur.velocity import characteristic_length, wrench_matrix
+from tests.kinematics.mechanisms.five_rpur.asked import wrench_matrix
 from tests.kinematics.mechanisms.five_rpur.machines import preset
 from tests.kinematics.references import read
 
@@ -180,7 +180,7 @@ def smallest_singular_values(design: FiveRPURDesign, mode: str) -> np.ndarray:
     _, b, _ = joint_points(design, poses, mode)
     poses = poses[np.isfinite(b).all(axis=(1, 2))]
     assert len(poses) >= 20
-    matrix = wrench_matrix(design, poses, mode, length=characteristic_length(design))
+    matrix = wrench_matrix(design, poses, mode, length=design.length)
     return np.asarray(np.linalg.svd(matrix, compute_uv=False)[:, -1])
 
 
@@ -308,7 +308,7 @@ def test_a_simplified_design_is_explained() -> None:
 
 def lengths_and_smallest(design: FiveRPURDesign, pose: Any) -> tuple[np.ndarray, float]:
     a, b, _ = joint_points(design, pose, "+++++")
-    matrix = wrench_matrix(design, pose, "+++++", length=characteristic_length(design))
+    matrix = wrench_matrix(design, pose, "+++++", length=design.length)
     return np.linalg.norm(b - a, axis=-1), float(np.linalg.svd(matrix, compute_uv=False)[-1])
 
 

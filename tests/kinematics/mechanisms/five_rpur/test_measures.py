@@ -7,11 +7,9 @@ import pytest
 
 from kinematics.errors import InputError
 from kinematics.machine import machine_of
-from kinematics.mechanisms.five_rpur.measures import MEASURES, measure
 from kinematics.mechanisms.five_rpur.singularities.determinant import Determinant
 from kinematics.mechanisms.five_rpur.singularities.nearest import nearest_singularity
-from kinematics.mechanisms.five_rpur.statics import statics
-from kinematics.mechanisms.five_rpur.velocity import condition
+from tests.kinematics.mechanisms.five_rpur.asked import condition, measure, statics
 from tests.kinematics.mechanisms.five_rpur.singularities.cases import (
     closing_points,
     moved_base,
@@ -19,6 +17,7 @@ from tests.kinematics.mechanisms.five_rpur.singularities.cases import (
     preset,
 )
 
+MEASURES = machine_of(preset("rpur-table1")).measures.specs
 DESIGN, PHI, THETA, MODE = preset("rpur-table1"), 0.1, -0.2, "+++++"
 LOAD = [10.0, -20.0, -100.0, 300.0, 0.0, -500.0]
 INDICES = ("conditioning", "manipulability", "transmission")

@@ -11,14 +11,15 @@ from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.inverse import transform
-from kinematics.mechanisms.five_rpur.motion import (
+from tests.kinematics.mechanisms.five_rpur.asked import (
+    condition,
     forward_motion,
     hessian,
+    inverse_jacobian,
     inverse_motion,
     pose_rates_of,
     twists,
 )
-from kinematics.mechanisms.five_rpur.velocity import condition, inverse_jacobian
 from tests.kinematics.mechanisms.five_rpur.closing import closing_poses, lengths
 from tests.kinematics.mechanisms.five_rpur.machines import preset
 

@@ -11,9 +11,16 @@ from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.inverse import joint_points
-from kinematics.mechanisms.five_rpur.motion import forward_motion, inverse_motion, twists
-from kinematics.mechanisms.five_rpur.statics import NAMES, statics, wrench_system
-from kinematics.mechanisms.five_rpur.velocity import characteristic_length, condition, wrench_matrix
+from kinematics.mechanisms.five_rpur.statics import NAMES
+from tests.kinematics.mechanisms.five_rpur.asked import (
+    condition,
+    forward_motion,
+    inverse_motion,
+    statics,
+    twists,
+    wrench_matrix,
+    wrench_system,
+)
 from tests.kinematics.mechanisms.five_rpur.closing import closing_poses, lengths
 from tests.kinematics.mechanisms.five_rpur.machines import preset
 
@@ -54,7 +61,7 @@ def test_rows_are_unit_lines_through_the_u_joints_and_a_unit_couple() -> None:
 def test_the_determinant_is_that_of_the_wrench_matrix_with_unit_forces() -> None:
     design = preset("rpur-table1")
     poses, sigma = closing_poses(design, 200, seed=2)
-    length = characteristic_length(design)
+    length = design.length
     plain = wrench_matrix(design, poses, sigma, length=length)
     size = np.linalg.norm(plain[:, :5, :3], axis=-1).prod(axis=-1)
     found = wrench_system(design, poses, sigma).determinant

@@ -10,8 +10,7 @@ import pytest
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.inverse import MODES, joint_points, limb_lengths, signs
-from kinematics.mechanisms.five_rpur.velocity import (
-    characteristic_length,
+from tests.kinematics.mechanisms.five_rpur.asked import (
     condition,
     inverse_jacobian,
     wrench_matrix,
@@ -98,7 +97,7 @@ def test_the_reference_fold_is_a_parallel_singularity_and_not_a_serial_one() -> 
         "+-"[int(np.abs(pair - rho).argmin())]
         for pair, rho in zip(both, fold["rho_fold"], strict=True)
     )
-    length = characteristic_length(design)
+    length = design.length
     values = np.linalg.svd(wrench_matrix(design, pose, mode, length=length), compute_uv=False)
     assert values[-1] < 1e-14
     assert values[-2] > 1e-3
@@ -150,7 +149,7 @@ def test_condition_depends_on_no_unit_and_no_frame() -> None:
             for limb in design.limbs
         )
     )
-    assert characteristic_length(scaled) == pytest.approx(10 * characteristic_length(design))
+    assert scaled.length == pytest.approx(10 * design.length)
     larger = poses * [10, 10, 10, 1, 1]
     before, after = condition(design, poses, sigma), condition(scaled, larger, sigma)
     np.testing.assert_allclose(after, before, rtol=1e-6)
@@ -162,14 +161,14 @@ def test_condition_depends_on_no_unit_and_no_frame() -> None:
 def test_condition_is_one_for_an_isotropic_matrix_only_by_its_definition() -> None:
     design = preset("rpur-table1")
     poses, sigma = closing_poses(design, 20, seed=5)
-    length = characteristic_length(design)
+    length = design.length
     j = inverse_jacobian(design, poses, sigma) / [1, 1, 1, length, length]
     np.testing.assert_allclose(condition(design, poses, sigma), np.linalg.cond(j), rtol=1e-10)
 
 
 def test_the_characteristic_length_of_coincident_platform_points_is_the_link() -> None:
     limb = Limb((0.0, 0.0, 0.0), (5.0, 6.0, 7.0), 150.0, (250.0, 400.0))
-    assert characteristic_length(FiveRPURDesign((limb,) * 5)) == 150.0
+    assert FiveRPURDesign((limb,) * 5).length == 150.0
 
 
 @pytest.mark.parametrize("length", [0.0, -1.0, np.nan, np.inf])

@@ -14,7 +14,6 @@ from kinematics.machine import machine_of
 from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.four_sps_spr import inverse
 from kinematics.mechanisms.four_sps_spr.constraint import complete_pose
-from kinematics.mechanisms.four_sps_spr.wrenches import condition, wrench_system
 from kinematics.screws.spatial import homogeneous
 from tests.kinematics.mechanisms.four_sps_spr.machines import (
     general,
@@ -38,7 +37,7 @@ def test_home_of_the_preset_is_level_on_the_axis_and_well_held() -> None:
     assert home.pose[3:] == (0.0, 0.0, 0.0)
     assert home.reachable
     assert min(margin.amount for margin in home.margins) > 100.0
-    assert condition(design, home.pose) < 100.0
+    assert machine_of(design).measures.condition(home.pose, "") < 100.0
     assert all(finding.severity == "info" for finding in machine_of(design).findings)
 
 
@@ -58,7 +57,7 @@ def test_two_pentagons_are_warned_of() -> None:
 
 @pytest.mark.parametrize("pose", [(0.0, 0.0, z, 0.0, 0.0, 0.0) for z in (300.0, 560.0, 700.0)])
 def test_two_pentagons_have_rank_four_whenever_they_are_level(pose) -> None:
-    rows = wrench_system(pentagons(), pose).rows.copy()
+    rows = machine_of(pentagons()).statics.wrenches(pose, "").rows.copy()
     rows[:, 3:] /= 100.0
     sizes = np.linalg.svd(rows, compute_uv=False)
     assert (sizes > 1e-12 * sizes[0]).sum() == 4
@@ -86,7 +85,7 @@ def test_an_empty_workspace_is_warned_of() -> None:
 @pytest.mark.parametrize("design", [preset(), general()])
 def test_legs_lead_the_platform_along_its_assembly_mode(design) -> None:
     home = machine_of(design).home
-    side = np.sign(wrench_system(design, home.pose).determinant)
+    side = np.sign(machine_of(design).statics.wrenches(home.pose, "").determinant)
     rng = np.random.default_rng(0)
     for _ in range(6):
         goal = np.array(home.joints) + rng.uniform(-15.0, 15.0, 5)
@@ -96,7 +95,7 @@ def test_legs_lead_the_platform_along_its_assembly_mode(design) -> None:
             assert posture.joints == tuple(goal.tolist())
             assert posture.residual < 1e-10
         assert inverse.leg_lengths(design, posture.pose) == pytest.approx(posture.joints, abs=1e-9)
-        assert np.sign(wrench_system(design, posture.pose).determinant) == side
+        assert np.sign(machine_of(design).statics.wrenches(posture.pose, "").determinant) == side
         back = machine_of(design).following.follow(posture, home.joints)
         assert back.posture.pose == pytest.approx(home.pose, abs=1e-6)
 
@@ -127,11 +126,14 @@ def test_a_singularity_stops_the_way_shortly_before_it() -> None:
     assert reached.fraction * way == pytest.approx(fold.distance, rel=1e-5)
     assert reached.fraction * way < fold.distance
     assert reached.posture.residual < 1e-9
-    assert condition(design, fold.pose) > 1e5
-    assert condition(design, reached.posture.pose) > 1e3
+    assert machine_of(design).measures.condition(fold.pose, "") > 1e5
+    assert machine_of(design).measures.condition(reached.posture.pose, "") > 1e3
     assert fold.partner is not None
     assert fold.partner.joints == pytest.approx(home.joints, abs=1e-9)
-    sides = [np.sign(wrench_system(design, each.pose).determinant) for each in (home, fold.partner)]
+    sides = [
+        np.sign(machine_of(design).statics.wrenches(each.pose, "").determinant)
+        for each in (home, fold.partner)
+    ]
     assert sides[0] == -sides[1]
     left = machine_of(design).following.follow(
         reached.posture, home.joints

@@ -6,10 +6,12 @@ import mpmath as mp
 import numpy as np
 import pytest
 
+from kinematics.answers.motion import Motion
 from kinematics.errors import InputError
-from kinematics.mechanisms.four_sps_spr import inverse, motion
+from kinematics.machine import machine_of
+from kinematics.mechanisms.four_sps_spr import inverse
 from kinematics.mechanisms.four_sps_spr.constraint import dependent_values
-from kinematics.mechanisms.four_sps_spr.wrenches import legs, matrix, statics
+from kinematics.mechanisms.four_sps_spr.statics import legs, matrix
 from tests.kinematics.mechanisms.four_sps_spr.machines import (
     general,
     pentagons,
@@ -20,6 +22,34 @@ from tests.kinematics.mechanisms.four_sps_spr.machines import (
 
 MACHINES = [preset(), general(), pentagons()]
 SAMPLES = reference("sps_spr_samples")["samples"]
+
+
+def inverse_motion(design, pose, *rates) -> Motion:
+    return machine_of(design).motion.inverse(pose, "", *rates)
+
+
+def forward_motion(design, pose, *rates) -> Motion:
+    return machine_of(design).motion.forward(pose, "", *rates)
+
+
+def statics(design, poses, load):
+    return machine_of(design).statics.forces(poses, "", load)
+
+
+def hessians(design, pose) -> np.ndarray:
+    """H_1 … H_6 of eqs. 13 and 14, (6, 6, 6): VᵀH_iV is β of the mechanism where the legs' rates
+    are those of V."""
+    mechanism, placement = machine_of(design).mechanism, inverse.transform(pose)
+    g = matrix(legs(design, pose))
+
+    def along(v: np.ndarray) -> np.ndarray:
+        return mechanism.bias(placement, "", v, g[:5] @ v)
+
+    answer = np.empty((6, 6, 6))
+    for j, one in enumerate(np.eye(6)):
+        for k, two in enumerate(np.eye(6)):
+            answer[:, j, k] = 0.5 * (along(one + two) - along(one) - along(two))
+    return answer
 
 
 def pose_of(sample) -> np.ndarray:
@@ -34,14 +64,14 @@ def test_the_samples_both_ways(sample) -> None:
     assert matrix(legs(design, pose)) == pytest.approx(
         np.array(sample["G"]).reshape(6, 6), abs=1e-9
     )
-    bend = np.einsum("j,ijk,k->i", velocity, motion.hessians(design, pose), velocity)
+    bend = np.einsum("j,ijk,k->i", velocity, hessians(design, pose), velocity)
     assert bend == pytest.approx(sample["VHV"], abs=1e-9)
-    there = motion.forward_motion(design, pose, sample["ldot"], sample["lddot"])
+    there = forward_motion(design, pose, sample["ldot"], sample["lddot"])
     assert there.twist == pytest.approx([*velocity[3:], *velocity[:3]], rel=1e-9, abs=1e-10)
     assert there.twist_rate == pytest.approx(
         [*acceleration[3:], *acceleration[:3]], rel=1e-8, abs=1e-9
     )
-    back = motion.inverse_motion(design, pose, there.pose_rates, there.pose_accelerations)
+    back = inverse_motion(design, pose, there.pose_rates, there.pose_accelerations)
     assert back.joint_rates == pytest.approx(sample["ldot"], abs=1e-9)
     assert back.joint_accelerations == pytest.approx(sample["lddot"], abs=1e-9)
 
@@ -103,12 +133,12 @@ def test_rates_and_accelerations_to_forty_digits(design, t: float) -> None:
         bends = [float(mp.diff(lambda s, i=i: way.length(i, s), when, 2, h=h)) for i in range(5)]
         pose, first, second = ([float(v) for v in values] for values in (pose, first, second))
     # x follows from the constraint, and so do its derivatives.
-    there = motion.inverse_motion(design, pose, [np.nan, *first[1:]], [np.nan, *second[1:]])
+    there = inverse_motion(design, pose, [np.nan, *first[1:]], [np.nan, *second[1:]])
     assert there.pose_rates[0] == pytest.approx(first[0], rel=1e-11, abs=1e-11)
     assert there.pose_accelerations[0] == pytest.approx(second[0], rel=1e-10, abs=1e-10)
     assert there.joint_rates == pytest.approx(rates, rel=1e-11, abs=1e-11)
     assert there.joint_accelerations == pytest.approx(bends, rel=1e-10, abs=1e-10)
-    back = motion.forward_motion(design, pose, rates, bends)
+    back = forward_motion(design, pose, rates, bends)
     loose = 1e-8 if design == pentagons() else 1e-9
     assert back.pose_rates == pytest.approx(first, rel=loose, abs=loose)
     assert back.pose_accelerations == pytest.approx(second, rel=loose, abs=10 * loose)
@@ -119,8 +149,8 @@ def test_the_printed_hessian_is_not_the_second_derivative(design) -> None:
     """With +r̂² instead of −r̂² in H_i the accelerations come out wrong."""
     pose = poses(design, 1, seed=3)[0]
     rates = np.array([np.nan, 20.0, -30.0, 0.2, -0.3, 0.4])
-    right = motion.inverse_motion(design, pose, rates)
-    printed = motion.hessians(design, pose).copy()
+    right = inverse_motion(design, pose, rates)
+    printed = hessians(design, pose).copy()
     at = legs(design, pose)
     for i in range(5):
         x, y, z = at.arm[i]
@@ -128,7 +158,7 @@ def test_the_printed_hessian_is_not_the_second_derivative(design) -> None:
         printed[i, 3:, 3:] += 2.0 * skew @ skew / at.length[i]
     v = np.concatenate([right.twist[3:], right.twist[:3]])
     wrong = np.einsum("j,ijk,k->i", v, printed, v)[:5]
-    good = np.einsum("j,ijk,k->i", v, motion.hessians(design, pose), v)[:5]
+    good = np.einsum("j,ijk,k->i", v, hessians(design, pose), v)[:5]
     assert np.abs(wrong - good).max() > 1.0  # mm/s²
 
 
@@ -160,7 +190,7 @@ def trajectory(design, count: int = 2001):
 @pytest.mark.parametrize("design", [preset(), general(3)])
 def test_a_trajectory_by_finite_differences_and_its_load_by_energy(design) -> None:
     t, poses_, rates, accelerations = trajectory(design)
-    found = motion.inverse_motion(design, poses_, rates, accelerations)
+    found = inverse_motion(design, poses_, rates, accelerations)
     step = t[1] - t[0]
     lengths = inverse.leg_lengths(design, poses_)
     first = (lengths[2:] - lengths[:-2]) / (2.0 * step)
@@ -191,8 +221,8 @@ def test_forward_and_inverse_are_each_others(design) -> None:
     rng = np.random.default_rng(5)
     there = poses(design, 30, seed=6, tilt=0.7)
     rates, accelerations = rng.normal(size=(2, 30, 5)) * 20.0
-    out = motion.forward_motion(design, there, rates, accelerations)
-    back = motion.inverse_motion(design, there, out.pose_rates, out.pose_accelerations)
+    out = forward_motion(design, there, rates, accelerations)
+    back = inverse_motion(design, there, out.pose_rates, out.pose_accelerations)
     size = np.abs(out.twist_rate).max(axis=1, keepdims=True)
     assert (np.abs(back.joint_rates - rates) < 1e-9 * (1.0 + size)).all()
     assert (np.abs(back.joint_accelerations - accelerations) < 1e-8 * (1.0 + size)).all()
@@ -202,15 +232,15 @@ def test_rates_that_violate_the_constraint_are_refused() -> None:
     design = preset()
     pose = poses(design, 1)[0]
     with pytest.raises(InputError, match="leave one of"):
-        motion.inverse_motion(design, pose, [1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+        inverse_motion(design, pose, [1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
     with pytest.raises(InputError, match="one of the six may be NaN"):
-        motion.inverse_motion(design, pose, [np.nan, np.nan, 0.0, 0.0, 0.0, 0.0])
+        inverse_motion(design, pose, [np.nan, np.nan, 0.0, 0.0, 0.0, 0.0])
 
 
 def test_nothing_is_determined_at_a_singularity_or_off_the_constraint() -> None:
-    level = motion.forward_motion(pentagons(), (0.0, 0.0, 560.0, 0.0, 0.0, 0.0), np.ones(5))
+    level = forward_motion(pentagons(), (0.0, 0.0, 560.0, 0.0, 0.0, 0.0), np.ones(5))
     assert np.isnan(level.twist).all()
-    off = motion.forward_motion(preset(), (9.0, 9.0, 560.0, 0.0, 0.0, 0.0), np.ones(5))
+    off = forward_motion(preset(), (9.0, 9.0, 560.0, 0.0, 0.0, 0.0), np.ones(5))
     assert np.isnan(off.twist).all()
 
 
@@ -219,6 +249,6 @@ def test_angles_have_no_rates_at_their_pole_but_the_platform_has() -> None:
     pose = (*poses(design, 1)[0][:3], 0.3, np.pi / 2, 0.1)
     from kinematics.mechanisms.four_sps_spr.constraint import complete_pose
 
-    found = motion.forward_motion(design, complete_pose(design, pose), np.ones(5))
+    found = forward_motion(design, complete_pose(design, pose), np.ones(5))
     assert np.isfinite(found.twist).all()
     assert np.isnan(found.pose_rates[3:]).all()

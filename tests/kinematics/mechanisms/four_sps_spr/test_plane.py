@@ -11,10 +11,9 @@ from kinematics.errors import InputError
 from kinematics.facets import inverse as generic
 from kinematics.machine import machine_of
 from kinematics.mechanism import mechanism_class
-from kinematics.mechanisms.four_sps_spr import inverse, singularities
+from kinematics.mechanisms.four_sps_spr import inverse
 from kinematics.mechanisms.four_sps_spr.plane import plane, rings
 from kinematics.mechanisms.four_sps_spr.singular_curve import cubic, nearest_singular
-from kinematics.mechanisms.four_sps_spr.wrenches import wrench_system
 from kinematics.plane import annuli
 from tests.kinematics.mechanisms.four_sps_spr.machines import general, pentagons, poses, preset
 
@@ -81,7 +80,7 @@ def test_the_determinant_is_a_cubic_in_the_plane(design, angles) -> None:
     curve = cubic(design, angles)
     uv = np.random.default_rng(1).uniform(-600.0, 600.0, (40, 2))
     there = at(design, angles, uv)
-    system = wrench_system(design, there)
+    system = machine_of(design).statics.wrenches(there, "")
     known = system.determinant * np.prod(inverse.leg_lengths(design, there), axis=1)
     # unit wrenches: the determinant of G with moments by the length, as the cubic's
     values, gradient = curve.values(uv)
@@ -223,4 +222,4 @@ def test_at_an_orientation_without_any_place_another_is_offered() -> None:
 def test_there_is_one_chart() -> None:
     assert [spec.key for spec in machine_of(preset()).singularities.loci] == ["plane"]
     with pytest.raises(InputError):
-        singularities.locus(preset(), "globe", machine_of(preset()).home.pose)
+        machine_of(preset()).singularities.locus("globe", machine_of(preset()).home.pose, "")

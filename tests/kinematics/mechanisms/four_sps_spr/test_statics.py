@@ -8,8 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kinematics.errors import InputError
-from kinematics.mechanisms.four_sps_spr import inverse, singularities
-from kinematics.mechanisms.four_sps_spr.wrenches import NAMES, legs, matrix, statics, wrench_system
+from kinematics.machine import machine_of
+from kinematics.mechanisms.four_sps_spr import inverse
+from kinematics.mechanisms.four_sps_spr.statics import NAMES, legs, matrix
 from tests.kinematics.mechanisms.four_sps_spr.machines import (
     general,
     pentagons,
@@ -25,7 +26,7 @@ def test_forces_of_the_samples() -> None:
     design = pentagons()
     for sample in reference("sps_spr_samples")["samples"]:
         pose = np.append(sample["p"], inverse.euler_angles(np.array(sample["R"]).reshape(3, 3)))
-        found = statics(design, pose, [*sample["F"], *sample["T"]])
+        found = machine_of(design).statics.forces(pose, "", [*sample["F"], *sample["T"]])
         assert found.forces == pytest.approx(sample["forces"], rel=1e-9)
         assert found.names == NAMES
 
@@ -35,7 +36,7 @@ def test_forces_of_the_samples() -> None:
 def test_virtual_work_vanishes_for_every_motion(design, load, seed: int) -> None:
     """Σ F_i δl_i + F_τ δc + load · δ(twist) = 0, for motions that break the constraint too."""
     pose = poses(design, 1, seed=seed, tilt=0.7)[0]
-    found = statics(design, pose, load)
+    found = machine_of(design).statics.forces(pose, "", load)
     g = matrix(legs(design, pose))
     scale = np.array([1.0, 1.0, 1.0, design.length, design.length, design.length])
     moves = np.random.default_rng(seed).normal(size=(8, 6)) / scale
@@ -49,7 +50,7 @@ def test_virtual_work_vanishes_for_every_motion(design, load, seed: int) -> None
 @pytest.mark.parametrize("design", [preset(), general()])
 def test_forces_act_through_the_joints(design) -> None:
     pose = poses(design, 1, seed=4)[0]
-    system = wrench_system(design, pose)
+    system = machine_of(design).statics.wrenches(pose, "")
     tips = inverse.platform_points(design, pose)
     assert np.linalg.norm(system.rows[:, :3], axis=1) == pytest.approx(1.0)
     arms = system.point - pose[:3]
@@ -65,7 +66,7 @@ def test_forces_act_through_the_joints(design) -> None:
 def test_the_constraint_does_no_work() -> None:
     design = preset()
     pose = poses(design, 1, seed=9)[0]
-    row = wrench_system(design, pose).rows[5]
+    row = machine_of(design).statics.wrenches(pose, "").rows[5]
     base = np.array([5.0, -7.0, 11.0, 0.0, 0.0, 0.0]) * 1e-6
     moved = base - row * (row @ base) / (row @ row)
     r = inverse.rotation(pose)
@@ -81,22 +82,22 @@ def test_no_numbers_at_a_singularity_or_off_the_constraint() -> None:
         (pentagons(), (0.0, 0.0, 560.0, 0.0, 0.0, 0.0)),
         (preset(), (10.0, 10.0, 560.0, 0.0, 0.0, 0.0)),
     ):
-        assert np.isnan(statics(design, pose, load).forces).all()
+        assert np.isnan(machine_of(design).statics.forces(pose, "", load).forces).all()
 
 
 def test_measures() -> None:
     design = preset()
     batch = poses(design, 6).reshape(2, 3, 6)
     load = (0.0, 10.0, -10.0, 10.0, 0.0, 10.0)
-    for spec in singularities.MEASURES:
-        values = singularities.measure(design, batch, spec.key, load if spec.needs_load else None)
+    for spec in machine_of(design).measures.specs:
+        values = machine_of(design).measures(batch, "", spec.key, load if spec.needs_load else None)
         assert values.shape == (2, 3)
         assert (values > 0.0).all()
         if spec.needs_load:
             with pytest.raises(InputError, match="load"):
-                singularities.measure(design, batch, spec.key)
+                machine_of(design).measures(batch, "", spec.key)
     with pytest.raises(InputError, match="conditioning"):
-        singularities.measure(design, batch, "beauty")
+        machine_of(design).measures(batch, "", "beauty")
     level = (0.0, 0.0, 560.0, 0.0, 0.0, 0.0)
-    assert singularities.measure(pentagons(), level, "conditioning") == 0.0
-    assert singularities.measure(pentagons(), level, "manipulability") < 1e-12
+    assert machine_of(pentagons()).measures(level, "", "conditioning") == 0.0
+    assert machine_of(pentagons()).measures(level, "", "manipulability") < 1e-12

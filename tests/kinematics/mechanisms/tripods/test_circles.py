@@ -10,7 +10,7 @@ import pytest
 from kinematics.designs.files import load_design
 from kinematics.facets import inverse as generic
 from kinematics.machine import machine_of
-from kinematics.mechanisms.tripods import circles, clearances, posing, wrenches
+from kinematics.mechanisms.tripods import circles, posing
 from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind
 from tests.kinematics.mechanisms.tripods.machines import machine, some_machines
 
@@ -33,14 +33,14 @@ def test_about_other_orientations(kind: Kind, mode: str, rng: np.random.Generato
         parallel, constraint, _ = circles.circles(design, (z, tilt, azimuth), mode)
         assert constraint.radius == pytest.approx(np.pi - tilt)
         radius = parallel.radius
-        home = wrenches.wrench_system(design, (z, tilt, azimuth), mode).determinant
+        home = machine_of(design).statics.wrenches((z, tilt, azimuth), mode).determinant
         if radius < np.pi:
             at = np.array([z, *parallel.contacts[0]])
-            assert wrenches.least(design, at, mode) < 1e-6
+            assert machine_of(design).measures.singular_value(at, mode) < 1e-6
         for part in np.linspace(0.02, 0.995, 40):
             ring = circles.circle_points(tilt, azimuth, part * min(radius, np.pi - tilt), 181)
             poses = np.concatenate([np.full((181, 1), z), ring], axis=-1)
-            there = wrenches.wrench_system(design, poses, mode).determinant
+            there = machine_of(design).statics.wrenches(poses, mode).determinant
             assert (np.sign(there) == np.sign(home)).all()
 
 
@@ -83,7 +83,7 @@ def test_beyond_a_stroke_the_circle_is_a_point() -> None:
 def test_clearances_are_where_they_say(kind: Kind, mode: str) -> None:
     design = machine(kind)
     here = generic.posture(design, (180.0, 0.3, 0.5), mode)
-    found = clearances.clearances(design, here)
+    found = machine_of(design).clearances.of(here)
     assert [c.distance for c in found] == sorted(c.distance for c in found)
     origin = posing.transform(design, here.pose, mode)
     for each in found:
@@ -95,12 +95,12 @@ def test_clearances_are_where_they_say(kind: Kind, mode: str) -> None:
         assert np.linalg.norm(np.cross(way, line)) < 1e-6 * (1.0 + abs(each.distance))
         there = np.array([each.point[2], *here.pose[1:]])
         if each.kind == "parallel":
-            assert wrenches.least(design, there, mode) < 1e-6
+            assert machine_of(design).measures.singular_value(there, mode) < 1e-6
         else:
             length = posing.limb_lengths(design, there, mode)[each.limb - 1]
             end = design.stroke[0 if each.bound == "rho_min" else 1]
             assert length == pytest.approx(end, abs=1e-6)
-    quick = clearances.clearances(design, here, singular=False)
+    quick = machine_of(design).clearances.of(here, singular=False)
     assert all("along" in each.text for each in quick)
 
 

@@ -41,7 +41,7 @@ def test_curves_are_exact_and_none_is_missing(
     kind: Kind, mode: str, ratio: float, height: float
 ) -> None:
     design = TripodDesign(kind, 100.0, 100.0 * ratio, (0.0, 999.0))
-    found = loci.locus(design, loci.ORIENTATION, 100.0 * height, mode)
+    found = machine_of(design).singularities.locus(loci.ORIENTATION, (100.0 * height,), mode)
     assert found.residual.max() < 1e-6
     assert found.kinds[-1] == "constraint"
     assert found.barriers == (() if kind == "three_rps" else (0.5 * np.pi,))
@@ -59,7 +59,7 @@ def test_curves_are_exact_and_none_is_missing(
 def test_the_innermost_point_is_the_micr(kind: Kind, mode: str, rng: np.random.Generator) -> None:
     for ratio, height in np.exp(rng.uniform(-1.0, 1.0, (15, 2))).tolist():
         design = TripodDesign(kind, 100.0, 100.0 * ratio, (0.0, 999.0))
-        found = loci.locus(design, loci.ORIENTATION, 100.0 * height, mode)
+        found = machine_of(design).singularities.locus(loci.ORIENTATION, (100.0 * height,), mode)
         inner = [p[:, 0].min() for p, k in zip(parts(found), found.kinds, strict=True)]
         exact = float(micr.micr(kind, 1.0, ratio, height, mode).radius)
         assert min(inner) == pytest.approx(np.pi if np.isnan(exact) else exact, abs=1e-9)
@@ -67,7 +67,7 @@ def test_the_innermost_point_is_the_micr(kind: Kind, mode: str, rng: np.random.G
 
 def test_points_lie_near_each_other_and_closed_curves_close() -> None:
     design = machine("three_spr", 100.0, 200.0)
-    found = loci.locus(design, loci.ORIENTATION, 100.0, "2")
+    found = machine_of(design).singularities.locus(loci.ORIENTATION, (100.0,), "2")
     closed = 0
     for part in parts(found):
         flat = part[:, :1] * np.stack([np.cos(part[:, 1]), np.sin(part[:, 1])], axis=-1)
@@ -79,7 +79,7 @@ def test_points_lie_near_each_other_and_closed_curves_close() -> None:
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize("kind", KINDS)
 def test_in_the_base_plane_every_third_azimuth_is_singular(kind: Kind, mode: str) -> None:
-    found = loci.locus(machine(kind), loci.ORIENTATION, 0.0, mode)
+    found = machine_of(machine(kind)).singularities.locus(loci.ORIENTATION, (0.0,), mode)
     assert len(found.kinds) >= 7
     assert np.isfinite(found.points).all()
     assert found.residual.max() < 1e-6
@@ -87,8 +87,8 @@ def test_in_the_base_plane_every_third_azimuth_is_singular(kind: Kind, mode: str
 
 def test_what_is_refused() -> None:
     with pytest.raises(InputError, match="there is no chart"):
-        loci.locus(machine("three_rps"), "plane", 1.0, "1")
+        machine_of(machine("three_rps")).singularities.locus("plane", (1.0,), "1")
     with pytest.raises(InputError, match="finite"):
-        loci.locus(machine("three_rps"), loci.ORIENTATION, np.inf, "1")
+        machine_of(machine("three_rps")).singularities.locus(loci.ORIENTATION, (np.inf,), "1")
     (spec,) = machine_of(load_design("rps-3")).singularities.loci
     assert spec.polar

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from kinematics.mechanisms.tripods import motion, posing, wrenches
+from kinematics.machine import machine_of
+from kinematics.mechanisms.tripods import posing
 from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind
 from tests.kinematics.mechanisms.tripods.machines import machine, some_poses
 
@@ -18,7 +19,7 @@ def test_motion_is_that_of_finite_differences(
 ) -> None:
     design, poses = machine(kind), some_poses(rng, 40, farthest=1.2)
     rates, second = rng.normal(size=(2, 40, 3))
-    found = motion.inverse_motion(design, poses, mode, rates, second)
+    found = machine_of(design).motion.inverse(poses, mode, rates, second)
     step = 1e-4
 
     def at(time: float) -> np.ndarray:
@@ -38,7 +39,7 @@ def test_motion_is_that_of_finite_differences(
     moved = (after - before)[:, :3, 3] / (2 * step)
     np.testing.assert_allclose(found.twist[:, 3:], moved, rtol=1e-5, atol=1e-4)
     early, late = (
-        motion.inverse_motion(design, at(t), mode, rates + t * second, second).twist
+        machine_of(design).motion.inverse(at(t), mode, rates + t * second, second).twist
         for t in (-step, step)
     )
     np.testing.assert_allclose(found.twist_rate, (late - early) / (2 * step), rtol=1e-4, atol=1e-3)
@@ -49,11 +50,13 @@ def test_forward_motion_undoes_inverse_motion(
     kind: Kind, mode: str, rng: np.random.Generator
 ) -> None:
     design, poses = machine(kind), some_poses(rng, 100)
-    good = np.abs(wrenches.wrench_system(design, poses, mode).determinant) > 1e-3
+    good = np.abs(machine_of(design).statics.wrenches(poses, mode).determinant) > 1e-3
     poses = poses[good]
     rates, second = rng.normal(size=(2, len(poses), 3))
-    there = motion.inverse_motion(design, poses, mode, rates, second)
-    back = motion.forward_motion(design, poses, mode, there.joint_rates, there.joint_accelerations)
+    there = machine_of(design).motion.inverse(poses, mode, rates, second)
+    back = machine_of(design).motion.forward(
+        poses, mode, there.joint_rates, there.joint_accelerations
+    )
     np.testing.assert_allclose(back.pose_rates, rates, atol=1e-8)
     np.testing.assert_allclose(back.twist, there.twist, atol=1e-7, rtol=1e-9)
     np.testing.assert_allclose(back.pose_accelerations, second, atol=1e-5)
@@ -63,9 +66,9 @@ def test_forward_motion_undoes_inverse_motion(
 def test_forces_do_the_work_of_the_load(kind: Kind, mode: str, rng: np.random.Generator) -> None:
     design, poses = machine(kind), some_poses(rng, 100)
     rates = rng.normal(size=(100, 3))
-    moved = motion.inverse_motion(design, poses, mode, rates)
+    moved = machine_of(design).motion.inverse(poses, mode, rates)
     load = rng.normal(size=(100, 6)) * [1, 1, 1, 100, 100, 100]
-    found = wrenches.statics(design, poses, mode, load)
+    found = machine_of(design).statics.forces(poses, mode, load)
     work = (load[:, :3] * moved.twist[:, 3:]).sum(1) + (load[:, 3:] * moved.twist[:, :3]).sum(1)
     driven = (found.forces[:, :3] * moved.joint_rates).sum(axis=1)
     size = np.abs(found.forces[:, :3] * moved.joint_rates).sum(axis=1) + np.abs(work)
@@ -77,10 +80,12 @@ def test_forces_do_the_work_of_the_load(kind: Kind, mode: str, rng: np.random.Ge
 def test_the_level_platform(kind: Kind, mode: str) -> None:
     """There the azimuth says nothing: lifting and tilting about it can be told, other turns not."""
     design, level = machine(kind), np.array([120.0, 0.0, 0.3])
-    there = motion.inverse_motion(design, level, mode, [3.0, 0.5, 0.0], [1.0, 0.2, 0.0])
-    back = motion.forward_motion(design, level, mode, there.joint_rates, there.joint_accelerations)
+    there = machine_of(design).motion.inverse(level, mode, [3.0, 0.5, 0.0], [1.0, 0.2, 0.0])
+    back = machine_of(design).motion.forward(
+        level, mode, there.joint_rates, there.joint_accelerations
+    )
     np.testing.assert_allclose(back.pose_rates, [3.0, 0.5, 0.0], atol=1e-12)
-    other = motion.forward_motion(design, level, mode, [1.0, -2.0, 0.7])
+    other = machine_of(design).motion.forward(level, mode, [1.0, -2.0, 0.7])
     assert np.isfinite(other.twist).all()
     assert np.isnan(other.pose_rates[1:]).all()
     assert np.isfinite(other.pose_rates[0])
@@ -89,7 +94,7 @@ def test_the_level_platform(kind: Kind, mode: str) -> None:
 @pytest.mark.parametrize(("kind", "mode"), BOTH)
 def test_nothing_is_told_in_the_constraint_singularity(kind: Kind, mode: str) -> None:
     design, over = machine(kind), np.array([120.0, np.pi, 0.3])
-    assert np.isnan(motion.forward_motion(design, over, mode, [1.0, 0.0, 0.0]).twist).all()
-    assert np.isnan(wrenches.statics(design, over, mode, [0, 0, -1, 0, 0, 0]).forces).all()
-    assert np.isinf(wrenches.condition(design, over, mode))
-    assert wrenches.least(design, over, mode) < 1e-14
+    assert np.isnan(machine_of(design).motion.forward(over, mode, [1.0, 0.0, 0.0]).twist).all()
+    assert np.isnan(machine_of(design).statics.forces(over, mode, [0, 0, -1, 0, 0, 0]).forces).all()
+    assert np.isinf(machine_of(design).measures.condition(over, mode))
+    assert machine_of(design).measures.singular_value(over, mode) < 1e-14

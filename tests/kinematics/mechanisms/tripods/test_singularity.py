@@ -12,9 +12,8 @@ from kinematics.mechanisms.tripods import (
     polynomial,
     posing,
     singularities,
-    wrenches,
 )
-from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind, mode_sign
+from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind, TripodDesign, mode_sign
 from tests.kinematics.mechanisms.tripods.machines import (
     NAMES,
     machine,
@@ -35,7 +34,7 @@ def test_the_reference_determinants(case: dict) -> None:
     value = polynomial.value(kind, case["h1"], k, *pose[:2], np.sin(3 * pose[2]))
     assert value == pytest.approx(case["P"], rel=1e-11)
     lengths = np.prod(case["leg_lengths"])
-    whole = wrenches.wrench_system(design, pose, mode).determinant * lengths * case["h2"] ** 3
+    whole = machine_of(design).statics.wrenches(pose, mode).determinant * lengths * case["h2"] ** 3
     assert whole == pytest.approx(case["det6_unnormalised_wrench"], rel=1e-11)
 
 
@@ -60,14 +59,25 @@ def test_the_reference_singular_tilts(case: dict) -> None:
     np.testing.assert_allclose(found, case["theta_singular"], atol=1e-3 if manifold else 1e-6)
 
 
+def determinant_from_polynomial(design: TripodDesign, poses: np.ndarray, mode: str) -> np.ndarray:
+    """± the determinant of the unnormed wrenches by P: 6.75 x h2³ P, or 6.75 x h1³ P / cos² θ."""
+    z, tilt, azimuth = poses.T
+    k = mode_sign(mode) * design.platform_radius
+    value = polynomial.value(
+        design.mechanism, design.base_radius, k, z, tilt, np.sin(3.0 * azimuth)
+    )
+    found = 6.75 * np.cos(0.5 * tilt) * design.spherical_radius**3 * value
+    return found if design.revolute_on_base else found / np.cos(tilt) ** 2
+
+
 def test_the_determinant_is_the_polynomial_at_random_poses(rng: np.random.Generator) -> None:
     for design in some_machines(rng, 60):
         for mode in MODES:
             poses = some_poses(rng, 30)
             lengths = posing.limb_lengths(design, poses, mode).prod(axis=-1)
-            unit = wrenches.wrench_system(design, poses, mode).determinant
+            unit = machine_of(design).statics.wrenches(poses, mode).determinant
             whole = unit * lengths * design.platform_radius**3
-            wanted = singularities.determinant_from_polynomial(design, poses, mode)
+            wanted = determinant_from_polynomial(design, poses, mode)
             sign = np.sign(whole[0] * wanted[0])
             scale = lengths * design.platform_radius**3
             assert (np.abs(whole - sign * wanted) / scale).max() < 1e-11
@@ -90,7 +100,7 @@ def test_both_modes_meet_at_180_degrees(kind: Kind) -> None:
     design = machine(kind)
     for mode in MODES:
         there = generic.posture(design, (150.0, np.pi, 0.7), mode)
-        change = singularities.mode_change(design, there)
+        change = machine_of(design).singularities.mode_change(there)
         assert change.here
         assert change.turn == 0.0
         assert change.other.mode != mode
@@ -104,7 +114,7 @@ def test_both_modes_meet_at_180_degrees(kind: Kind) -> None:
         assert lost.limbs == (1, 2, 3)
         assert lost.measure < 1e-12
     level = generic.posture(design, (150.0, 0.2, 0.7), "2")
-    change = singularities.mode_change(design, level)
+    change = machine_of(design).singularities.mode_change(level)
     assert not change.here
     assert change.turn == pytest.approx(np.pi - 0.2)
     assert change.at.pose == (150.0, np.pi, 0.7)
@@ -115,7 +125,7 @@ def test_both_modes_meet_at_180_degrees(kind: Kind) -> None:
 def test_modes_meet_nowhere_else(kind: Kind, mode: str, rng: np.random.Generator) -> None:
     """The constraint wrenches alone are dependent at a tilt of 180° only."""
     design, poses = machine(kind), some_poses(rng, 300)
-    rows = wrenches.wrench_system(design, poses, mode).rows[:, 3:] / [1, 1, 1, *(3 * [160.0])]
+    rows = machine_of(design).statics.wrenches(poses, mode).rows[:, 3:] / [1, 1, 1, *(3 * [160.0])]
     least = np.linalg.svd(rows, compute_uv=False)[:, -1]
     assert (least > 1e-3 * np.cos(0.5 * poses[:, 1])).all()
 
@@ -146,7 +156,7 @@ def test_parasitic_motions_are_those_of_the_paper(rng: np.random.Generator) -> N
             poses = some_poses(rng, 20)
             z, tilt, azimuth = poses.T
             c, s = np.cos(tilt / 2), np.sin(tilt / 2)
-            x, y = singularities.parasitic(design, poses, mode)
+            x, y = np.moveaxis(machine_of(design).mechanism.placement(poses, mode)[:, :2, 3], -1, 0)
             if design.revolute_on_base:
                 k = mode_sign(mode) * design.platform_radius
                 np.testing.assert_allclose(x, k * s**2 * np.cos(2 * azimuth), atol=1e-10)

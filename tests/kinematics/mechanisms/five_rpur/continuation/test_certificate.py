@@ -17,7 +17,7 @@ from kinematics.homotopy.continuation import ahead
 from kinematics.homotopy.curve import LAMBDA, Curve, Middle, Piece, Place
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.forward.assembly import forward
-from kinematics.mechanisms.five_rpur.velocity import characteristic_length, inverse_jacobian
+from tests.kinematics.mechanisms.five_rpur.asked import inverse_jacobian
 from tests.kinematics.mechanisms.five_rpur.machines import following
 from tests.kinematics.references import read
 
@@ -290,7 +290,7 @@ def _near_the_fold(design: FiveRPURDesign, rho: Array) -> list[tuple[list[float]
 
 def _normal(design: FiveRPURDesign, start: Posture, fold: dict[str, Any]) -> Array:
     """Of the surface of folds in joint space: J5's left null vector at the fold."""
-    length = characteristic_length(design)
+    length = design.length
     jacobian = inverse_jacobian(design, fold["pose_fold"], start.mode)
     answer: Array = np.linalg.svd(jacobian / [1, 1, 1, length, length])[0][:, -1]
     return answer

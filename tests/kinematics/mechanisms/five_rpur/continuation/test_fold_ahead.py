@@ -16,11 +16,7 @@ from kinematics.facets.inverse import posture
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.forward.assembly import forward
 from kinematics.mechanisms.five_rpur.inverse import inverse, limb_lengths
-from kinematics.mechanisms.five_rpur.velocity import (
-    characteristic_length,
-    inverse_jacobian,
-    wrench_matrix,
-)
+from tests.kinematics.mechanisms.five_rpur.asked import inverse_jacobian, wrench_matrix
 from tests.kinematics.mechanisms.five_rpur.machines import following, preset
 from tests.kinematics.references import read
 
@@ -69,7 +65,7 @@ def merging(dt: float) -> tuple[Posture, Posture]:
     pose, rho = np.array(FOLD["pose_fold"]), np.array(FOLD["rho_fold"])
     both = limb_lengths(design, pose)
     mode = "".join("+-"[int(np.abs(both[i] - rho[i]).argmin())] for i in range(5))
-    length = characteristic_length(design)
+    length = design.length
     scale = np.array([1, 1, 1, length, length])
     free = np.linalg.svd(inverse_jacobian(design, pose, mode) / scale)[2][-1] / scale
     joints = RHO0 + (FOLD["t"] - dt) * DRHO
@@ -155,7 +151,7 @@ def test_the_partner_is_one_of_the_full_set_and_the_rest_of_it_does_not_end_ther
 def start_in(design: FiveRPURDesign, seed: int) -> Posture:
     """A reachable posture, away from singularities."""
     rng = np.random.default_rng(seed)
-    length = characteristic_length(design)
+    length = design.length
     while True:
         position = rng.uniform((-350, -20, -450), (350, 160, 450), (200, 3))
         poses = np.column_stack([position, rng.uniform(-1.2, 1.2, (200, 2))])
@@ -197,7 +193,7 @@ def test_it_is_where_following_stops(name: str) -> None:
                     seen["alone"] += 1
                     continue
                 seen["partner"] += 1
-                length = characteristic_length(design)
+                length = design.length
                 before, after = (
                     determinant(design, p.pose, p.mode, length) for p in (start, fold.partner)
                 )
@@ -245,7 +241,7 @@ def test_where_branches_cross_there_is_no_partner() -> None:
                 crossed += 1
                 pair = [n for n, room in enumerate(links) if room < 1e-6]
                 assert len(pair) >= 2
-                size = determinant(design, fold.pose, fold.mode, characteristic_length(design))
+                size = determinant(design, fold.pose, fold.mode, design.length)
                 assert abs(size) < 1e-4
                 assert following(design).follow(start, joints).stop == "singularity"
     assert crossed >= 2

@@ -17,12 +17,7 @@ from kinematics.facets.inverse import posture
 from kinematics.homotopy import continuation
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.inverse import MODES, inverse, joint_points, limb_lengths
-from kinematics.mechanisms.five_rpur.velocity import (
-    characteristic_length,
-    inverse_jacobian,
-    wrench_matrix,
-    wrenches,
-)
+from tests.kinematics.mechanisms.five_rpur.asked import inverse_jacobian, wrench_matrix, wrenches
 from tests.kinematics.mechanisms.five_rpur.machines import distance, following, preset
 from tests.kinematics.references import read
 
@@ -45,7 +40,7 @@ def of_case(case: dict[str, Any]) -> FiveRPURDesign:
 
 
 def determinant(design: FiveRPURDesign, at: Posture) -> float:
-    length = characteristic_length(design)
+    length = design.length
     return float(np.linalg.det(wrench_matrix(design, at.pose, at.mode, length=length)))
 
 
@@ -73,7 +68,7 @@ def test_polishing_finds_every_reference_solution_again(case: dict[str, Any]) ->
     for solution in case["solutions"]:
         pose = np.array([solution[k] for k in ("x", "y", "z", "phi", "theta")])
         mode = "".join("+" if sign > 0 else "-" for sign in solution["working_mode"])
-        matrix = wrench_matrix(design, pose, mode, length=characteristic_length(design))
+        matrix = wrench_matrix(design, pose, mode, length=design.length)
         weakest = float(np.linalg.svd(matrix, compute_uv=False)[-1])
         limbs = np.abs(wrenches(design, pose, mode).transmission).min()
         if min(weakest, limbs) < 1e-3:
@@ -129,7 +124,7 @@ def fold_branches(dt: float = 1.0) -> list[tuple[FiveRPURDesign, Posture]]:
     pose, rho = np.array(fold["pose_fold"]), np.array(fold["rho_fold"])
     both = limb_lengths(design, pose)
     mode = "".join("+-"[int(np.abs(both[i] - rho[i]).argmin())] for i in range(5))
-    length = characteristic_length(design)
+    length = design.length
     scale = np.array([1, 1, 1, length, length])
     free = np.linalg.svd(inverse_jacobian(design, pose, mode) / scale)[2][-1] / scale
     found = []

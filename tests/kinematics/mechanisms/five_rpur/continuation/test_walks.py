@@ -13,7 +13,7 @@ from kinematics.facets.inverse import posture
 from kinematics.mechanisms.five_rpur.arrangements import arrangements
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.forward.assembly import forward
-from kinematics.mechanisms.five_rpur.velocity import characteristic_length, wrench_matrix
+from tests.kinematics.mechanisms.five_rpur.asked import wrench_matrix
 from tests.kinematics.mechanisms.five_rpur.machines import distance, following
 
 SMALL, LARGE = 0.3, 60.0  # mm, of the moves
@@ -28,7 +28,7 @@ def roomy(name: str) -> FiveRPURDesign:
 
 
 def determinant(design: FiveRPURDesign, at: Posture) -> float:
-    length = characteristic_length(design)
+    length = design.length
     return float(np.linalg.det(wrench_matrix(design, at.pose, at.mode, length=length)))
 
 

@@ -19,7 +19,7 @@ from kinematics.mechanisms.five_rpur.arrangements import arrangements
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.forward.assembly import MODE_SIGNS, forward, forward_is_quick
 from kinematics.mechanisms.five_rpur.inverse import MODES, closure_residual, limb_lengths
-from kinematics.mechanisms.five_rpur.velocity import characteristic_length, condition, wrench_matrix
+from tests.kinematics.mechanisms.five_rpur.asked import condition, wrench_matrix
 from tests.kinematics.mechanisms.five_rpur.machines import of_forward_case
 from tests.kinematics.references import read
 
@@ -60,7 +60,7 @@ def test_every_solution_of_the_case_is_found_and_no_other(case):
         assert MODE_SIGNS[found.modes[n]] == tuple(solution["working_mode"])
     theirs = np.array([s["det6_normalised"] for s in case["solutions"]])
     ratio = theirs / found.determinant[nearest]
-    np.testing.assert_allclose(ratio, (characteristic_length(design) / 150.0) ** 2, rtol=1e-7)
+    np.testing.assert_allclose(ratio, (design.length / 150.0) ** 2, rtol=1e-7)
     assert found.residual.max() < 1e-10
 
 
@@ -71,7 +71,7 @@ def test_condition_and_determinant_are_those_of_the_velocities(name):
     (found,) = forward(design, case["rho"])
     sigma = sigma_of(found.modes)
     np.testing.assert_allclose(found.condition, condition(design, found.poses, sigma), rtol=1e-6)
-    length = characteristic_length(design)
+    length = design.length
     matrix = wrench_matrix(design, found.poses, sigma, length=length).copy()
     matrix[:, :5] /= np.linalg.norm(matrix[:, :5, :3], axis=-1)[:, :, None]
     np.testing.assert_allclose(found.determinant, np.linalg.det(matrix), rtol=1e-6)
@@ -262,7 +262,7 @@ def test_the_self_motion_of_a1a1_is_reported_with_its_direction(mixed_modes):
     (found,) = forward(design, joints, mixed_modes=mixed_modes)
     assert found.self_motions
     assert any("Self-motion" in note for note in found.notes)
-    length = characteristic_length(design)
+    length = design.length
     for motion in found.self_motions:
         d = np.array(motion.direction)
         assert np.hypot(np.linalg.norm(d[:3]), length * np.linalg.norm(d[3:])) == pytest.approx(1)

@@ -24,7 +24,7 @@ from kinematics.mechanisms.five_rpur.forward.equations import (
     to_poses,
 )
 from kinematics.mechanisms.five_rpur.inverse import joint_points, limb_lengths
-from kinematics.mechanisms.five_rpur.velocity import wrench_matrix
+from tests.kinematics.mechanisms.five_rpur.asked import wrench_matrix
 
 SIGNS = np.array([1.0, -1.0, 1.0, 1.0, -1.0])
 

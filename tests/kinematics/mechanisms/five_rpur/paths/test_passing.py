@@ -10,10 +10,11 @@ from kinematics.designs.files import load_design
 from kinematics.facets.paths import PathsFacet
 from kinematics.machine import machine_of
 from kinematics.mechanism import mechanism_class
-from kinematics.mechanisms.five_rpur import inverse, velocity
+from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.paths.events import passed
 from kinematics.mechanisms.five_rpur.paths.straight import Way
+from tests.kinematics.mechanisms.five_rpur.asked import wrench_matrix
 from tests.kinematics.references import read
 
 MECHANISM = mechanism_class("five_rpur")
@@ -50,7 +51,7 @@ def test_events_are_those_of_dense_samples(seed):
     rho = _lengths(design, poses, before.mode)
     closes = np.isfinite(rho).all(axis=1)
     signs = np.zeros(len(s))
-    matrix = velocity.wrench_matrix(design, poses[closes], before.mode, length=50.0)
+    matrix = wrench_matrix(design, poses[closes], before.mode, length=50.0)
     signs[closes] = np.sign(np.linalg.det(matrix))
     crossings = s[:-1][signs[1:] * signs[:-1] < 0]
     assert_same(crossings, [e for e in events if e.kind == "parallel" and e.stops], near)
@@ -96,7 +97,7 @@ def test_at_each_event_its_bound_is_met(seed):
             short = next(m.amount for m in there.margins if m.limb == event.limb)
             assert abs(short) < 1e-9
         elif event.stops:
-            matrix = velocity.wrench_matrix(design, event.pose, before.mode, length=50.0)
+            matrix = wrench_matrix(design, event.pose, before.mode, length=50.0)
             assert abs(np.linalg.det(matrix)) < 1e-12
 
 

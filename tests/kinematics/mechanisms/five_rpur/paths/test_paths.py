@@ -9,16 +9,17 @@ from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 from kinematics.machine import machine_of
 from kinematics.mechanism import mechanism_class
-from kinematics.mechanisms.five_rpur import inverse, velocity
+from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.paths.driving import GAP
 from kinematics.mechanisms.five_rpur.paths.nearness import WARNED
 from kinematics.mechanisms.five_rpur.paths.straight import Way
+from tests.kinematics.mechanisms.five_rpur.asked import wrench_matrix
 
 MECHANISM = mechanism_class("five_rpur")
 
 
 def sign_of(design, posture) -> float:
-    matrix = velocity.wrench_matrix(design, posture.pose, posture.mode, length=50.0)
+    matrix = wrench_matrix(design, posture.pose, posture.mode, length=50.0)
     return float(np.sign(np.linalg.det(matrix)))
 
 

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from kinematics.errors import ComputationError, InputError
 from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur.inverse import joint_points
-from kinematics.mechanisms.five_rpur.singularities.curves import SPECS, locus
+from kinematics.mechanisms.five_rpur.singularities.curves import Loci
 from kinematics.mechanisms.five_rpur.singularities.determinant import Determinant
-from kinematics.mechanisms.five_rpur.velocity import wrench_matrix
+from tests.kinematics.mechanisms.five_rpur.asked import wrench_matrix
 from tests.kinematics.mechanisms.five_rpur.machines import preset
 from tests.kinematics.mechanisms.five_rpur.singularities.cases import (
     always_singular,
@@ -38,7 +38,7 @@ def poses_of(key, found, pose, at):
 
 
 @settings(max_examples=12)
-@given(st.integers(0, 10**6), st.sampled_from([spec.key for spec in SPECS]))
+@given(st.integers(0, 10**6), st.sampled_from([spec.key for spec in Loci.loci]))
 def test_every_point_is_singular_as_it_is_said_to_be(seed: int, key: str) -> None:
     design, phi, theta, mode = random_case(seed)
     determinant = Determinant.at(design, phi, theta, mode)
@@ -48,7 +48,7 @@ def test_every_point_is_singular_as_it_is_said_to_be(seed: int, key: str) -> Non
     pose = poses(design, phi, theta, [center])[0]
     at = float(center[0]) + 1.0 if key == "section" else None
     try:
-        found = locus(design, key, pose, mode, at)
+        found = machine_of(design).singularities.locus(key, pose, mode, at)
     except ComputationError:
         return
     where = poses_of(key, found, pose, at)
@@ -84,7 +84,7 @@ def test_between_the_curves_of_a_section_the_sign_stays() -> None:
     pose, mode = [50.0, 90.0, -200.0, 0.3, -0.4], "+++++"
     determinant = Determinant.at(TABLE_1, 0.3, -0.4, mode)
     at = 30.0
-    found = locus(TABLE_1, "section", pose, mode, at)
+    found = machine_of(TABLE_1).singularities.locus("section", pose, mode, at)
     (low, high), (bottom, top) = found.bounds
     for y in np.linspace(low, high, 9)[1:-1]:
         z = np.linspace(bottom, top, 4001)
@@ -114,7 +114,7 @@ def apart(places, gap=6.0):
 def test_orientations_are_those_of_sections() -> None:
     """A singular orientation of a position has the position in its singular section."""
     pose, mode = np.array([50.0, 90.0, -200.0, 0.3, -0.4]), "+-+-+"
-    found = locus(TABLE_1, "orientation", pose, mode)
+    found = machine_of(TABLE_1).singularities.locus("orientation", pose, mode)
     assert set(found.kinds) == {"serial", "parallel"}
     _, _, curve = next(c for c in curves_of(found) if c[0] == "parallel")
     for phi, theta in found.points[curve][::40]:
@@ -125,7 +125,9 @@ def test_orientations_are_those_of_sections() -> None:
 
 def test_nothing_closes_no_curves() -> None:
     away = [0.0, 900.0, 0.0, 0.0, 0.0]
-    assert locus(TABLE_1, "orientation", away, "+++++").start.tolist() == [0]
+    assert machine_of(TABLE_1).singularities.locus("orientation", away, "+++++").start.tolist() == [
+        0
+    ]
 
 
 def test_what_cannot_be_drawn_is_told() -> None:
@@ -133,13 +135,13 @@ def test_what_cannot_be_drawn_is_told() -> None:
     always = always_singular(TABLE_1)
     for key, where in (("section", "of this section"), ("orientation", "at this position")):
         with pytest.raises(ComputationError, match=where):
-            locus(always, key, pose, "+++++")
+            machine_of(always).singularities.locus(key, pose, "+++++")
     with pytest.raises(InputError, match="no chart 'tilt'"):
-        locus(TABLE_1, "tilt", pose, "+++++")
+        machine_of(TABLE_1).singularities.locus("tilt", pose, "+++++")
     with pytest.raises(InputError):
-        locus(TABLE_1, "section", pose[:4], "+++++")
+        machine_of(TABLE_1).singularities.locus("section", pose[:4], "+++++")
     with pytest.raises(InputError):
-        locus(TABLE_1, "section", pose, "+++++", float("nan"))
+        machine_of(TABLE_1).singularities.locus("section", pose, "+++++", float("nan"))
 
 
 def test_behind_the_shared_interface() -> None:

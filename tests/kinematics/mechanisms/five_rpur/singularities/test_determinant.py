@@ -11,7 +11,7 @@ from kinematics.facets.inverse import posture
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.inverse import MODES, joint_points
 from kinematics.mechanisms.five_rpur.singularities.determinant import Determinant
-from kinematics.mechanisms.five_rpur.velocity import wrench_matrix
+from tests.kinematics.mechanisms.five_rpur.asked import wrench_matrix
 from tests.kinematics.mechanisms.five_rpur.machines import preset
 from tests.kinematics.mechanisms.five_rpur.singularities.cases import (
     always_singular,

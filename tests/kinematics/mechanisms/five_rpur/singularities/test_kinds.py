@@ -15,11 +15,13 @@ from kinematics.facets import inverse as generic
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.forward.assembly import forward
-from kinematics.mechanisms.five_rpur.motion import pose_rates_of, twists
-from kinematics.mechanisms.five_rpur.singularities.kinds import singularities
-from kinematics.mechanisms.five_rpur.statics import wrench_system
-from kinematics.mechanisms.five_rpur.velocity import characteristic_length
 from kinematics.screws.wrenches import singular_values
+from tests.kinematics.mechanisms.five_rpur.asked import (
+    pose_rates_of,
+    singularities,
+    twists,
+    wrench_system,
+)
 from tests.kinematics.mechanisms.five_rpur.closing import closing_poses, lengths
 from tests.kinematics.mechanisms.five_rpur.machines import preset
 from tests.kinematics.mechanisms.five_rpur.test_arrangements import IN_ALL_MODES, SINGULAR
@@ -45,7 +47,7 @@ def check_motion(design: FiveRPURDesign, pose: object, mode: str, found: Singula
     """The free motion has unit size, is its twist, and changes no length to first order."""
     assert found.motion is not None
     assert found.twist is not None
-    length = characteristic_length(design)
+    length = design.length
     d, twist = np.array(found.motion), np.array(found.twist)
     scale = np.array([1, 1, 1, length, length])
     assert np.linalg.norm(d * scale) == pytest.approx(1.0)
@@ -78,7 +80,7 @@ def test_the_reference_fold_is_named_with_the_motion_that_merges_the_modes() -> 
     step = np.array(FOLDS["drho"])
     (before,) = forward(design, rho - 1e-3 * step / np.abs(step).max())
     away = before.poses - pose
-    length = characteristic_length(design)
+    length = design.length
     two = np.argsort(np.linalg.norm(away * [1, 1, 1, length, length], axis=1))[:2]
     between = (before.poses[two[0]] - before.poses[two[1]]) * [1, 1, 1, length, length]
     between /= np.linalg.norm(between)
@@ -101,7 +103,7 @@ def test_a_larger_tolerance_tells_what_is_near_and_says_so() -> None:
     pose = np.array(fold["pose_fold"]) + np.array([2.0, -3.0, 1.0, 0.0, 0.0])
     assert at(design, pose, mode) == ()
     (found,) = at(design, pose, mode, NEAR)
-    values = singular_values(wrench_system(design, pose, mode).rows, characteristic_length(design))
+    values = singular_values(wrench_system(design, pose, mode).rows, design.length)
     assert found.measure == pytest.approx(float(values[-1]))
     assert found.text.startswith("Near a parallel singularity")
     check_motion(design, pose, mode, found)
@@ -145,7 +147,7 @@ def test_what_is_free_in_two_ways_is_told_twice() -> None:
 def locked_motion_stays(design: FiveRPURDesign, pose: Array, mode: str, found: Singularity) -> None:
     """Newton's method from a step along the motion comes back to the same lengths, elsewhere."""
     assert found.motion is not None
-    length = characteristic_length(design)
+    length = design.length
     scale = np.array([1, 1, 1, length, length])
     rho = lengths(design, pose, mode)
     for step in (-3.0, 3.0):
@@ -366,7 +368,7 @@ def test_the_measure_is_below_the_tolerance_exactly_where_something_is_told(
         assert found == ()
         return
     system = wrench_system(design, pose, mode)
-    values = singular_values(system.rows, characteristic_length(design))
+    values = singular_values(system.rows, design.length)
     parallel = [one for one in found if one.kind != "serial"]
     assert len(parallel) == int((values < 0.05).sum())
     for one in parallel:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur.singularities.determinant import Determinant
 from kinematics.mechanisms.five_rpur.singularities.nearest import nearest_singularity
-from kinematics.mechanisms.five_rpur.velocity import wrench_matrix
+from tests.kinematics.mechanisms.five_rpur.asked import wrench_matrix
 from tests.kinematics.mechanisms.five_rpur.machines import preset
 from tests.kinematics.mechanisms.five_rpur.singularities.cases import (
     always_singular,
