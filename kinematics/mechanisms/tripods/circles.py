@@ -91,13 +91,6 @@ def circles(
     return (_parallel(home), _constraint(home), _strokes(home))
 
 
-def circle_points(tilt: float, azimuth: float, radius: float, count: int = 181) -> Array:
-    """Points (n, 2) of (tilt, azimuth) of the circle about an orientation, closed."""
-    frame = _frame(tilt, azimuth)
-    turn = np.linspace(0.0, 2.0 * np.pi, count)
-    return _chart(_on_circle(frame, np.array(radius), turn))
-
-
 @dataclass(frozen=True, slots=True)
 class Home:
     """The centre of a circle: a machine in a mode at an altitude and an orientation."""

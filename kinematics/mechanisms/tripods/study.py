@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinematics.arrays import Array, finite
-from kinematics.errors import InputError
+from kinematics.arrays import Array
 
 Values = NDArray[Any]
 """Real or complex numbers."""
@@ -59,28 +58,6 @@ def inverse(study: Values) -> Values:
     """The inverse displacement: the conjugate of the dual quaternion, (..., 8) → (..., 8)."""
     turned: Values = study * np.array([1.0, -1.0, -1.0, -1.0] * 2)
     return turned
-
-
-def to_transform(study: ArrayLike) -> Array:
-    """4x4 matrices of real Study parameters (..., 8) of any length but zero.
-
-    Raises:
-        InputError: not finite, x = 0, or off the Study quadric by more than 1e-6 of their size.
-    """
-    values = finite(study, name="the Study parameters", last=8)
-    square = (values[..., :4] ** 2).sum(axis=-1)
-    if (square == 0.0).any():
-        raise InputError("the Study parameters x0 … x3 must not all be zero")
-    off = np.abs((values[..., :4] * values[..., 4:]).sum(axis=-1))
-    size = np.linalg.norm(values[..., :4], axis=-1) * np.linalg.norm(values[..., 4:], axis=-1)
-    if (off > 1e-6 * size).any():
-        raise InputError("the Study parameters must satisfy x0 y0 + x1 y1 + x2 y2 + x3 y3 = 0")
-    values = values / np.sqrt(square)[..., None]
-    matrix = np.zeros((*values.shape[:-1], 4, 4))
-    matrix[..., :3, :3] = rotation(values[..., :4])
-    matrix[..., :3, 3] = translation(values)
-    matrix[..., 3, 3] = 1.0
-    return matrix
 
 
 def from_rotation(matrix: ArrayLike) -> Array:

@@ -12,8 +12,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from kinematics.arrays import Array
+from kinematics.arrays import Array, finite
+from kinematics.errors import InputError
+from kinematics.mechanisms.tripods import circles, study
 from kinematics.mechanisms.tripods.design import KINDS, Kind, TripodDesign
 
 REFERENCE = Path(__file__).parents[3] / "reference"
@@ -41,3 +44,35 @@ def some_poses(rng: np.random.Generator, count: int, *, farthest: float = 3.1) -
     tilt = rng.uniform(0.05, farthest, count)
     tilt = np.where(np.abs(tilt - 0.5 * np.pi) < 0.05, 0.7, tilt)
     return np.stack([rng.uniform(60.0, 250.0, count), tilt, rng.uniform(-3.1, 3.1, count)], axis=-1)
+
+
+# --- what is checked with ---------------------------------------------------------------------
+
+
+def to_transform(parameters: ArrayLike) -> Array:
+    """4x4 matrices of real Study parameters (..., 8) of any length but zero.
+
+    Raises:
+        InputError: not finite, x = 0, or off the Study quadric by more than 1e-6 of their size.
+    """
+    values = finite(parameters, name="the Study parameters", last=8)
+    square = (values[..., :4] ** 2).sum(axis=-1)
+    if (square == 0.0).any():
+        raise InputError("the Study parameters x0 … x3 must not all be zero")
+    off = np.abs((values[..., :4] * values[..., 4:]).sum(axis=-1))
+    size = np.linalg.norm(values[..., :4], axis=-1) * np.linalg.norm(values[..., 4:], axis=-1)
+    if (off > 1e-6 * size).any():
+        raise InputError("the Study parameters must satisfy x0 y0 + x1 y1 + x2 y2 + x3 y3 = 0")
+    values = values / np.sqrt(square)[..., None]
+    matrix = np.zeros((*values.shape[:-1], 4, 4))
+    matrix[..., :3, :3] = study.rotation(values[..., :4])
+    matrix[..., :3, 3] = study.translation(values)
+    matrix[..., 3, 3] = 1.0
+    return matrix
+
+
+def circle_points(tilt: float, azimuth: float, radius: float, count: int = 181) -> Array:
+    """Points (n, 2) of (tilt, azimuth) of the circle about an orientation, closed."""
+    frame = circles._frame(tilt, azimuth)
+    turn = np.linspace(0.0, 2.0 * np.pi, count)
+    return circles._chart(circles._on_circle(frame, np.array(radius), turn))

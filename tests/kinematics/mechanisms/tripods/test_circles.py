@@ -12,7 +12,7 @@ from kinematics.facets import inverse as generic
 from kinematics.machine import machine_of
 from kinematics.mechanisms.tripods import circles, posing
 from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind
-from tests.kinematics.mechanisms.tripods.machines import machine, some_machines
+from tests.kinematics.mechanisms.tripods.machines import circle_points, machine, some_machines
 
 
 def test_the_search_agrees_with_the_exact_micr(rng: np.random.Generator) -> None:
@@ -38,7 +38,7 @@ def test_about_other_orientations(kind: Kind, mode: str, rng: np.random.Generato
             at = np.array([z, *parallel.contacts[0]])
             assert machine_of(design).measures.singular_value(at, mode) < 1e-6
         for part in np.linspace(0.02, 0.995, 40):
-            ring = circles.circle_points(tilt, azimuth, part * min(radius, np.pi - tilt), 181)
+            ring = circle_points(tilt, azimuth, part * min(radius, np.pi - tilt), 181)
             poses = np.concatenate([np.full((181, 1), z), ring], axis=-1)
             there = machine_of(design).statics.wrenches(poses, mode).determinant
             assert (np.sign(there) == np.sign(home)).all()
@@ -48,7 +48,7 @@ def test_about_other_orientations(kind: Kind, mode: str, rng: np.random.Generato
 def test_circle_points_are_turned_by_the_radius(kind: Kind) -> None:
     design, mode = machine(kind), "2"
     here = posing.transform(design, (100.0, 0.4, 0.9), mode)[:3, :3]
-    ring = circles.circle_points(0.4, 0.9, 0.7, 37)
+    ring = circle_points(0.4, 0.9, 0.7, 37)
     poses = np.concatenate([np.full((37, 1), 100.0), ring], axis=-1)
     there = posing.transform(design, poses, mode)[:, :3, :3]
     cosine = 0.5 * (np.einsum("ij,nij->n", here, there) - 1.0)
@@ -67,7 +67,7 @@ def test_the_stroke_circle_stays_within_the_strokes(name: str) -> None:
         there = machine_of(design).inverse.posture((home.pose[0], tilt, azimuth), home.mode)
         assert abs(there.nearest.amount) < 1e-6
     for part, held in ((0.999, True), (1.001, False)):
-        ring = circles.circle_points(home.pose[1], home.pose[2], part * stroke.radius, 721)
+        ring = circle_points(home.pose[1], home.pose[2], part * stroke.radius, 721)
         poses = [(home.pose[0], *point) for point in ring]
         assert all(machine_of(design).inverse.inside(pose, (home.mode,)) for pose in poses) is held
 

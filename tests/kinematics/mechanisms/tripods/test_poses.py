@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from kinematics.errors import InputError
 from kinematics.facets import inverse as generic
 from kinematics.machine import machine_of
-from kinematics.mechanisms.tripods import posing, study
+from kinematics.mechanisms.tripods import posing
 from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind, TripodDesign
 from tests.kinematics.mechanisms.tripods.machines import (
     NAMES,
@@ -20,6 +20,7 @@ from tests.kinematics.mechanisms.tripods.machines import (
     some_machines,
     some_poses,
     stored,
+    to_transform,
 )
 
 CASES = stored("rps_spr_singularity.json")["poses"]
@@ -38,7 +39,7 @@ def test_the_reference_poses(case: dict) -> None:
     found = posing.to_study(design, posing.reduce_poses(design, pose, mode), mode)
     wanted = np.array(case["study_x"] + case["study_y"])
     np.testing.assert_allclose(found * np.sign(found @ wanted), wanted, atol=1e-12)
-    np.testing.assert_allclose(study.to_transform(7.0 * wanted), placed, atol=1e-12)
+    np.testing.assert_allclose(to_transform(7.0 * wanted), placed, atol=1e-12)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -157,6 +158,6 @@ def test_what_is_refused() -> None:
     with pytest.raises(InputError, match="rotation"):
         posing.pose_from_transform(design, np.diag([2.0, 1.0, 1.0, 1.0]), "1")
     with pytest.raises(InputError, match="x0 y0"):
-        study.to_transform([1, 0, 0, 0, 1, 0, 0, 0])
+        to_transform([1, 0, 0, 0, 1, 0, 0, 0])
     with pytest.raises(InputError, match="all be zero"):
-        study.to_transform(np.zeros(8))
+        to_transform(np.zeros(8))
