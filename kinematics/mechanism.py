@@ -122,6 +122,7 @@ class Mechanism(ABC, Generic[D]):
         kind: how design files name it, as "five_rpur".
         title: how people name it.
         schema: how its designs are read, checked, written and edited.
+        texts: Markdown by topic, see `text`.
         modes: its modes, see `kinematics.answers.modes`; one that is empty where there is no other.
         mode_noun: what they are: "working mode", "operation mode", "mode" of both kinds; "" where
             there is one mode only.
@@ -135,6 +136,7 @@ class Mechanism(ABC, Generic[D]):
     kind: ClassVar[str]
     title: ClassVar[str]
     schema: ClassVar[DesignSchema[Any]]
+    texts: ClassVar[Mapping[str, str]] = {}
     modes: tuple[Mode, ...]
     mode_noun: str
     snap: ClassVar[float] = 1e-9
@@ -374,7 +376,7 @@ class Mechanism(ABC, Generic[D]):
         Topics: "move", "mode" (one phrase: what + says of a limb), "solutions", "workspace",
         "section", "singularities", "map", "trajectory", "design". "" where nothing is to be said.
         """
-        return ""
+        return cls.texts.get(topic, "")
 
     # --- for processes
 

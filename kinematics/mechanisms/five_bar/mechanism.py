@@ -34,6 +34,7 @@ class FiveBar(Mechanism[FiveBarDesign]):
     kind = "five_bar"
     title = "Five-bar (planar 5R)"
     schema = designs.SCHEMA
+    texts = about.ABOUT
     modes = inverse.MODES
     snap = inf  # angles that are known are taken as they are, also where a limb is stretched
     bounds = inverse.LIMITS
@@ -49,10 +50,6 @@ class FiveBar(Mechanism[FiveBarDesign]):
         paths="facets:FiveBarPaths",
         regions="regions:Regions",
     )
-
-    @classmethod
-    def text(cls, topic: str) -> str:
-        return about.ABOUT.get(topic, "")
 
     def findings(self) -> tuple[Finding, ...]:
         return remarks.findings(self.design)

@@ -34,6 +34,7 @@ class FiveRPUR(Mechanism[FiveRPURDesign]):
     kind = "five_rpur"
     title = "5-RPUR (3T2R)"
     schema = designs.SCHEMA
+    texts = about.ABOUT
     modes = inverse.MODES
     snap = inverse.SNAP
     bounds = inverse.LIMITS
@@ -51,10 +52,6 @@ class FiveRPUR(Mechanism[FiveRPURDesign]):
         sections="sections:Sections",
         maps="maps:Maps",
     )
-
-    @classmethod
-    def text(cls, topic: str) -> str:
-        return about.ABOUT.get(topic, "")
 
     def findings(self) -> tuple[Finding, ...]:
         return arrangements.findings(self.design)

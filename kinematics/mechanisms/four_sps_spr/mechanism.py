@@ -35,6 +35,7 @@ class FourSPSSPR(Mechanism[FourSPSSPRDesign]):
     kind = "four_sps_spr"
     title = "4-SPS + 1-SPR (5 DOF)"
     schema = designs.SCHEMA
+    texts = about.ABOUT
     modes = inverse.MODES
     snap = inverse.SNAP
     bounds = inverse.LIMITS
@@ -50,10 +51,6 @@ class FourSPSSPR(Mechanism[FourSPSSPRDesign]):
         regions="regions:Regions",
         solids="solids:Solids",
     )
-
-    @classmethod
-    def text(cls, topic: str) -> str:
-        return about.ABOUT.get(topic, "")
 
     def findings(self) -> tuple[Finding, ...]:
         return findings.findings(self.design)

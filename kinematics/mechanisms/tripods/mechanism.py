@@ -48,10 +48,6 @@ class Tripod(Mechanism[TripodDesign]):
         solids="solids:Solids",
     )
 
-    @classmethod
-    def text(cls, topic: str) -> str:
-        return about.about(cls.kind, topic)
-
     def findings(self) -> tuple[Finding, ...]:
         return home.findings(self.design)
 
@@ -118,6 +114,7 @@ class ThreeRPS(Tripod):
     """The 3-RPS."""
 
     kind = "three_rps"
+    texts = about.OF["three_rps"]
     title = "3-RPS (one translation, two rotations)"
 
 
@@ -125,4 +122,5 @@ class ThreeSPR(Tripod):
     """The 3-SPR."""
 
     kind = "three_spr"
+    texts = about.OF["three_spr"]
     title = "3-SPR (one translation, two rotations)"

@@ -48,8 +48,12 @@ A **design** is the circumradii h₁ of the base and h₂ of the platform and th
 that the three limbs share.
 """,
 }
-
-
-def about(kind: Kind, topic: str) -> str:
-    """Markdown about a topic; "" where nothing is to be said."""
-    return _MACHINE[kind] * (topic in ("move", "design")) + _SHARED.get(topic, "")
+OF = {
+    kind: {
+        **_SHARED,
+        "move": machine + _SHARED["move"],
+        "design": machine + _SHARED["design"],
+    }
+    for kind, machine in _MACHINE.items()
+}
+"""By kind and topic."""
