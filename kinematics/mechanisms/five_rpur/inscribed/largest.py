@@ -1,7 +1,7 @@
 """The usable workspace: the largest ball and box inside it.
 
 Both grow from the best places of a grid by sequential programming: what lies nearest in the
-complement (`clearance.contacts`, exact) bounds the next step, and no step is taken that does not
+complement (`contacts`, exact) bounds the next step, and no step is taken that does not
 make the body larger. The best "anywhere" is thus the best found from several starts, a local
 optimum that no other start beat; it is not proven to be the global one.
 """
@@ -18,14 +18,10 @@ from kinematics.answers.sections import Box, Sphere
 from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
-from kinematics.mechanisms.five_rpur.inscribed.contacts import Mask, Region
-from kinematics.mechanisms.five_rpur.inscribed.growing import (
-    ERROR,
-    clearance,
-    grow_ball,
-    grow_box,
-    volume_of,
-)
+from kinematics.mechanisms.five_rpur.inscribed.balls import clearance, grow_ball
+from kinematics.mechanisms.five_rpur.inscribed.boxes import grow_box, volume_of
+from kinematics.mechanisms.five_rpur.inscribed.growing import ERROR
+from kinematics.mechanisms.five_rpur.inscribed.region import Mask, Region
 
 _STARTS = 8  # from which the best anywhere is sought
 _APART = 0.6  # of its room, from one place to the next

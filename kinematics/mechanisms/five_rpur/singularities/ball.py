@@ -1,6 +1,6 @@
 """The largest ball without singularities: the usable workspace of a mode at one orientation.
 
-A ball in the workspace grows (`usable.growing`) until contacts with the workspace's boundary and
+A ball in the workspace grows (`inscribed.balls`) until contacts with the workspace's boundary and
 with the parallel singularities hold it from all sides. Nearest zeros of the determinant are first
 looked for among points on its zero surface, sampled once; the ball that is returned is then
 checked, and grown again if need be, with the thorough search of `nearest`. As of every ball
@@ -19,9 +19,10 @@ from kinematics.answers.sections import Sphere
 from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
-from kinematics.mechanisms.five_rpur.inscribed.contacts import Mask, Region, formula
-from kinematics.mechanisms.five_rpur.inscribed.growing import ERROR, Obstacles, clearance, grow_ball
+from kinematics.mechanisms.five_rpur.inscribed.balls import Obstacles, clearance, grow_ball
+from kinematics.mechanisms.five_rpur.inscribed.growing import ERROR
 from kinematics.mechanisms.five_rpur.inscribed.largest import Grid, grid_of, point_of, starts_in
+from kinematics.mechanisms.five_rpur.inscribed.region import Mask, Region, formula
 from kinematics.mechanisms.five_rpur.offsets import SAME_SOLIDS, aligned_offsets
 from kinematics.mechanisms.five_rpur.singularities.cells import CELLS, Cells
 from kinematics.mechanisms.five_rpur.singularities.determinant import Determinant

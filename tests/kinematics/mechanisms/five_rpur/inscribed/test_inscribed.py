@@ -14,9 +14,9 @@ from kinematics.errors import InputError
 from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
-from kinematics.mechanisms.five_rpur.inscribed.contacts import Region
 from kinematics.mechanisms.five_rpur.inscribed.growing import concave_program
 from kinematics.mechanisms.five_rpur.inscribed.largest import box, sphere
+from kinematics.mechanisms.five_rpur.inscribed.region import Region
 from tests.kinematics.mechanisms.five_rpur.machines import preset
 
 ZERO = (0.0, 0.0, 0.0)

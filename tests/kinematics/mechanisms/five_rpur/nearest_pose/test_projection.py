@@ -8,7 +8,7 @@ import pytest
 from kinematics.designs.files import load_design
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
-from kinematics.mechanisms.five_rpur.inscribed.contacts import Region
+from kinematics.mechanisms.five_rpur.inscribed.region import Region
 from kinematics.mechanisms.five_rpur.nearest_pose.projection import nearest
 from kinematics.screws.spatial import rotation_y
 
