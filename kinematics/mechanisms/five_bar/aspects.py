@@ -22,7 +22,7 @@ from kinematics.answers.sections import BOUNDS
 from kinematics.arrays import Array
 from kinematics.mechanisms.five_bar import workspace
 from kinematics.mechanisms.five_bar.curve_edges import curve_edge
-from kinematics.mechanisms.five_bar.curves import pieces
+from kinematics.mechanisms.five_bar.curve_pieces import pieces
 from kinematics.mechanisms.five_bar.design import LIMBS, FiveBarDesign
 from kinematics.mechanisms.five_bar.inverse import MODES, joints_of
 from kinematics.mechanisms.five_bar.statics import sines

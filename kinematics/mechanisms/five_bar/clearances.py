@@ -16,7 +16,7 @@ from kinematics.answers.sections import BOUNDS
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
 from kinematics.mechanisms.five_bar import workspace
-from kinematics.mechanisms.five_bar.curves import Piece, pieces
+from kinematics.mechanisms.five_bar.curve_pieces import Piece, pieces
 from kinematics.mechanisms.five_bar.design import LIMBS, SUBSCRIPTS, FiveBarDesign
 from kinematics.mechanisms.five_bar.inverse import LIMITS
 from kinematics.mechanisms.five_bar.loci import base_points

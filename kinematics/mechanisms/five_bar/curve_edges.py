@@ -13,7 +13,7 @@ import numpy as np
 
 from kinematics.answers.sections import BOUNDS
 from kinematics.arrays import Array
-from kinematics.mechanisms.five_bar.curves import Piece
+from kinematics.mechanisms.five_bar.curve_pieces import Piece
 from kinematics.mechanisms.five_bar.design import FiveBarDesign
 from kinematics.plane.arcs import Arcs, Edge
 

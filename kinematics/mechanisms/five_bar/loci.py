@@ -17,7 +17,8 @@ from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.facets.singularities import SingularitiesFacet
 from kinematics.mechanisms.five_bar import workspace
-from kinematics.mechanisms.five_bar.curves import closure, pieces, sampled
+from kinematics.mechanisms.five_bar.curve_pieces import pieces, sampled
+from kinematics.mechanisms.five_bar.curves import closure
 from kinematics.mechanisms.five_bar.design import LIMBS, FiveBarDesign
 from kinematics.mechanisms.five_bar.inverse import MODES, elbows, in_range, limb_angles, signs
 from kinematics.plane.arcs import Edge

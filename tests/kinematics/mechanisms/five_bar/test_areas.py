@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from kinematics.facets import inverse as generic
 from kinematics.machine import machine_of
-from kinematics.mechanisms.five_bar import aspects, curves, inverse, workspace
+from kinematics.mechanisms.five_bar import aspects, curve_pieces, curves, inverse, workspace
 from kinematics.mechanisms.five_bar.curve_edges import curve_edge
 from kinematics.mechanisms.five_bar.design import FiveBarDesign, Limb
 from kinematics.plane import arcs
@@ -165,7 +165,7 @@ def test_near_a_touch_areas_are_those_of_lines_across(
 # --- curves --------------------------------------------------------------------------------
 
 
-def polygon_area(piece: curves.Piece, about: np.ndarray) -> float:
+def polygon_area(piece: curve_pieces.Piece, about: np.ndarray) -> float:
     """½ ∮ (x dy − y dx) along a piece, from polygons by Richardson's extrapolation."""
     areas = []
     for power in (14, 15, 16):
@@ -180,7 +180,7 @@ def test_curves_are_integrated_to_what_they_state() -> None:
     """Near cusps too, and where P turns fast: a rule of one width was off by up to 1e-6."""
     told = 0
     for design in (*designs(), SPECIAL[2]):
-        for piece in curves.pieces(design)[::2]:
+        for piece in curve_pieces.pieces(design)[::2]:
             edge = curve_edge(design, piece)
             about = edge.nodes.mean(axis=0)
             area = float(arcs.moments(edge.nodes - about, edge.steps)[0])

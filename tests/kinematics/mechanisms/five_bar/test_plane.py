@@ -16,7 +16,7 @@ from kinematics.errors import InputError
 from kinematics.facets import inverse as generic
 from kinematics.machine import machine_of
 from kinematics.mechanism import mechanism_class
-from kinematics.mechanisms.five_bar import aspects, curves, inverse, loci, workspace
+from kinematics.mechanisms.five_bar import aspects, curve_pieces, curves, inverse, loci, workspace
 from kinematics.mechanisms.five_bar.design import FiveBarDesign, Limb
 from kinematics.mechanisms.five_bar.statics import sines
 from kinematics.plane import regions as outlines
@@ -117,7 +117,7 @@ def test_curves_are_exact_and_closed(a: float, b: float, c: float, d: float, r: 
     for loop in curves.loops(design):
         p, q = loop.points(tau)
         assert curves.closure(design, p, q, loop.side).max() < 1e-11 * design.size
-        assert np.hypot(*(p[0] - p[-1])) < 1e-6 * design.size or curves._leaps(loop)
+        assert np.hypot(*(p[0] - p[-1])) < 1e-6 * design.size or curves.leaps(loop)
         _, sine = sines(design, p, q)
         assert np.abs(sine).max() < 1e-6
         value, gradient = curves.sextic(design, p, loop.side)
@@ -151,8 +151,8 @@ def test_every_crossing_of_the_determinant_is_on_a_curve() -> None:
             sign = np.sign(sines(design, ends, q)[1])
             with np.errstate(invalid="ignore"):
                 crossed = ok & (sign[0] * sign[1] < 0.0)
-            held = [piece for piece in curves.pieces(design) if piece.mode == mode]
-            points = [curves.sampled(piece, 1.0)[0] for piece in held]
+            held = [piece for piece in curve_pieces.pieces(design) if piece.mode == mode]
+            points = [curve_pieces.sampled(piece, 1.0)[0] for piece in held]
             for one in ends[0][crossed][:20]:
                 assert min(np.hypot(*(each - one).T).min() for each in points) < 40.0
 
@@ -179,7 +179,7 @@ def test_the_reference_s_points(reference: dict[str, Any]) -> None:
 
 def test_pieces_have_one_mode_and_end_where_it_changes() -> None:
     for design in MACHINES.values():
-        for piece in curves.pieces(design):
+        for piece in curve_pieces.pieces(design):
             if piece.serial:
                 continue
             p, q = piece.loop.points(piece.tau(np.linspace(0.02, 0.98, 25)))

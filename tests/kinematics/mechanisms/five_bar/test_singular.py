@@ -8,7 +8,7 @@ import pytest
 from kinematics.facets import inverse as generic
 from kinematics.machine import machine_of
 from kinematics.mechanism import mechanism_class
-from kinematics.mechanisms.five_bar import clearances, curves, inverse, workspace
+from kinematics.mechanisms.five_bar import clearances, curve_pieces, curves, inverse, workspace
 from tests.kinematics.mechanisms.five_bar.conftest import (
     BOTH,
     EMPTY,
@@ -68,8 +68,8 @@ def test_clearances_are_the_nearest_of_dense_samples(name: str) -> None:
         for c in found:
             assert np.hypot(*(np.array(c.point[:2]) - p)) == pytest.approx(c.distance)
         points = [
-            curves.sampled(piece, 2.0)[0]
-            for piece in curves.pieces(design)
+            curve_pieces.sampled(piece, 2.0)[0]
+            for piece in curve_pieces.pieces(design)
             if piece.mode == at.mode
         ]
         least = min((np.hypot(*(each - p).T).min() for each in points), default=np.inf)
