@@ -34,7 +34,7 @@ def home(design: FiveBarDesign) -> Posture:
     """Elbows outwards, on the side of y > 0, where every singularity and limit is far off.
 
     The grid's best place: the product of the conditioning, of the sines between links, and of the
-    room of the joints' ranges is largest. Other working modes only where "+-" reaches nothing;
+    margin of the joints' ranges is largest. Other working modes only where "+-" reaches nothing;
     where nothing is reached at all, the middle of the box.
     """
     for above in (True, False):
@@ -64,13 +64,13 @@ def _grid(design: FiveBarDesign, *, above: bool) -> Array:
 def _score(design: FiveBarDesign, grid: Array, joints: Array) -> Array:
     """(N,) 0 where a pose cannot be held."""
     limbs, between = sines(design, grid, joints)
-    room = np.ones(len(grid))
+    share = np.ones(len(grid))
     for i, limb in enumerate(design.limbs):
         if limb.joint_range_deg is not None:
             low, high = design.joint_range[i]
             margin = np.minimum(joints[:, i] - low, high - joints[:, i])
-            room = room * np.minimum(margin / 0.35, 1.0)
+            share = share * np.minimum(margin / 0.35, 1.0)
     with np.errstate(invalid="ignore"):
         score = np.abs(limbs).prod(axis=-1) * np.abs(between) / condition(design, grid, joints)
     ok = in_range(design, joints).all(axis=-1)
-    return np.where(ok & np.isfinite(score), score * np.maximum(room, 0.0), 0.0)
+    return np.where(ok & np.isfinite(score), score * np.maximum(share, 0.0), 0.0)

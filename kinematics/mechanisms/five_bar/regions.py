@@ -11,7 +11,7 @@ from kinematics.mechanisms.five_bar import workspace
 from kinematics.mechanisms.five_bar.aspects import aspects
 from kinematics.mechanisms.five_bar.design import FiveBarDesign
 from kinematics.mechanisms.five_bar.inverse import MODES, signs
-from kinematics.plane import regions as outlines
+from kinematics.plane.regions import point_inside, section_of
 
 
 class Regions(RegionsFacet[FiveBarDesign]):
@@ -45,10 +45,10 @@ class Regions(RegionsFacet[FiveBarDesign]):
 def _of_modes(design: FiveBarDesign, modes: tuple[str, ...] | None) -> Region:
     chosen = MODES if modes is None else modes
     loops = workspace.loops(design, chosen)
-    section = outlines.section_of(loops, workspace.made_of(design, chosen) if chosen else None)
+    section = section_of(loops, workspace.made_of(design, chosen) if chosen else None)
     one = chosen[0] if len(chosen) == 1 else ""
     title = f"working mode {one.replace('-', '−')}" if one else "workspace"
-    return Region(title, section, 0.0, one, 0, 0, outlines.point_inside(loops))
+    return Region(title, section, 0.0, one, 0, 0, point_inside(loops))
 
 
 @lru_cache(maxsize=64)
@@ -60,12 +60,12 @@ def _aspects(design: FiveBarDesign) -> tuple[Region, ...]:
         found.append(
             Region(
                 f"working mode {aspect.mode.replace('-', '−')}, {sign}",
-                outlines.section_of(aspect.loops),
+                section_of(aspect.loops),
                 off,
                 aspect.mode,
                 aspect.sign,
                 aspect.group,
-                outlines.point_inside(aspect.loops),
+                point_inside(aspect.loops),
             )
         )
     return tuple(found)

@@ -43,13 +43,13 @@ def home(design: FourSPSSPRDesign) -> Posture:
         return upright
     for above in (True, False):
         for angles in TILTS:
-            position, room = _roomiest(design, angles, above=above)
+            position, margin = _widest(design, angles, above=above)
             pose = _made_exact(design, (*position.tolist(), *angles))
             found = posture(design, pose)
             if found.reachable:
                 return found
-            if fallback is None or room > fallback[0]:
-                fallback = room, found
+            if fallback is None or margin > fallback[0]:
+                fallback = margin, found
     assert fallback is not None
     return fallback[1]
 
@@ -63,8 +63,8 @@ def _on_axis(design: FourSPSSPRDesign) -> Posture | None:
     held = np.abs(violation(design, poses)) <= 1e-9
     if not held.any():
         return None
-    room = np.where(held, _margins(design, poses[:, :3], (0.0, 0.0, 0.0)), -np.inf)
-    found = posture(design, poses[int(room.argmax())])
+    margin = np.where(held, _margins(design, poses[:, :3], (0.0, 0.0, 0.0)), -np.inf)
+    found = posture(design, poses[int(margin.argmax())])
     return found if found.reachable else None
 
 
@@ -76,7 +76,7 @@ def _made_exact(design: FourSPSSPRDesign, pose: tuple[float, ...]) -> tuple[floa
     return tidy if abs(float(violation(design, tidy))) <= 1e-9 else exact
 
 
-def _roomiest(
+def _widest(
     design: FourSPSSPRDesign, angles: tuple[float, ...], *, above: bool
 ) -> tuple[Array, float]:
     """The position with the largest smallest margin at an orientation, and that margin, mm.
@@ -98,18 +98,18 @@ def _roomiest(
     best = centre
     for _ in range(ROUNDS):
         tried = best + span * (grid @ axes)
-        room = _margins(design, tried, angles)
-        room = np.where(tried[:, 2] >= low[2] - 1e-9, room, room - 1e6)
-        best = tried[int(room.argmax())]
+        margin = _margins(design, tried, angles)
+        margin = np.where(tried[:, 2] >= low[2] - 1e-9, margin, margin - 1e6)
+        best = tried[int(margin.argmax())]
         span *= 0.4
-    return best, float(room.max())
+    return best, float(margin.max())
 
 
 def _margins(design: FourSPSSPRDesign, positions: Array, angles: tuple[float, ...]) -> Array:
     """The smallest margin of all legs at positions (n, 3), mm."""
     poses = np.hstack([positions, np.broadcast_to(angles, (len(positions), 3))])
     lengths = inverse.leg_lengths(design, poses)
-    room: Array = np.minimum(lengths - design.stroke[:, 0], design.stroke[:, 1] - lengths).min(
+    margin: Array = np.minimum(lengths - design.stroke[:, 0], design.stroke[:, 1] - lengths).min(
         axis=1
     )
-    return room
+    return margin

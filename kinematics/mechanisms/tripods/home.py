@@ -43,7 +43,7 @@ def level_span(design: TripodDesign, mode: str) -> tuple[float, float] | None:
 def home(design: TripodDesign) -> Posture:
     """Level, in operation mode 2 if possible, the limbs in the middle of their strokes.
 
-    Where the level platform is out of reach, the posture with most room above the base; where
+    Where the level platform is out of reach, the posture with most margin above the base; where
     nothing is reachable, the one that misses by least.
     """
     for mode in reversed(MODES):
@@ -58,10 +58,10 @@ def home(design: TripodDesign) -> Posture:
         found = posture(design, (whole if span[0] < whole < span[1] else z, 0.0, 0.0), mode)
         if found.reachable:
             return found
-    return _roomiest(design)
+    return _widest(design)
 
 
-def _roomiest(design: TripodDesign) -> Posture:
+def _widest(design: TripodDesign) -> Posture:
     top = reach(design)
     axes = (
         np.linspace(0.02 * top, top, _LEVELS),
@@ -73,11 +73,11 @@ def _roomiest(design: TripodDesign) -> Posture:
     low, high = design.stroke
     for mode in reversed(MODES):
         lengths = posing.limb_lengths(design, grid, mode)
-        room = np.minimum(lengths - low, high - lengths).min(axis=-1)
-        room = np.where(np.isfinite(room), room, -np.inf)
-        n = int(room.argmax())
-        if best is None or room[n] > best[0]:
-            best = float(room[n]), grid[n], mode
+        margin = np.minimum(lengths - low, high - lengths).min(axis=-1)
+        margin = np.where(np.isfinite(margin), margin, -np.inf)
+        n = int(margin.argmax())
+        if best is None or margin[n] > best[0]:
+            best = float(margin[n]), grid[n], mode
     assert best is not None
     return posture(design, best[1], best[2])
 

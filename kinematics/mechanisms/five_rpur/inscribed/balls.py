@@ -159,20 +159,20 @@ def _ball_step(
     value, away = near.value[use], center - near.point[use]
     low, high = region.span
     ends = np.array([center[1] - low, high - center[1]])
-    room = np.concatenate([value, others.value, ends]) - radius
+    gap = np.concatenate([value, others.value, ends]) - radius
     facing = np.array([[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
     normal = np.concatenate([away / value[:, None], others.normal, facing])
     flat = np.zeros((2, 3, 3))
     bend = np.concatenate([_bend(region, near, use, away), others.bend, flat])
     # In units of the reach: the move, and what the radius gains.
-    rows = np.column_stack([normal, np.full(len(room), -1.0)])
+    rows = np.column_stack([normal, np.full(len(gap), -1.0)])
     curvature = np.zeros((4, 4))
     for _ in range(2):
-        x, weight = concave_program(rows, room / reach, _LAST, curvature)
+        x, weight = concave_program(rows, gap / reach, _LAST, curvature)
         curvature[:3, :3] = reach * np.einsum("n,nij->ij", weight, bend)
         curvature = held(rows, weight, curvature)
     move = reach * x[:3]
-    linear = room + normal @ move
+    linear = gap + normal @ move
     hoped = linear + 0.5 * np.einsum("nij,i,j->n", bend, move, move)
     return move, radius + float(hoped.min()), float(linear.min())
 

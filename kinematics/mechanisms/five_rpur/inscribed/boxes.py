@@ -112,12 +112,12 @@ def fitted(region: Region, corners: Array, band: float) -> tuple[Array, Contacts
     near = contacts(region, _Faces(region, corners), band)
     low, high = region.span
     ends = min(corners[0, 1] - low, high - corners[1, 1])
-    room = min(float(near.value.min(initial=np.inf)), ends)
-    moved = np.stack([corners[0] - room, corners[1] + room])
+    gap = min(float(near.value.min(initial=np.inf)), ends)
+    moved = np.stack([corners[0] - gap, corners[1] + gap])
     if not (moved[0] < moved[1]).all():
         moved = np.tile(corners.mean(axis=0), (2, 1))
     # Faces that all move out by as much come so much nearer to every point.
-    return moved, replace(near, value=near.value - room)
+    return moved, replace(near, value=near.value - gap)
 
 
 def grow_box(region: Region, corners: Array, centred: bool, steps: int = STEPS) -> Array:
@@ -154,17 +154,17 @@ def _box_step(region: Region, corners: Array, near: Contacts, reach: float, cent
     pushes, bend = _pushes(region, corners, near, use)
     rows = np.concatenate([pushes, np.zeros((2, 6))])
     rows[-2, 1], rows[-1, 4] = 1.0, -1.0
-    room = np.concatenate([near.value[use], [corners[0, 1] - low, high - corners[1, 1]]])
+    gap = np.concatenate([near.value[use], [corners[0, 1] - low, high - corners[1, 1]]])
     # In units that leave a box of some size: opposite faces come no more than halfway closer.
     unit = np.diag(np.tile(np.minimum(reach, 0.24 * size), 2))
     if centred:
         unit = unit[:, 3:] - unit[:, :3]
     sides = unit[3:] - unit[:3]
-    rows, room = rows @ unit / reach, room / reach
+    rows, gap = rows @ unit / reach, gap / reach
     share = sides / size[:, None]
     curvature = -share.T @ share
     for _ in range(2):
-        x, weight = concave_program(rows, room, share.sum(axis=0), curvature)
+        x, weight = concave_program(rows, gap, share.sum(axis=0), curvature)
         curved = np.einsum("n,nij->ij", weight[:-2] / reach, bend)
         curvature = held(rows, weight, unit.T @ curved @ unit - share.T @ share)
     return np.asarray((unit @ x).reshape(2, 3))

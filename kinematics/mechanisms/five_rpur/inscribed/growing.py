@@ -21,15 +21,15 @@ STEPS = 40
 
 
 def concave_program(
-    rows: Array, room: Array, slope: Array, curvature: Array
+    rows: Array, offset: Array, slope: Array, curvature: Array
 ) -> tuple[Array, Array]:
-    """Maximise slope·x + x·curvature·x / 2 where ``rows @ x + room`` >= 0 and all |x| <= 1.
+    """Maximise slope·x + x·curvature·x / 2 where ``rows @ x + offset`` >= 0 and all |x| <= 1.
 
     Primal-dual interior point method from x = 0, which need not be feasible.
 
     Args:
         rows: (m, n).
-        room: (m,).
+        offset: (m,).
         slope: (n,).
         curvature: (n, n), negative semidefinite.
 
@@ -39,14 +39,14 @@ def concave_program(
     n = rows.shape[1]
     unit = np.eye(n)
     rows = np.concatenate([rows, unit, -unit])
-    room = np.concatenate([room, np.ones(2 * n)])
+    offset = np.concatenate([offset, np.ones(2 * n)])
     x = np.zeros(n)
-    slack = np.maximum(room, 0.1)
+    slack = np.maximum(offset, 0.1)
     weight = 0.1 / slack
     for _ in range(40):
         dual = -slope - curvature @ x - weight @ rows
-        primal = rows @ x + room - slack
-        mean = float(slack @ weight) / len(room)
+        primal = rows @ x + offset - slack
+        mean = float(slack @ weight) / len(offset)
         if mean < 1e-12 or (mean < 1e-10 and np.abs(dual).max() < 1e-9 > np.abs(primal).max()):
             break
         ratio = weight / slack
@@ -63,10 +63,10 @@ def concave_program(
             short = float(np.concatenate([ds / slack, dw / weight]).min())
             length = min(1.0, 0.995 / max(-short, 1e-300))
             if not last:
-                ahead = float((slack + length * ds) @ (weight + length * dw)) / len(room)
+                ahead = float((slack + length * ds) @ (weight + length * dw)) / len(offset)
                 target = (ahead / mean) ** 3 * mean
         x, slack, weight = x + length * dx, slack + length * ds, weight + length * dw
-    return x, weight[: len(room) - 2 * n]
+    return x, weight[: len(offset) - 2 * n]
 
 
 def with_more(beta: Array, *more: Array) -> Array:

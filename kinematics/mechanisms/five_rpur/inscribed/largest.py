@@ -24,8 +24,8 @@ from kinematics.mechanisms.five_rpur.inscribed.growing import ERROR
 from kinematics.mechanisms.five_rpur.inscribed.region import Mask, Region
 
 _STARTS = 8  # from which the best anywhere is sought
-_APART = 0.6  # of its room, from one place to the next
-_PLACES = 3 * _STARTS  # of which those with most room are the starts
+_APART = 0.6  # of its distance from the boundary, from one place to the next
+_PLACES = 3 * _STARTS  # of which those farthest from the boundary are the starts
 _FINALISTS = 3  # of these, when they have grown a little
 _NODES = 40  # along each axis of a grid, were it a cube
 _ENOUGH = 0.03  # of its nodes inside, and the grid is fine enough

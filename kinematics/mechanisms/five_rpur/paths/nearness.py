@@ -30,10 +30,12 @@ def warning(design: FiveRPURDesign, posture: Posture, *, stopped: bool = False) 
     for margin in posture.margins:
         i = margin.limb - 1
         if margin.bound == "link" and margin.amount < WARNED:
-            room = max(margin.amount, 0.0)
+            distance = max(margin.amount, 0.0)
         elif margin.bound == "rho_min" and posture.joints[i] < WARNED:
-            room = posture.joints[i]
+            distance = posture.joints[i]
         else:
             continue
-        parts.append(f"{room:.{decimals(room)}f} mm from a serial singularity of limb {i + 1}")
+        parts.append(
+            f"{distance:.{decimals(distance)}f} mm from a serial singularity of limb {i + 1}"
+        )
     return " and ".join(parts)
