@@ -1,175 +1,190 @@
 """`bohemia`: the page, and the same answers without a browser.
 
-Exit code 0: done, 1: it could not be computed, 2: bad input. Each family of commands is a module
-of `app.commands`.
+Exit code 0: done, 1: it could not be computed, 2: bad input. Each command stands in the folder of
+its feature and is imported when it is called.
 """
 
 from __future__ import annotations
 
-import argparse
+import errno
 import os
 import sys
 from collections.abc import Sequence
 from difflib import get_close_matches
-from typing import Any, NoReturn
+from importlib import import_module
+from typing import Any
 
-from app.features.map import command as mapping
-from app.features.move import command as controlling
-from app.features.review import command as serving
-from app.features.section import command as measuring
-from app.features.singularities import command as losing
-from app.features.singularities import micr_command
-from app.features.solutions import command as solving
-from app.features.trajectory import command as moving
-from app.features.workspace import command as solids
+import click
+from click.shell_completion import CompletionItem, shell_complete
+
 from kinematics.designs.assets import asset_folder
 from kinematics.errors import BohemiaError, InputError
 
-# Their values may begin with a minus sign, which argparse takes for an option.
-SIGNED_OPTIONS = frozenset(
-    {
-        *(
-            "--pose",
-            "--joints",
-            "--phi",
-            "--theta",
-            "--alpha",
-            "--beta",
-            "--gamma",
-            "--modes",
-            "--mode",
-            "--x",
-            "--around",
-            "--at",
-        ),
-        *("--rates", "--accelerations", "--joint-rates", "--joint-accelerations", "--load"),
-        *("--base", "--platform", "--altitude", "--ratios", "--heights"),
-    }
+COMMANDS = {
+    "serve": "review.command:serve",
+    "designs": "review.command:designs",
+    "ik": "solutions.command:ik",
+    "fk": "solutions.command:fk",
+    "workspace": "workspace.command:workspace",
+    "vertex-space": "workspace.command:vertex_space",
+    "volume": "section.command:volume",
+    "section": "section.command:section",
+    "map": "map.command:chart",
+    "velocity": "move.command:velocity",
+    "statics": "move.command:statics",
+    "singularity": "singularities.command:singularity",
+    "micr": "singularities.micr_command:micr",
+    "trajectory": "trajectory.command:trajectory",
+}
+"""Where each command stands in `app.features`; the first is meant where none is named."""
+SERVE = next(iter(COMMANDS))
+COMPLETE = "_BOHEMIA_COMPLETE"
+"""The environment variable by which a shell asks for completions."""
+UNWRITABLE = (errno.ENOSPC, errno.EIO, errno.EBADF, errno.EFBIG, errno.EDQUOT)
+
+
+class Bohemia(click.Group):
+    """The commands by name. A design alone is served, and so is the page without any word."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in COMMANDS:
+            return None
+        module, _, name = COMMANDS[cmd_name].partition(":")
+        found: click.Command = getattr(import_module(f"app.features.{module}"), name)
+        return found
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        first = args[0] if args else ""
+        own = {name for param in self.get_params(ctx) for name in param.opts}
+        served = first.startswith("-") and first not in own
+        if served or _is_design(first) or not (first or ctx.resilient_parsing):
+            args = [SERVE, *args]
+        return super().parse_args(ctx, args)
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args[0] not in COMMANDS and not ctx.resilient_parsing:
+            near = get_close_matches(args[0], COMMANDS, n=1)
+            hint = f"did you mean {near[0]!r}" if near else f"there are {', '.join(COMMANDS)}"
+            raise InputError(f"there is no command {args[0]!r}; {hint}")
+        return super().resolve_command(ctx, args)
+
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+        """Commands, and what is served: designs."""
+        serve = self.get_command(ctx, SERVE)
+        designs = serve.params[0].shell_complete(ctx, incomplete) if serve else []
+        return [*designs, *super().shell_complete(ctx, incomplete)]
+
+
+def _version(ctx: click.Context, param: click.Parameter, wanted: bool) -> None:
+    """Looks the version up only when it is asked for: that takes longer than --help."""
+    if not wanted:
+        return
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        found = version("bohemia")
+    except PackageNotFoundError:
+        found = "(not installed)"
+    click.echo(f"bohemia {found}")
+    ctx.exit()
+
+
+bohemia = Bohemia(
+    "bohemia",
+    help="An instrument for people who design parallel mechanisms. Without a command it serves the "
+    "page.",
+    epilog="Lengths are mm, angles degrees. DESIGN is a preset (see bohemia designs) or the path "
+    "of a design file. Commands, presets, files, modes and names are completed by the shell after "
+    f'eval "$({COMPLETE}=bash_source bohemia)"; likewise zsh_source, and in fish '
+    f"{COMPLETE}=fish_source bohemia | source.",
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    params=[
+        click.Option(
+            ["--version"],
+            is_flag=True,
+            is_eager=True,
+            expose_value=False,
+            callback=_version,
+            help="show the version and exit",
+        )
+    ],
 )
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code."""
+    if sys.stderr is None:  # closed: what it would say is lost, but no error
+        sys.stderr = open(os.devnull, "w")  # noqa: SIM115, PTH123 (for as long as this process runs)
+    if sys.stdout is None:
+        return _fail("standard output is closed, so there is no place for an answer", 1)
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):  # a terminal without φ shows ? and goes on
             stream.reconfigure(errors="replace")
     try:
-        arguments = _parse(list(sys.argv[1:] if argv is None else argv))
-        arguments.command(arguments)
+        if COMPLETE in os.environ:
+            return shell_complete(bohemia, {}, "bohemia", COMPLETE, os.environ[COMPLETE])
+        with bohemia.make_context("bohemia", list(sys.argv[1:] if argv is None else argv)) as ctx:
+            bohemia.invoke(ctx)
         sys.stdout.flush()
+    except click.exceptions.Exit as done:
+        raise SystemExit(done.exit_code) from None
+    except click.UsageError as error:
+        return _fail(_sentence(error), 2)
     except InputError as error:
-        return _fail(error, 2)
+        return _fail(str(error), 2)
     except BohemiaError as error:
-        return _fail(error, 1)
-    except BrokenPipeError:  # the reader, as `head`, had enough
+        return _fail(str(error), 1)
+    except OSError as error:
+        if error.errno not in (errno.EPIPE, *UNWRITABLE) or error.filename is not None:
+            raise
+        # What is left in the buffer must not be tried again at the end.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 1
+        if error.errno == errno.EPIPE:  # the reader, as `head`, had enough
+            return 1
+        return _fail(f"the answer cannot be written: {error.strerror}", 1)
     except KeyboardInterrupt:
         return 130
     return 0
 
 
-def _fail(error: BohemiaError, code: int) -> int:
-    print(f"bohemia: {' '.join(str(error).split())}", file=sys.stderr)
+def _fail(text: str, code: int) -> int:
+    click.echo(f"bohemia: {' '.join(text.split())}", err=True)
     return code
 
 
-# --- arguments -----------------------------------------------------------------------------
-
-
-class _Parser(argparse.ArgumentParser):
-    """Mistakes become one sentence instead of a usage listing."""
-
-    def error(self, message: str) -> NoReturn:
-        raise InputError(f"{message} (see {self.prog} --help)")
-
-
-class _Version(argparse.Action):
-    """Looks the version up only when it is asked for: that takes longer than --help."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__(nargs=0, **options)
-
-    def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
-        from importlib.metadata import PackageNotFoundError, version
-
-        try:
-            found = version("bohemia")
-        except PackageNotFoundError:
-            found = "(not installed)"
-        print(f"bohemia {found}")
-        parser.exit()
-
-
-def _parser() -> tuple[argparse.ArgumentParser, tuple[str, ...]]:
-    """The parser, and the names of its commands."""
-    parser = _Parser(
-        prog="bohemia",
-        description="An instrument for people who design parallel mechanisms. "
-        "Without a command it serves the page.",
-        epilog="Lengths are mm, angles degrees. DESIGN is a preset (see bohemia designs) or the "
-        "path of a design file.",
-        allow_abbrev=False,
-    )
-    parser.add_argument("--version", action=_Version, help="show the version and exit")
-    commands = parser.add_subparsers(metavar="COMMAND", required=True, title="commands")
-
-    def command(name: str, run: Any, summary: str) -> argparse.ArgumentParser:
-        added = commands.add_parser(name, help=summary, description=summary, allow_abbrev=False)
-        added.set_defaults(command=run)
-        return added
-
-    families = (
-        serving,
-        solving,
-        solids,
-        measuring,
-        mapping,
-        controlling,
-        losing,
-        micr_command,
-        moving,
-    )
-    for family in families:
-        family.register(command)
-    return parser, tuple(commands.choices)
-
-
-def _parse(argv: list[str]) -> argparse.Namespace:
-    parser, commands = _parser()
-    first = argv[0] if argv else ""
-    is_option = first.startswith("-") and first not in {"-h", "--help", "--version"}
-    if not first or is_option or (first not in commands and _is_design(first)):
-        argv = ["serve", *argv]
-    elif not first.startswith("-") and first not in commands:
-        near = get_close_matches(first, commands, n=1)
-        hint = f"did you mean {near[0]!r}" if near else f"there are {', '.join(commands)}"
-        raise InputError(f"there is no command {first!r}; {hint}")
-    return parser.parse_args(_joined(argv))
+def _sentence(error: click.UsageError) -> str:
+    """What was typed wrong, in one sentence instead of a usage listing."""
+    ctx = error.ctx
+    said = f"{error.format_message()[:1].lower()}{error.format_message()[1:].rstrip('.')}"
+    params: list[Any] = [] if ctx is None else ctx.command.get_params(ctx)
+    if isinstance(error, click.MissingParameter) and ctx is not None:
+        named = [
+            param.make_metavar(ctx) if isinstance(param, click.Argument) else param.opts[0]
+            for param in params
+            if param.required or getattr(param, "needed", False)
+            if param.name not in ctx.params
+        ]
+        said = f"these arguments are required: {', '.join(named)}"
+    elif isinstance(error, click.NoSuchOption):
+        own = [param.opts[0] for param in params if isinstance(param, click.Option)]
+        bare = {name.strip("-"): name for param in params for name in param.opts}
+        near = get_close_matches(error.option_name.strip("-"), bare, n=1)
+        hint = f"did you mean {bare[near[0]]}" if near else f"there are {', '.join(own)}"
+        said = f"unrecognized arguments: {error.option_name}; {hint}"
+    elif isinstance(error, click.BadOptionUsage):
+        flag = any(error.option_name in param.opts and param.is_flag for param in params)
+        said = f"{error.option_name}: {'no argument is taken' if flag else 'expected one argument'}"
+    return f"{said} (see {'bohemia' if ctx is None else ctx.command_path} --help)"
 
 
 def _is_design(word: str) -> bool:
     """A preset, or what looks like a design file: whoever names one alone wants to see it."""
-    if word.startswith("-"):
+    if not word or word in COMMANDS or word.startswith("-"):
         return False
     preset = asset_folder("designs") / f"{word}.toml"
     return word.endswith(".toml") or ("/" not in word and "\\" not in word and preset.is_file())
-
-
-def _joined(argv: list[str]) -> list[str]:
-    """`--pose -10,…` as `--pose=-10,…`, the form in which argparse accepts it.
-
-    A value of two minus signs, which is a mode, argparse would take for its own end of options: it
-    gets the longer signs, which mean the same.
-    """
-    joined: list[str] = []
-    words = iter(argv)
-    for word in words:
-        value = next(words, None) if word in SIGNED_OPTIONS else None
-        option, given, own = word.partition("=")
-        if value is None and given and option in SIGNED_OPTIONS:
-            word, value = option, own
-        if value is not None:
-            value = "−−" if value.strip() == "--" else value
-        joined.append(word if value is None else f"{word}={value}")
-    return joined

@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
+from app.jobs.spawning import Spawning
 from app.jobs.worker import give_way
 from kinematics.errors import ComputationError, InputError
 
@@ -55,9 +56,7 @@ def local_workers(jobs: int | None = None) -> Iterator[Workers]:
     They are started as they are needed and end with the block, or with this process.
     """
     count = cores() if jobs is None else jobs
-    pool = ProcessPoolExecutor(
-        count, mp_context=multiprocessing.get_context("spawn"), initializer=_prepare
-    )
+    pool = ProcessPoolExecutor(count, mp_context=Spawning(), initializer=_prepare)
     try:
         title = f"{count} process{'' if count == 1 else 'es'}"
         yield Workers(pool, count, title, _nothing_lost)

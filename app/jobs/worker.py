@@ -8,7 +8,6 @@ started again; a request that kills it twice is given up with a message.
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import threading
 import time
@@ -19,6 +18,7 @@ from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING, Literal, TypeVar
 
 from app.features.workspace.compute import SolidWish
+from app.jobs.spawning import Spawning
 from kinematics.errors import BohemiaError
 from kinematics.facets.solids import Resolution, SolidRequest
 
@@ -279,7 +279,7 @@ class Process:
     """A spawned process that calls functions, one at a time; ``prepare`` is called first."""
 
     def __init__(self, name: str, prepare: Callable[[], None]) -> None:
-        context = multiprocessing.get_context("spawn")
+        context = Spawning()
         self._pipe, theirs = context.Pipe()
         self._process: SpawnProcess = context.Process(
             target=_serve, args=(theirs, prepare), daemon=True, name=f"bohemia-{name}"

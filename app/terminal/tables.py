@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import degrees, isfinite, radians
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from kinematics.answers.modes import Mode
 
 if TYPE_CHECKING:
-    from kinematics.answers.solutions import ForwardSolutions, Posture, Reason
+    from kinematics.answers.solutions import ForwardSolutions
+    from kinematics.machine import Machine
     from kinematics.mechanism import Coordinate
     from kinematics.solids.csg import BuiltSolid
 
@@ -39,6 +42,95 @@ def outer(values: Sequence[float], axes: Sequence[Coordinate]) -> list[float]:
     ]
 
 
+def named(
+    values: Iterable[float], axes: Sequence[Coordinate], per: int = 0
+) -> dict[str, float | None]:
+    """Numbers (mm, rad) for JSON by the keys of their coordinates, in people's units.
+
+    Args:
+        per: 1 for rates, 2 for accelerations: their keys name the whole unit.
+    """
+    tail = f"_per_s{per if per > 1 else ''}"
+    keys = [unit_key(axis) + tail if per else key(axis) for axis in axes]
+    return dict(zip(keys, listed(values, axes), strict=True))
+
+
+def unit_key(axis: Coordinate) -> str:
+    """The coordinate's key with its unit, mm too."""
+    return f"{axis.key}_{'deg' if axis.unit == 'rad' else axis.unit}"
+
+
+def listed(values: Iterable[float], axes: Sequence[Coordinate]) -> list[float | None]:
+    """Numbers (mm, rad) for JSON in people's units."""
+    return [finite(value) for value in outer([*values], axes)]
+
+
+def finite(value: float) -> float | None:
+    """JSON has no infinity."""
+    return float(value) if isfinite(value) else None
+
+
+UNITS = ("mm", "mm2", "mm3", "mm4", "deg", "s", "N", "Nmm")
+
+
+def record(found: object, *keys: str, at: Any = ..., **named: str) -> dict[str, Any]:
+    """Attributes for JSON, as `plain`: each by its name with its unit, degrees for rad.
+
+    Args:
+        at: of attributes that are arrays, which element.
+        named: those whose key is not the attribute's name, as ``volume_mm3="value"``.
+    """
+    bare = {key: key.rpartition("_") for key in keys}
+    names = {key: name if unit in UNITS else key for key, (name, _, unit) in bare.items()} | named
+    answer = {}
+    for key, name in names.items():
+        value = getattr(found, name)
+        scale = degrees(1.0) if key.endswith("_deg") else 1.0
+        answer[key] = plain(value if at is ... else value[at], scale)
+    return answer
+
+
+def plain(value: Any, scale: float = 1.0) -> Any:
+    """A value for JSON: lists for arrays and tuples, None for what is not finite."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, (list, tuple)):
+        return [plain(each, scale) for each in value]
+    return finite(value * scale) if isinstance(value, float) else value
+
+
+def mode_entry(machine: Machine[Any], mode: str) -> dict[str, str]:
+    """The mode under the mechanism's own key, or keys; nothing where there is only one."""
+    noun = machine.mode_noun
+    if noun == "mode":  # both working and operation modes
+        return Mode.read(mode).entry
+    return {noun.replace(" ", "_"): mode} if noun else {}
+
+
+def modes_entry(modes: Sequence[str] | None) -> dict[str, Any]:
+    """The modes that something is of; None is all of them together."""
+    return {"modes": "all" if modes is None else list(modes)}
+
+
+def solid_entry(built: BuiltSolid) -> dict[str, Any]:
+    """What every solid is said to be."""
+    entry = record(
+        *(built, "watertight", "triangles"), volume_mm3="volume", volume_error_mm3="volume_error"
+    )
+    volumes = [piece.volume for piece in built.pieces]
+    return {**entry, "pieces": len(volumes), "piece_volumes_mm3": volumes}
+
+
+def mode_text(machine: Machine[Any], mode: str) -> str:
+    """ ", working mode +-+++", to be put behind a pose; "" where there is only one."""
+    return f", {machine.mode_noun} {mode}" if machine.mode_noun else ""
+
+
+def headings(axes: Sequence[Coordinate], degrees: str = "degrees") -> list[str]:
+    """Of columns: "ρ₁ (mm)", "θ (degrees)"."""
+    return [f"{axis.symbol} ({degrees if axis.unit == 'rad' else axis.unit})" for axis in axes]
+
+
 def with_units(typed: Sequence[float], axes: Sequence[Coordinate]) -> str:
     """Numbers in people's units, each with its symbol: "x = -10 mm, θ = 3°"."""
     return ", ".join(
@@ -47,114 +139,28 @@ def with_units(typed: Sequence[float], axes: Sequence[Coordinate]) -> str:
     )
 
 
+Cell = str | Callable[[Any], str]
+
+
+def records(found: Sequence[Mapping[str, Any]], *columns: tuple[str, Cell]) -> str:
+    """What JSON lists as a table: of each column its title, and the key or what is said of it."""
+
+    def cell(record: Mapping[str, Any], key: Cell) -> str:
+        if not isinstance(key, str):
+            return key(record)
+        value = record[key]
+        return number_text(value) if value is None or isinstance(value, float) else str(value)
+
+    rows = [[cell(record, key) for _, key in columns] for record in found]
+    return table([title for title, _ in columns], rows)
+
+
 def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Columns as wide as their widest cell."""
     widths = [max(map(len, column)) for column in zip(header, *rows, strict=True)]
     return "\n".join(
         "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
         for row in (header, *rows)
-    )
-
-
-def beyond_stroke(value: float, axis: Coordinate) -> str:
-    """Says that a joint (mm or rad) lies outside its stroke."""
-    shown, low, high = (outer([v], [axis])[0] for v in (value, axis.lower, axis.upper))
-    mark = "°" if axis.unit == "rad" else " mm"
-    return f"{axis.symbol} = {shown:g}{mark} is outside its stroke, {low:g} to {high:g}{mark}"
-
-
-def inverse_text(
-    closing: Sequence[Posture],
-    nearest: Posture,
-    joints: Sequence[Coordinate],
-    reachable: bool,
-    noun: str = "working mode",
-    free: Sequence[Sequence[int]] = (),
-) -> str:
-    """The modes that close at a pose, and how many of them are within the strokes.
-
-    ``noun`` is what the mechanism calls them, "" where there is only one; ``free`` which joints the
-    pose leaves free in each.
-    """
-    lines = [""]
-    if closing:
-        header = ["mode"] if noun else []
-        header += [*(f"{j.symbol} ({unit(j)})" for j in joints), "within its stroke"]
-        symbols = {joint.limb: joint.symbol for joint in joints}
-        rows = [
-            (
-                *([posture.mode] if noun else []),
-                *(f"{joint:.4f}" for joint in outer(posture.joints, joints)),
-                ", ".join(
-                    [
-                        ", ".join(_beyond(reason, symbols) for reason in posture.reasons) or "yes",
-                        *(f"{joints[k].symbol} is free" for k in loose),
-                    ]
-                ),
-            )
-            for posture, loose in zip(closing, free or [()] * len(closing), strict=True)
-        ]
-        lines += [table(header, rows), ""]
-    if reachable:
-        count = sum(posture.reachable for posture in closing)
-        lines.append(f"Reachable in {count} of {len(closing)} {noun}s." if noun else "Reachable.")
-    else:
-        where = f" The nearest {noun} is {nearest.mode}:" if closing and noun else ""
-        lines.append(f"Not reachable in any {noun}.{where}" if noun else "Not reachable.")
-        lines += [f"  {reason.text}" for reason in nearest.reasons]
-    return "\n".join(lines)
-
-
-def _beyond(reason: Reason, symbols: dict[int | None, str]) -> str:
-    """A reason short enough for a table: "ρ₃ 40.3 too long", "θ₂ 12.5° below its range"."""
-    symbol = symbols.get(reason.limb, f"limb {reason.limb}")
-    low = reason.bound == "rho_min"
-    if reason.unit == "rad":
-        direction = "below" if low else "beyond"
-        return f"{symbol} {_amount(degrees(reason.amount))}° {direction} its range"
-    return f"{symbol} {_amount(reason.amount)} {'too short' if low else 'too long'}"
-
-
-def _amount(value: float) -> str:
-    """One decimal, or as many as show that it is not zero."""
-    return f"{value:.1f}" if value >= 0.05 else f"{value:.1g}"
-
-
-def forward_text(found: ForwardSolutions, shown: Sequence[int], axes: Sequence[Coordinate]) -> str:
-    """Solutions ``shown`` (indices, in this order) as a table, and what is known of the set."""
-    lines = [""]
-    if shown:
-        header = [
-            "#",
-            *(["mode"] if any(found.modes) else []),
-            *(f"{axis.symbol} ({'°' if axis.unit == 'rad' else axis.unit})" for axis in axes),
-            "condition",
-            "within strokes",
-            "remark",
-        ]
-        rows = [
-            (
-                str(found.identities[n]),
-                *([found.modes[n]] if any(found.modes) else []),
-                *(f"{v:.4f}" for v in outer(found.poses[n], axes)),
-                condition_text(float(found.condition[n])),
-                "yes" if found.within_stroke[n] else "no",
-                remark(int(found.multiplicity[n]), float(found.gap[n])),
-            )
-            for n in shown
-        ]
-        lines += [table(header, rows), ""]
-    lines += found.notes
-    if len(shown) < len(found):
-        lines.append(f"{len(shown)} of {len(found)} real solutions are within the strokes.")
-    lines.append(counted(found))
-    return "\n".join(lines)
-
-
-def counted(found: ForwardSolutions) -> str:
-    """ "34 real of 1560 complex solutions (complete: …); how; 0.31 s"."""
-    return (
-        f"{real_of_complex(found)} ({known(found)}); {found.method}; {seconds_text(found.seconds)}"
     )
 
 
@@ -188,33 +194,14 @@ def condition_text(value: float) -> str:
     return f"{value:.3g}" if value < 1e4 else f"{value:.0e}"
 
 
-def number_text(value: float) -> str:
+def number_text(value: float | None) -> str:
     """Six digits; a dash for what does not exist."""
-    return f"{value:.6g}" if isfinite(value) else "–"
+    return "–" if value is None or not isfinite(value) else f"{value:.6g}"
 
 
 def seconds_text(value: float) -> str:
     """ms below a tenth of a second."""
     return f"{value:.2f} s" if value >= 0.1 else f"{1e3 * value:.1f} ms"
-
-
-def solid_text(
-    built: BuiltSolid, title: str, where: str, modes: tuple[str, ...] | None, file: str | None
-) -> str:
-    """What a solid is; ``modes`` is None for all, () where they do not matter."""
-    if modes != ():
-        where += f", {modes_text(modes)}"
-    pieces = ", ".join(volume_text(piece.volume) for piece in built.pieces)
-    lines = [
-        f"{title} {where}",
-        f"volume     {volume_text(built.volume)} ± {volume_text(built.volume_error)}",
-        f"pieces     {len(built.pieces)}" + (f": {pieces}" if len(built.pieces) > 1 else ""),
-        f"triangles  {built.triangles}" + ("" if built.watertight else ", not watertight"),
-        f"surface    {surface_text(built)}",
-    ]
-    if file is not None:
-        lines.append(f"file       {file} (mm, base coordinates)")
-    return "\n".join(lines)
 
 
 def surface_text(built: BuiltSolid) -> str:
@@ -227,11 +214,17 @@ def surface_text(built: BuiltSolid) -> str:
     return text
 
 
-def modes_text(modes: Sequence[str] | None) -> str:
+def modes_text(modes: Sequence[str] | None, noun: str = "working mode") -> str:
     """ "working mode +-+++"; None is all of them together."""
     if modes is None:
-        return "all working modes"
-    return f"working mode{'s' if len(modes) > 1 else ''} {', '.join(modes)}"
+        return f"all {noun}s"
+    return f"{noun}{'s' if len(modes) > 1 else ''} {', '.join(modes)}"
+
+
+def pieces_text(volumes: Sequence[float]) -> str:
+    """How many pieces, and the volumes of several."""
+    told = ", ".join(map(volume_text, volumes))
+    return f"{len(volumes)}: {told}" if len(volumes) > 1 else str(len(volumes))
 
 
 def volume_text(value: float) -> str:

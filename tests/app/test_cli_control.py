@@ -301,9 +301,7 @@ def made_curves() -> LocusCurves:
 def charted(here: Run, monkeypatch: pytest.MonkeyPatch) -> Run:
     """A mechanism with three charts, whatever the 5-RPUR has."""
 
-    def locus(
-        self: Any, design: Any, key: str, pose: Any, mode: str, at: float | None = None
-    ) -> LocusCurves:
+    def locus(self: Any, key: str, pose: Any, mode: str, at: float | None = None) -> LocusCurves:
         assert mode == MODE
         assert (at == -5.0) == (key == "section")
         found = made_curves()
@@ -311,8 +309,8 @@ def charted(here: Run, monkeypatch: pytest.MonkeyPatch) -> Run:
             return replace(found, points=np.abs(found.points), bounds=np.abs(found.bounds))
         return found
 
-    monkeypatch.setattr(FiveRPUR, "locus_specs", lambda *_: (TILTS, POLAR, PLANE), raising=False)
-    monkeypatch.setattr(FiveRPUR, "locus", locus, raising=False)
+    monkeypatch.setattr(type(MACHINE.singularities), "loci", (TILTS, POLAR, PLANE))
+    monkeypatch.setattr(type(MACHINE.singularities), "locus", locus)
     return here
 
 
@@ -365,7 +363,7 @@ def test_a_section_chart_stands_where_it_is_put(charted: Run) -> None:
 def test_charts_that_are_not_there(charted: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     said = refused(charted("singularity", *AT, "--chart", "nowhere"))
     assert said == "--chart must be one of tilts, polar, section, got 'nowhere'"
-    monkeypatch.setattr(FiveRPUR, "locus_specs", lambda *_: ())
+    monkeypatch.setattr(type(MACHINE.singularities), "loci", ())
     said = refused(charted("singularity", *AT, "--chart", "tilts"))
     assert "has no charts of loci" in said
 
@@ -390,7 +388,7 @@ def other(here: Run, monkeypatch: pytest.MonkeyPatch) -> Run:
     """A mechanism with operation modes, whose z may be left out."""
 
     def complete(
-        self: Any, design: Any, pose: Any, mode: str, moved: int | None = None
+        self: Any, pose: Any, mode: str, moved: int | None = None, dependent: int | None = None
     ) -> tuple[float, ...]:
         free = [n for n, value in enumerate(pose) if value != value]
         if free != [2]:

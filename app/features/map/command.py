@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import argparse
 import signal
-import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from math import radians
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
-from app.terminal import common, tables
+from app.terminal import tables, values
+from app.terminal.command import Answer, Output, command, progress, said
+from app.terminal.options import DESIGN, MODES, Modes, option, output, tolerance
 from kinematics.errors import InputError
 
 if TYPE_CHECKING:
@@ -20,185 +19,136 @@ if TYPE_CHECKING:
 
     from kinematics.answers.sections import MapCells, MapSpec
     from kinematics.arrays import Array, Ints
-    from kinematics.facets.map_sweeps import Map
+    from kinematics.facets.map_sweeps import Map, MapRequest
+    from kinematics.machine import Machine
 
 RANGE = "-90:90:37"  # every 5°
-TOLERANCE = 1e-4
 
 
-def register(command: common.AddCommand) -> None:
-    chart = command("map", _map, "The workspace's volume over φ and θ (Figs. 20 and 21).")
-    common.add_design(chart)
-    for name in ("phi", "theta"):
-        chart.add_argument(
-            f"--{name}",
-            default=RANGE,
-            metavar="a:b:n",
-            help="n values from a to b, degrees, or one angle (default %(default)s)",
-        )
-    common.add_modes(chart)
-    chart.add_argument(
-        "--quantity",
+def _quantities(option: str, text: str, machine: Machine[Any]) -> list[str]:
+    """The volume first, whatever else is wanted."""
+    known = [quantity.key for quantity in _spec(machine).quantities]
+    wanted = [word.strip().lower().replace("-", "_") for word in text.split(",")]
+    for word in wanted:
+        if word not in (*known, "all"):
+            raise InputError(
+                f"{option}: there is no {word!r}; it is one of {', '.join(known)}, or 'all'"
+            )
+    return [key for key in known if key == "volume" or {key, "all"} & set(wanted)]
+
+
+def _span(key: str, typed: dict[str, str]) -> list[float]:
+    return values.span(f"--{key}", typed.get(key, RANGE), RANGE)
+
+
+def _spec(machine: Machine[Any]) -> MapSpec:
+    if machine.map_spec is None:
+        raise InputError(f"{machine.design.name}: a {machine.title} has no maps")
+    return machine.map_spec
+
+
+@command("map", coordinates=True)
+def chart(
+    machine: Machine[Any] = DESIGN,
+    modes: Modes = MODES,
+    quantity: list[str] = option(
+        "NAMES",
+        "beside the volume, with commas: pieces, largest_piece, sphere, stroke, or all",
+        _quantities,
+        known=lambda machine: [*(quantity.key for quantity in _spec(machine).quantities), "all"],
         default="volume",
-        metavar="NAMES",
-        help="beside the volume, with commas: pieces, largest_piece, sphere, stroke, or all",
-    )
-    common.add_tolerance(chart, TOLERANCE)
-    chart.add_argument(
-        "--jobs", type=_jobs, metavar="N", help="processes on this machine (default: one a core)"
-    )
-    chart.add_argument(
-        "--scheduler",
-        metavar="tcp://HOST:PORT",
-        help="compute on the Dask cluster of this scheduler instead",
-    )
-    chart.add_argument(
-        "-o", "--output", type=Path, metavar="FILE", help="write .csv, .npz, .png or .svg"
-    )
-    common.add_json(chart)
+    ),
+    tolerance: float = tolerance("1e-04"),
+    jobs: int | None = option(
+        "N",
+        "processes on this machine (default: one a core)",
+        values.counted("a number of processes", 1, 1024),
+    ),
+    scheduler: str | None = option(
+        "tcp://HOST:PORT", "compute on the Dask cluster of this scheduler instead"
+    ),
+    output: Output = output(".csv, .npz, .png or .svg"),
+) -> Answer:
+    """The workspace's volume over all orientations.
 
-
-def _map(arguments: argparse.Namespace) -> None:
+    As Figs. 20 and 21 of Tale Masouleh et al. (2011). It runs over --phi and --theta a:b:n, n
+    values from a to b, degrees, or one angle (default -90:90:37); of another mechanism over the two
+    coordinates that its maps have. Ctrl-C stops it and keeps what is done.
+    """
     from app.features.map import files
     from app.jobs import executors
-    from kinematics.facets.map_sweeps import map_request, sweep
+    from kinematics.facets import map_sweeps
 
-    path: Path | None = arguments.output
-    kind = None if path is None else common.ending(path, files.FORMATS, "a map")
-    if arguments.jobs is not None and arguments.scheduler is not None:
+    kind = output.kind(files.FORMATS, "a map")
+    if jobs is not None and scheduler is not None:
         raise InputError("--jobs is for this machine, --scheduler for a cluster; give one of them")
-    machine = common.load(arguments.design)
-    design = machine.design
-    spec = machine.map_spec
-    if spec is None:
-        raise InputError(f"{design.name}: a {machine.title} has no maps")
-    request = map_request(
-        design,
-        _range("--phi", arguments.phi),
-        _range("--theta", arguments.theta),
-        modes=common.chosen_modes(arguments.modes, machine.modes),
-        quantities=_quantities(arguments.quantity, spec),
-        relative=arguments.tolerance,
+    typed, axes = said(), {machine.coordinates[n].key: n for n in _spec(machine).axes}
+    for key in typed:
+        if key not in axes:
+            raise InputError(f"--{key}: the map runs over --{' and --'.join(axes)}")
+    grid = [
+        [tables.inner(value, machine.coordinates[n]) for value in _span(key, typed)]
+        for key, n in axes.items()
+    ]
+    request = map_sweeps.map_request(
+        machine.design, *grid, modes=modes, quantities=quantity, relative=tolerance
     )
     began = time.monotonic()
     with ExitStack() as stack:
-        interrupt = stack.enter_context(_interruptible())
-        progress = stack.enter_context(_Progress(request.shape[0] * request.shape[1]))
+        interrupted = stack.enter_context(_interruptible())
+        show = stack.enter_context(progress("Map: the processes start"))
         workers = stack.enter_context(
-            executors.local_workers(arguments.jobs)
-            if arguments.scheduler is None
-            else executors.dask_workers(arguments.scheduler)
+            executors.local_workers(jobs)
+            if scheduler is None
+            else executors.dask_workers(scheduler)
         )
 
         def cancelled() -> bool:
             workers.check()
-            return interrupt.came
+            return interrupted()
 
-        found = sweep(
+        found = map_sweeps.sweep(
             request,
             workers.executor,
             in_flight=2 * workers.count,
-            on_cells=progress,
+            on_cells=_Progress(request, show),
             cancelled=cancelled,
         )
     seconds = time.monotonic() - began
-    common.warn(machine)
-    if path is not None and kind is not None and found.done.any():
-        common.write(path, files.map_bytes(found, kind))
-    else:
-        path = None
-    if arguments.json:
-        common.print_json(_answer(found, seconds, path))
-    elif found.done.any():
-        common.print_head(design, _what(found))
-        print("\n".join(_lines(found, seconds, path)))
-    if not found.complete:
-        done, points = int(found.done.sum()), found.done.size
-        kept = f"; {path} holds those" if path is not None else ""
-        print(f"bohemia: stopped after {done} of {points} orientations{kept}", file=sys.stderr)
-        raise KeyboardInterrupt
-
-
-# --- arguments -----------------------------------------------------------------------------
-
-
-def _jobs(text: str) -> int:
-    if not text.isdecimal() or not 1 <= int(text) <= 1024:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number of processes from 1 to 1024")
-    return int(text)
-
-
-def _range(option: str, text: str) -> Array:
-    """The angles of "a:b:n", or one alone, in rad."""
-    import numpy as np
-
-    words = text.split(":")
-    if len(words) == 1:
-        return np.array([radians(common.number(text, option))])
-    if len(words) != 3:
-        raise InputError(f"{option} must be from:to:count, as {RANGE}, or one angle; got {text!r}")
-    first, last = (common.number(word, option) for word in words[:2])
-    if not words[2].strip().isdecimal() or int(words[2]) < 1:
-        raise InputError(f"{option}: the count must be a whole number from 1 on, got {words[2]!r}")
-    if first == last:
-        raise InputError(
-            f"{option} runs from {first:g}° to the same angle; write {option} {first:g}"
-        )
-    return np.radians(np.linspace(first, last, int(words[2])))
-
-
-def _quantities(text: str, spec: MapSpec) -> list[str]:
-    """The volume first, whatever else is wanted."""
-    known = [quantity.key for quantity in spec.quantities]
-    if text.strip().lower() == "all":
-        return known
-    wanted = [word.strip().lower().replace("-", "_") for word in text.split(",")]
-    for word in wanted:
-        if word not in known:
-            raise InputError(
-                f"--quantity: there is no {word!r}; it is one of {', '.join(known)}, or 'all'"
-            )
-    return [key for key in known if key == "volume" or key in wanted]
-
-
-# --- while it runs -------------------------------------------------------------------------
-
-
-class _Interrupt:
-    came = False
+    done, points = int(found.done.sum()), found.done.size
+    if kind and done:
+        output.write(files.map_bytes(found, kind))
+    kept = f"; {output.written} holds those" if output.written else ""
+    stopped = "" if found.complete else f"stopped after {done} of {points} orientations{kept}"
+    lines = _lines(machine, found, seconds) if done else ["Nothing is done."]
+    data = {**tables.modes_entry(modes), **_grids(found), "seconds": seconds}
+    return Answer(data, lines, stopped)
 
 
 @contextmanager
-def _interruptible() -> Iterator[_Interrupt]:
+def _interruptible() -> Iterator[Callable[[], bool]]:
     """The first Ctrl-C asks to stop after the cells at work, the second one stops."""
-    interrupt = _Interrupt()
+    came: list[int] = []
 
     def note(number: int, frame: FrameType | None) -> None:
-        interrupt.came = True
+        came.append(number)
         signal.signal(number, signal.default_int_handler)
 
     before = signal.signal(signal.SIGINT, note)
     try:
-        yield interrupt
+        yield partial(bool, came)
     finally:
         signal.signal(signal.SIGINT, before)
 
 
 class _Progress:
-    """Shows on stderr how far the map is and how long it will take, if a person is looking."""
+    """Shows how far the map is and how long it will take."""
 
-    def __init__(self, points: int) -> None:
-        self._points = points
+    def __init__(self, request: MapRequest, show: Callable[[str], None]) -> None:
+        self._points = request.shape[0] * request.shape[1]
+        self._show = show
         self._done = 0
         self._first: tuple[float, int] | None = None
-        self._shown = sys.stderr.isatty()
-
-    def __enter__(self) -> Self:
-        self._show("Map: the processes start …")
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._show("")
 
     def __call__(self, indices: Ints, cells: MapCells) -> None:
         self._done += len(indices)
@@ -212,80 +162,58 @@ class _Progress:
             rest = f", {each * (self._points - self._done):.0f} s left"
         self._show(f"Map: {self._done} of {self._points}{rest}")
 
-    def _show(self, text: str) -> None:
-        if self._shown:
-            print(f"\r{text}\x1b[K", end="", file=sys.stderr, flush=True)
-
 
 # --- what comes out ------------------------------------------------------------------------
 
 
-def _answer(found: Map, seconds: float, path: Path | None) -> dict[str, Any]:
+def _grids(found: Map) -> dict[str, Any]:
     """The grid and the values on it; null where a point was not done."""
     from app.features.map import files
 
     request = found.request
-    first, second = files.axis_values(request)
-    grids = {
-        name: [[common.finite(value) for value in row] for row in values.tolist()]
-        for names, *both in zip(files.columns(request), found.values, found.errors, strict=True)
-        for name, values in zip(names, both, strict=True)
-    }
     return {
-        "design": request.design.name,
-        "mechanism": request.design.mechanism,
-        "modes": "all" if request.modes is None else request.modes,
-        **dict(zip(map(tables.key, request.coordinates), (first, second), strict=True)),
-        **grids,
+        **dict(zip(map(tables.key, request.coordinates), files.axis_values(request), strict=True)),
+        **{
+            name: tables.plain(grid)
+            for names, *both in zip(files.columns(request), found.values, found.errors, strict=True)
+            for name, grid in zip(names, both, strict=True)
+        },
         "points": found.done.size,
         "done": int(found.done.sum()),
-        "seconds": seconds,
-        "file": None if path is None else str(path),
     }
 
 
-def _lines(found: Map, seconds: float, path: Path | None) -> list[str]:
+def _lines(machine: Machine[Any], found: Map, seconds: float) -> list[str]:
     """Each quantity's extremes and where they are, as a table."""
     import numpy as np
 
     from app.features.map import files
 
-    request = found.request
-    axes = request.coordinates
+    request, axes = found.request, found.request.coordinates
     first, second = files.axis_values(request)
 
-    def extreme(values: Array, flat: int) -> tuple[str, str]:
-        i, j = divmod(flat, values.shape[1])
-        return f"{values[i, j]:.6g}", tables.with_units([first[i], second[j]], axes)
+    def extreme(grid: Array, flat: int) -> tuple[str, str]:
+        i, j = divmod(flat, grid.shape[1])
+        return f"{grid[i, j]:.6g}", tables.with_units([first[i], second[j]], axes)
 
     rows = []
-    for quantity, values in zip(request.quantities, found.values, strict=True):
-        if np.isnan(values).all():
+    for quantity, grid in zip(request.quantities, found.values, strict=True):
+        if np.isnan(grid).all():
             continue
         unit = f" ({quantity.unit})" if quantity.unit else ""
-        least = extreme(values, int(np.nanargmin(values)))
-        most = extreme(values, int(np.nanargmax(values)))
-        rows.append((f"{quantity.title}{unit}", *least, *most, f"{np.nanmean(values):.6g}"))
-    header = ("", "least", "at", "most", "at", "mean")
+        least = extreme(grid, int(np.nanargmin(grid)))
+        most = extreme(grid, int(np.nanargmax(grid)))
+        rows.append((f"{quantity.title}{unit}", *least, *most, f"{np.nanmean(grid):.6g}"))
+    spans = (
+        f"{axis.symbol} from {shown[0]:g}° to {shown[-1]:g}°"
+        for axis, shown in zip(axes, (first, second), strict=True)
+    )
     n, m = request.shape
-    lines = ["", tables.table(header, rows), ""]
-    error = float(np.nanmax(found.errors[0]))
-    lines.append(
-        f"{n} × {m} orientations in {tables.seconds_text(seconds)}; "
-        f"volumes ± {tables.volume_text(error)} at most"
-    )
-    if path is not None:
-        lines.append(f"file  {path}")
-    return lines
-
-
-def _what(found: Map) -> str:
-    from app.features.map import files
-
-    first, second = (
-        f"{axis.symbol} from {values[0]:g}° to {values[-1]:g}°"
-        for axis, values in zip(
-            found.request.coordinates, files.axis_values(found.request), strict=True
-        )
-    )
-    return f"{first}, {second}, {tables.modes_text(found.request.modes)}"
+    error = tables.volume_text(float(np.nanmax(found.errors[0])))
+    return [
+        ", ".join([*spans, tables.modes_text(request.modes, machine.mode_noun)]),
+        "",
+        tables.table(("", "least", "at", "most", "at", "mean"), rows),
+        "",
+        f"{n} × {m} orientations in {tables.seconds_text(seconds)}; volumes ± {error} at most",
+    ]

@@ -2,131 +2,105 @@
 
 from __future__ import annotations
 
-import argparse
-import sys
-from collections.abc import Sequence
+from collections.abc import Iterable
 from math import degrees, isfinite
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from app.terminal import common, tables
-from app.terminal.place import Place
+from app.terminal import tables, values
+from app.terminal.command import Answer, command
+from app.terminal.options import DESIGN, MODE, POSE, option
 from kinematics.errors import InputError
 
 if TYPE_CHECKING:
-    from kinematics.answers.motion import Motion
-    from kinematics.answers.solutions import Posture
+    from app.terminal.poses import Given, Place
+    from kinematics.answers.motion import WrenchSystem
     from kinematics.arrays import Array
-    from kinematics.mechanism import Coordinate
+    from kinematics.machine import Machine
 
-LOAD = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
-
-
-def register(command: common.AddCommand) -> None:
-    velocity = command("velocity", _velocity, "Rates and accelerations, either way round.")
-    common.add_design(velocity)
-    common.add_pose(velocity)
-    common.add_mode(velocity, "that of the home posture")
-    for name, what, other in (
-        (
-            "rates",
-            "d(pose)/dt, mm/s and degrees/s, - for one that the constraint gives",
-            "joint rates are computed",
-        ),
-        ("joint-rates", "actuator rates, mm/s (angles: degrees/s)", "the platform's are computed"),
-    ):
-        velocity.add_argument(f"--{name}", metavar="v1,...", help=f"{what}; {other}")
-    for name, what in (("accelerations", "rates"), ("joint-accelerations", "joint-rates")):
-        velocity.add_argument(
-            f"--{name}", metavar="a1,...", help=f"goes with --{what}, /s² (default 0)"
-        )
-    velocity.epilog = (
-        "The twist is the platform's angular velocity and the velocity of its origin, base frame. "
-        "JSON has null where a rate does not exist or is not determined, and says why in reasons; "
-        "next to a singularity numbers come with a warning."
-    )
-    common.add_json(velocity)
-
-    statics = command("statics", _statics, "Actuator forces and constraint wrenches for a load.")
-    common.add_design(statics)
-    common.add_pose(statics)
-    common.add_mode(statics, "that of the home posture")
-    statics.add_argument(
-        "--load",
-        required=True,
-        metavar="Fx,Fy,Fz,Tx,Ty,Tz",
-        help="force (N) and moment (N·mm) on the platform at its origin, base frame",
-    )
-    statics.epilog = "A positive actuator force pushes the platform; a rotary one acts along +q."
-    common.add_json(statics)
+Numbers = list[float] | None
 
 
-# --- velocity ------------------------------------------------------------------------------
+def _of_pose(option: str, text: str, machine: Machine[Any]) -> list[float]:
+    return values.of_axes(option, text, machine.coordinates, dash=True)
 
 
-def _velocity(arguments: argparse.Namespace) -> None:
-    forward = arguments.joint_rates is not None
-    if forward == (arguments.rates is not None):
+@command("velocity")
+def velocity(
+    machine: Machine[Any] = DESIGN,
+    pose: Given = POSE,
+    mode: str = MODE,
+    rates: Numbers = option(
+        "v1,v2,...",
+        "d(pose)/dt, /s, - for one that the constraint gives; joint rates are computed",
+        _of_pose,
+    ),
+    joint_rates: Numbers = option(
+        "v1,v2,...", "actuator rates, /s; the platform's are computed", values.of_joints
+    ),
+    accelerations: Numbers = option("a1,a2,...", "goes with --rates, /s² (default 0)", _of_pose),
+    joint_accelerations: Numbers = option(
+        "a1,a2,...", "goes with --joint-rates, /s² (default 0)", values.of_joints
+    ),
+) -> Answer:
+    """Rates and accelerations, either way round.
+
+    The twist is the platform's angular velocity and the velocity of its origin, base frame. JSON
+    has null where a rate does not exist or is not determined, and says why in reasons; next to a
+    singularity numbers come with a warning. rates, accelerations, joint_rates and
+    joint_accelerations are a second or second squared of what is typed; pose_rates, actuator_rates
+    and their like name the whole unit.
+    """
+    if (rates is None) == (joint_rates is None):
         raise InputError("give either --rates or --joint-rates (see bohemia velocity --help)")
-    wrong = arguments.accelerations if forward else arguments.joint_accelerations
-    if wrong is not None:
+    if (joint_accelerations if joint_rates is None else accelerations) is not None:
         raise InputError(
             "--accelerations goes with --rates, --joint-accelerations with --joint-rates"
         )
-    place = Place.of(arguments)
-    machine, at = place.machine, (place.pose, place.mode)
-    if forward:
-        rates = _inner("--joint-rates", arguments.joint_rates, place.joints)
-        second = _optional("--joint-accelerations", arguments.joint_accelerations, place.joints)
-        found = machine.motion.forward(*at, rates, second)
-    else:
-        rates = _inner("--rates", arguments.rates, place.axes)
-        second = _optional("--accelerations", arguments.accelerations, place.axes)
-        found = machine.motion.inverse(*at, rates, second)
-    posture = place.posture()
-    reasons, warnings = _judged(place, posture, _numbers(found), serial=not forward)
-    _warn(place, warnings)
-    if not arguments.json:
-        place.head()
-        print("\n".join(_motion_lines(place, found, reasons)))
-        return
-    common.print_json(
-        {
-            **place.entries(),
-            "joints": [common.finite(v) for v in tables.outer(posture.joints, place.joints)],
-            "within_stroke": posture.reachable,
-            "rates": _named(found.pose_rates, place.axes),
-            "accelerations": _named(found.pose_accelerations, place.axes),
-            "joint_rates": _listed(found.joint_rates, place.joints),
-            "joint_accelerations": _listed(found.joint_accelerations, place.joints),
-            "twist": _twist(found.twist, "omega", "v"),
-            "twist_rate": _twist(found.twist_rate, "alpha", "a"),
-            "reasons": reasons,
-            "warnings": warnings,
-        }
+    place, axes, joints = pose.place(mode), machine.coordinates, machine.joints
+    turned, ask = (axes, machine.motion.inverse) if rates else (joints, machine.motion.forward)
+    first, second = (
+        typed and [tables.inner(value, axis) for value, axis in zip(typed, turned, strict=True)]
+        for typed in (rates or joint_rates, accelerations or joint_accelerations)
     )
+    found = ask(place.pose, mode, first or [], second)
+    moved = (found.pose_rates, found.pose_accelerations)
+    driven = (found.joint_rates, found.joint_accelerations)
+    reasons, warnings = _judged(
+        place, [*moved[1].tolist(), *driven[1].tolist()], serial=bool(rates)
+    )
+    data = {
+        **place.entries,
+        "joints": tables.listed(place.posture.joints, joints),
+        "within_stroke": place.posture.reachable,
+        "twist": _twist(found.twist, "omega", "v", "s"),
+        "twist_rate": _twist(found.twist_rate, "alpha", "a", "s2"),
+        "reasons": reasons,
+        "warnings": warnings,
+    }
+    rows: list[tuple[str, ...]] = []
+    for per, what in enumerate(("rates", "accelerations"), start=1):
+        data |= {
+            what: tables.named(moved[per - 1], axes),
+            f"joint_{what}": tables.listed(driven[per - 1], joints),
+            f"pose_{what}": tables.named(moved[per - 1], axes, per),
+            f"actuator_{what}": tables.named(driven[per - 1], joints, per),
+        }
+    for own, both in ((axes, moved), (joints, driven)):
+        shown = (map(tables.number_text, tables.listed(each, own)) for each in both)
+        rows += zip(tables.headings(own, "°"), *shown, strict=True)
+    turn = ", ".join(map(tables.number_text, data["twist"]["omega_deg"]))
+    move = ", ".join(map(tables.number_text, data["twist"]["v"]))
+    table = tables.table(("", "rate /s", "acceleration /s²"), rows)
+    twist = f"twist  ω = ({turn}) °/s, v = ({move}) mm/s"
+    return Answer(data, [f"Pose {place.where}", "", table, "", twist, *reasons])
 
 
-def _optional(option: str, text: str | None, axes: Sequence[Coordinate]) -> list[float] | None:
-    return None if text is None else _inner(option, text, axes)
-
-
-def _inner(option: str, text: str, axes: Sequence[Coordinate]) -> list[float]:
-    """Rates or accelerations as typed, in mm and rad."""
-    typed = common.open_numbers(option, text, axes)
-    return [tables.inner(value, axis) for value, axis in zip(typed, axes, strict=True)]
-
-
-def _numbers(found: Motion) -> list[float]:
-    return [*found.pose_accelerations.tolist(), *found.joint_accelerations.tolist()]
-
-
-def _judged(
-    place: Place, posture: Posture, numbers: Sequence[float], *, serial: bool
-) -> tuple[list[str], list[str]]:
+def _judged(place: Place, numbers: Iterable[float], *, serial: bool) -> tuple[list[str], list[str]]:
     """Why some of the numbers do not exist, and what speaks against those that do.
 
     ``serial``: serial singularities leave them open, else all the other ones.
     """
+    posture = place.posture
     if not posture.closes:
         return [reason.text for reason in posture.reasons], []
     lost = place.machine.singularities.at(posture)
@@ -140,112 +114,74 @@ def _judged(
     ]
 
 
-def _warn(place: Place, warnings: Sequence[str]) -> None:
-    common.warn(place.machine)
-    for text in warnings:
-        print(f"bohemia: warning: {text}", file=sys.stderr)
+def _twist(twist: Array, turning: str, moving: str, per: str) -> dict[str, list[float | None]]:
+    """Angular and linear; the keys without a time came first and are kept."""
+    turn, move = tables.plain(twist[:3], degrees(1.0)), tables.plain(twist[3:])
+    whole = {f"{turning}_deg_per_{per}": turn, f"{moving}_mm_per_{per}": move}
+    return {**whole, f"{turning}_deg": turn, moving: move}
 
 
-def _named(values: Array, axes: Sequence[Coordinate]) -> dict[str, float | None]:
-    return dict(zip(map(tables.key, axes), _listed(values, axes), strict=True))
+@command("statics")
+def statics(
+    machine: Machine[Any] = DESIGN,
+    pose: Given = POSE,
+    mode: str = MODE,
+    load: list[float] = option(
+        "Fx,Fy,Fz,Tx,Ty,Tz",
+        "force (N) and moment (N·mm) on the platform at its origin, base frame",
+        values.load,
+        required=True,
+    ),
+) -> Answer:
+    """Actuator forces and constraint wrenches for a load.
 
-
-def _listed(values: Array, axes: Sequence[Coordinate]) -> list[float | None]:
-    return [common.finite(value) for value in tables.outer(values.tolist(), axes)]
-
-
-def _twist(values: Array, turning: str, moving: str) -> dict[str, list[float | None]]:
-    return {
-        f"{turning}_deg": [common.finite(degrees(v)) for v in values[:3].tolist()],
-        moving: [common.finite(v) for v in values[3:].tolist()],
-    }
-
-
-def _motion_lines(place: Place, found: Motion, reasons: list[str]) -> list[str]:
-    rows = []
-    for axes, rates, second in (
-        (place.axes, found.pose_rates, found.pose_accelerations),
-        (place.joints, found.joint_rates, found.joint_accelerations),
-    ):
-        for axis, rate, acceleration in zip(
-            axes,
-            tables.outer(rates.tolist(), axes),
-            tables.outer(second.tolist(), axes),
-            strict=True,
-        ):
-            mark = "°" if axis.unit == "rad" else "mm"
-            rows.append(
-                (
-                    f"{axis.symbol} ({mark})",
-                    tables.number_text(rate),
-                    tables.number_text(acceleration),
-                )
-            )
-    turn, move = (found.twist[:3].tolist(), found.twist[3:].tolist())
-    lines = [
-        "",
-        tables.table(("", "rate /s", "acceleration /s²"), rows),
-        "",
-        f"twist  ω = ({', '.join(tables.number_text(degrees(v)) for v in turn)}) °/s, "
-        f"v = ({', '.join(tables.number_text(v) for v in move)}) mm/s",
-    ]
-    return [*lines, *reasons]
-
-
-# --- statics -------------------------------------------------------------------------------
-
-
-def _statics(arguments: argparse.Namespace) -> None:
-    place = Place.of(arguments)
-    load = load_numbers(arguments.load)
-    found = place.machine.statics.forces(place.pose, place.mode, load)
-    system = place.machine.statics.wrenches(place.pose, place.mode)
-    forces = found.forces.tolist()
-    posture = place.posture()
-    reasons, warnings = _judged(place, posture, forces, serial=False)
-    _warn(place, warnings)
-    turning = {joint.limb: joint.unit == "rad" for joint in place.joints}
-    units = [
-        "N mm"
-        if (turning.get(name.limb, False) if name.kind == "actuation" else not row[:3].any())
-        else "N"
-        for name, row in zip(found.names, system.rows, strict=True)
-    ]
-    if not arguments.json:
-        place.head()
-        rows = [
-            (name.symbol, name.kind, tables.number_text(force), unit.replace(" ", "\u00b7"))
-            for name, force, unit in zip(found.names, forces, units, strict=True)
-        ]
-        print("", tables.table(("wrench", "", "force", ""), rows), *reasons, sep="\n")
-        return
-    common.print_json(
-        {
-            **place.entries(),
-            "load": {"force_N": load[:3], "moment_Nmm": load[3:]},
-            "within_stroke": posture.reachable,
-            "forces": [
-                {
-                    "symbol": name.symbol,
-                    "kind": name.kind,
-                    "limb": name.limb,
-                    "value": common.finite(force),
-                    "unit": unit,
-                }
-                for name, force, unit in zip(found.names, forces, units, strict=True)
-            ],
-            "residual": common.finite(float(found.residual)),
-            "reasons": reasons,
-            "warnings": warnings,
-        }
-    )
-
-
-def load_numbers(text: str) -> list[float]:
-    words = text.split(",")
-    if len(words) != len(LOAD):
-        raise InputError(
-            f"--load needs 6 numbers with commas between them, {', '.join(LOAD)} "
-            f"(N and N·mm); got {len(words)}"
+    A positive actuator force pushes the platform; a rotary one acts along +q. In JSON each wrench
+    has its direction and, unless it is a couple, a point of its line, mm, base frame.
+    """
+    place = pose.place(mode)
+    found = machine.statics.forces(place.pose, mode, load)
+    reasons, warnings = _judged(place, found.forces.tolist(), serial=False)
+    system = machine.statics.wrenches(place.pose, mode)
+    forces = [
+        {**wrench, "value": force, "force_N" if wrench["unit"] == "N" else "torque_Nmm": force}
+        for wrench, force in zip(
+            wrench_entries(machine, system), tables.plain(found.forces), strict=True
         )
-    return [common.number(w, f"--load: {name}") for w, name in zip(words, LOAD, strict=True)]
+    ]
+    data = {
+        **place.entries,
+        "load": {"force_N": load[:3], "moment_Nmm": load[3:]},
+        "within_stroke": place.posture.reachable,
+        "forces": forces,
+        "residual": tables.finite(float(found.residual)),
+        "reasons": reasons,
+        "warnings": warnings,
+    }
+    unit = ("", lambda force: force["unit"].replace(" ", "·"))
+    columns = (("wrench", "symbol"), ("", "kind"), ("force", "value"), unit)
+    lines = [f"Pose {place.where}", "", tables.records(forces, *columns), *reasons]
+    return Answer(data, lines)
+
+
+def wrench_entries(machine: Machine[Any], system: WrenchSystem) -> list[dict[str, Any]]:
+    """What each wrench of a system is: the unit of its size, and its line, base frame: direction
+    and point (..., 3), mm; a couple has none."""
+    import numpy as np
+
+    turning = {joint.limb for joint in machine.joints if joint.unit == "rad"}
+    entries = []
+    for n, name in enumerate(system.names):
+        force, moment = system.rows[..., n, :3], system.rows[..., n, 3:]
+        couple = not force.any()
+        along = moment if couple else force
+        size = np.linalg.norm(along, axis=-1, keepdims=True)
+        torque = name.limb in turning if name.kind == "actuation" else couple
+        entries.append(
+            {
+                **tables.record(name, "symbol", "kind", "limb"),
+                "unit": "N mm" if torque else "N",
+                "direction": tables.plain(along / np.where(size > 0.0, size, np.nan)),
+                "point_mm": None if couple else tables.plain(system.point[..., n, :]),
+            }
+        )
+    return entries

@@ -2,65 +2,46 @@
 
 from __future__ import annotations
 
-import argparse
-import sys
 from contextlib import suppress
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from app.terminal import common, tables
+from app.terminal import tables, values
+from app.terminal.command import Answer, command, load, warn
+from app.terminal.options import design, flag, option
+
+if TYPE_CHECKING:
+    from kinematics.machine import Machine
 
 DEFAULT_DESIGN = "rpur-table1"
 
 
-def register(command: common.AddCommand) -> None:
-    serve = command("serve", _serve, "The page, in the browser.")
-    serve.add_argument(
-        "design", metavar="DESIGN", nargs="?", help=f"what to open (default {DEFAULT_DESIGN})"
-    )
-    serve.add_argument("--host", default="127.0.0.1", help="address to listen on (%(default)s)")
-    serve.add_argument("--port", type=_port, default=8080, help="port to listen on (%(default)s)")
-    serve.add_argument("--session", type=Path, metavar="FILE", help="keep the review in this file")
-    serve.add_argument("--no-browser", action="store_true", help="do not open a browser")
-
-    designs = command("designs", _designs, "The presets.")
-    common.add_json(designs)
-
-
-def _port(text: str) -> int:
-    if not text.isdecimal() or not 0 <= int(text) <= 65535:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a port from 0 to 65535")
-    return int(text)
-
-
-def _serve(arguments: argparse.Namespace) -> None:
-    design = common.load(arguments.design or DEFAULT_DESIGN).design
+@command("serve")
+def serve(
+    machine: Machine[Any] | None = design(required=False),
+    host: str = option("ADDRESS", "address to listen on", default="127.0.0.1"),
+    port: int = option(
+        "N", "port to listen on", values.counted("a port", 0, 65535), default="8080"
+    ),
+    session: str | None = option("FILE", "keep the review in this file", files=True),
+    no_browser: bool = flag("do not open a browser"),
+) -> None:
+    """The page, in the browser. DESIGN is rpur-table1 if none is named."""
+    opened = (machine or load(DEFAULT_DESIGN)).design
     from app.server import run
 
-    if arguments.design and arguments.session is not None and arguments.session.exists():
-        print(
-            f"bohemia: warning: {arguments.session} holds a review, which is opened instead of "
-            f"{arguments.design}",
-            file=sys.stderr,
-        )
+    file = None if session is None else Path(session)
+    if machine is not None and file is not None and file.exists():
+        warn(f"{file} holds a review, which is opened instead of {opened.name}")
     with suppress(KeyboardInterrupt):  # the usual way to stop a server
-        run(
-            design,
-            host=arguments.host,
-            port=arguments.port,
-            session=arguments.session,
-            open_browser=not arguments.no_browser,
-        )
+        run(opened, host=host, port=port, session=file, open_browser=not no_browser)
 
 
-def _designs(arguments: argparse.Namespace) -> None:
+@command("designs")
+def designs() -> Answer:
+    """The presets."""
     from kinematics.designs.files import presets
 
-    found = presets()
-    if arguments.json:
-        keys = ("name", "mechanism", "title", "source")
-        common.print_json(
-            {"designs": [{key: getattr(preset, key) for key in keys} for preset in found]}
-        )
-        return
-    rows = [(preset.name, preset.mechanism, preset.title, preset.source) for preset in found]
-    print(tables.table(("name", "mechanism", "title", "source"), rows))
+    keys = ("name", "mechanism", "title", "source")
+    found = [tables.record(preset, *keys) for preset in presets()]
+    return Answer({"designs": found}, [tables.records(found, *zip(keys, keys, strict=True))])

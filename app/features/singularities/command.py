@@ -2,122 +2,127 @@
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Sequence
 from math import degrees
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.features.singularities import aspects_command
-from app.terminal import common, tables
-from app.terminal.place import Place
+from app.terminal import tables, values
+from app.terminal.command import Answer, Output, command, progress
+from app.terminal.options import DESIGN, MODE, option, output
+from app.terminal.options import pose as posed
+from app.terminal.options import resolution as fineness
 from kinematics.errors import InputError
 
 if TYPE_CHECKING:
-    from kinematics.answers.clearances import Clearance, Remedy
-    from kinematics.answers.loci import LocusCurves, LocusSpec
+    from app.terminal.poses import Given, Place
+    from kinematics.answers.clearances import Remedy
     from kinematics.answers.singularities import Singularity
-    from kinematics.answers.solutions import Posture
-    from kinematics.mechanism import Coordinate
+    from kinematics.facets.solids import Resolution
+    from kinematics.machine import Machine
 
 
-def register(command: common.AddCommand) -> None:
-    singularity = command(
-        "singularity",
-        _singularity,
-        "Where control is lost: at a pose, as curves, or as surfaces in the workspace.",
-    )
-    common.add_design(singularity)
-    common.add_pose(singularity, required=False)
-    common.add_mode(singularity, "that of the home posture")
-    singularity.add_argument(
-        "--tolerance",
-        metavar="S",
-        help="name singularities whose measure is below this, 0 to 1; larger than the default "
-        "names near ones",
-    )
-    singularity.add_argument(
-        "--chart", metavar="KEY", help="the loci in this chart of the mechanism, as curves"
-    )
-    singularity.add_argument("--at", metavar="A", help="where a section chart's plane stands, mm")
-    singularity.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        metavar="FILE",
-        help="write the chart as .csv or .svg; without --pose the singular surface or a piece as "
-        ".stl, .3mf, .ply, .glb or .obj, the surface's points as .csv",
-    )
-    aspects_command.add_arguments(singularity)
-    singularity.epilog = (
-        "Without --pose: the workspace of the mode at an orientation, parted by its singular "
-        "surface into pieces on which control is kept."
-    )
-    common.add_json(singularity)
+CLEARANCE = (
+    *("kind", "distance_mm", "error_mm", "angle_deg", "point_mm", "limb", "bound", "text"),
+)
 
 
-def _singularity(arguments: argparse.Namespace) -> None:
-    if arguments.pose is None:
-        for option in ("chart", "at", "tolerance"):
-            if getattr(arguments, option) is not None:
-                raise InputError(f"--{option} goes with --pose")
-        aspects_command.run(arguments)
-        return
-    foreign = aspects_command.foreign(arguments)
-    if foreign is not None:
-        raise InputError(f"{foreign} is for all positions together; leave it or --pose out")
-    if arguments.chart is not None:
-        _chart(arguments)
-        return
-    for option in ("at", "output"):
-        if getattr(arguments, option) is not None:
-            raise InputError(f"{'-o' if option == 'output' else '--at'} goes with --chart")
-    _at_pose(arguments)
+def _charts(machine: Machine[Any]) -> list[str]:
+    if not machine.singularities.loci:
+        raise InputError(f"{machine.design.name}: a {machine.title} has no charts of loci")
+    return [spec.key for spec in machine.singularities.loci]
 
 
-def _at_pose(arguments: argparse.Namespace) -> None:
+@command("singularity")
+def singularity(
+    machine: Machine[Any] = DESIGN,
+    pose: Given = posed(),
+    mode: str = MODE,
+    tolerance: float | None = option(
+        "S",
+        "name singularities whose measure is below this, 0 to 1; larger than the default names "
+        "near ones",
+        values.number,
+    ),
+    chart: str | None = option(
+        "KEY", "the loci in this chart of the mechanism, as curves", known=_charts
+    ),
+    at: float | None = option("A", "where a section chart's plane stands, mm", values.number),
+    resolution: Resolution | None = fineness("without a position: ", None),
+    what: str | None = option(
+        "WHAT",
+        f"without a position: what -o writes, {tables.LOCUS} or the number of a piece (default "
+        f"{tables.LOCUS})",
+        known=lambda machine: [tables.LOCUS],
+    ),
+    output: Output = output(
+        "the chart as .csv or .svg; without a position the singular surface or a piece as .stl, "
+        ".3mf, .ply, .glb or .obj, the surface's points as .csv"
+    ),
+) -> Answer:
+    """Where control is lost: at a pose, as curves, or as surfaces in the workspace.
+
+    Without a position: the workspace of the mode at an orientation, parted by its singular surface
+    into pieces on which control is kept; where the workspace lies in a plane, the singular curves
+    in it.
+    """
+    somewhere = pose.whole or pose.positioned
+    if not somewhere and any(spec.key == aspects_command.KEY for spec in machine.solid_specs):
+        for name, value in {"chart": chart, "at": at, "tolerance": tolerance}.items():
+            if value is not None:
+                raise InputError(f"--{name} goes with --pose")
+        return aspects_command.surfaces(machine, pose, mode, resolution or "normal", what, output)
+    for name, value in (("--resolution", resolution), ("--what", what)):
+        if value is not None:
+            raise InputError(f"{name} is for all positions together; leave it or --pose out")
+    if chart is None and somewhere:
+        if at is not None or output.path is not None:
+            raise InputError(f"{'-o' if at is None else '--at'} goes with --chart")
+        return _at_pose(pose.place(mode), tolerance)
+    if tolerance is not None:
+        raise InputError("--tolerance is about one pose; leave it out with --chart")
+    return _chart(pose, mode, chart, at, output)
+
+
+def _at_pose(place: Place, tolerance: float | None) -> Answer:
     from kinematics.answers.singularities import AT, NEAR
 
-    tolerance = AT if arguments.tolerance is None else _tolerance(arguments.tolerance)
-    place = Place.of(arguments)
-    machine = place.machine
-    posture = place.posture()
-    lost = machine.singularities.at(posture, tolerance) if posture.closes else ()
+    if tolerance is not None and not 0.0 < tolerance <= 1.0:
+        raise InputError(f"--tolerance must lie between 0 and 1, got {tolerance:g}")
+    machine, posture = place.machine, place.posture
+    lost = machine.singularities.at(posture, tolerance or AT) if posture.closes else ()
     near = machine.singularities.at(posture, NEAR) if posture.closes and not lost else ()
-    held = _conditioning(place)
-    with common.progress("Clearances"):
+    with progress("Clearances"):
         clearances = machine.clearances.of(posture)
     remedy = None
     if not posture.reachable:
-        with common.progress("The nearest posture"):
+        with progress("The nearest posture"):
             remedy = machine.clearances.nearest_pose(posture)
-    common.warn(machine)
-    if not arguments.json:
-        place.head()
-        print("\n".join(_lost_lines(place, posture, lost, near, held, clearances, remedy)))
-        return
-    common.print_json(
-        {
-            **place.entries(),
-            "within_stroke": posture.reachable,
-            "reasons": [reason.text for reason in posture.reasons],
-            "tolerance": tolerance,
-            "singular": any(each.measure < AT for each in lost) if posture.closes else None,
-            "kinds": list(dict.fromkeys(each.kind for each in lost)),
-            "singularities": [_singular(each, place.axes) for each in lost],
-            "conditioning": held,
-            "measures": _measures(place),
-            "clearances": [_clearance(each) for each in clearances],
-            "remedy": None if remedy is None else _remedy(remedy, place),
-        }
-    )
+    data: dict[str, Any] = {
+        **place.entries,
+        "within_stroke": posture.reachable,
+        "reasons": [reason.text for reason in posture.reasons],
+        "tolerance": tolerance or AT,
+        "singular": any(each.measure < AT for each in lost) if posture.closes else None,
+        "kinds": list(dict.fromkeys(each.kind for each in lost)),
+        "singularities": [_singular(each, place) for each in lost],
+        "conditioning": _conditioning(place),
+        "measures": _measures(place),
+        "clearances": [tables.record(each, *CLEARANCE) for each in clearances],
+        "remedy": None if remedy is None else _remedy(remedy, place),
+    }
+    return Answer(data, [f"Pose {place.where}", *_lost_lines(data, near)])
 
 
-def _tolerance(text: str) -> float:
-    value = common.number(text, "--tolerance")
-    if not 0.0 < value <= 1.0:
-        raise InputError(f"--tolerance must lie between 0 and 1, got {text.strip()}")
-    return value
+def _singular(lost: Singularity, place: Place) -> dict[str, Any]:
+    entry = tables.record(lost, "kind", "limbs", "cause", "text", "measure")
+    entry["motion"] = lost.motion and tables.named(lost.motion, place.machine.coordinates)
+    entry["twist"] = lost.twist and {
+        "omega_deg": [degrees(value) for value in lost.twist[:3]],
+        "v_mm": list(lost.twist[3:]),
+        "v": list(lost.twist[3:]),
+    }
+    return entry
 
 
 def _conditioning(place: Place) -> dict[str, float | None]:
@@ -125,207 +130,122 @@ def _conditioning(place: Place) -> dict[str, float | None]:
 
     length = place.machine.length
     system = place.machine.statics.wrenches(place.pose, place.mode)
-    values = singular_values(system.rows, length).tolist()
+    held = singular_values(system.rows, length).tolist()
     return {
-        "smallest_singular_value": common.finite(values[-1]),
-        "condition": common.finite(values[0] / values[-1]) if values[-1] else None,
-        "determinant": common.finite(float(system.determinant)),
+        "smallest_singular_value": tables.finite(held[-1]),
+        "condition": tables.finite(held[0] / held[-1]) if held[-1] else None,
+        "determinant": tables.finite(float(system.determinant)),
         "characteristic_length_mm": length,
     }
 
 
 def _measures(place: Place) -> list[dict[str, Any]]:
+    asked = place.machine.measures
     return [
         {
-            "key": each.key,
-            "title": each.title,
-            "unit": each.unit,
-            "value": common.finite(float(place.machine.measures(place.pose, place.mode, each.key))),
+            **tables.record(each, "key", "title", "unit"),
+            "value": tables.finite(float(asked(place.pose, place.mode, each.key))),
         }
-        for each in place.machine.measures.specs
+        for each in asked.specs
         if not each.needs_load
     ]
 
 
-def _singular(lost: Singularity, axes: Sequence[Coordinate]) -> dict[str, Any]:
-    motion = lost.motion
-    keys = map(tables.key, axes)
-    return {
-        "kind": lost.kind,
-        "limbs": lost.limbs,
-        "cause": lost.cause,
-        "text": lost.text,
-        "measure": common.finite(lost.measure),
-        "motion": None
-        if motion is None
-        else dict(zip(keys, tables.outer(motion, axes), strict=True)),
-        "twist": None
-        if lost.twist is None
-        else {"omega_deg": [degrees(v) for v in lost.twist[:3]], "v": list(lost.twist[3:])},
-    }
-
-
-def _clearance(each: Clearance) -> dict[str, Any]:
-    return {
-        "kind": each.kind,
-        "distance_mm": common.finite(each.distance),
-        "error_mm": each.error,
-        "angle_deg": None if each.angle is None else degrees(each.angle),
-        "point_mm": list(each.point),
-        "limb": each.limb,
-        "bound": each.bound,
-        "text": each.text,
-    }
-
-
 def _remedy(remedy: Remedy, place: Place) -> dict[str, Any]:
-    nearest = remedy.nearest
-    keys = map(tables.key, place.axes)
+    machine, nearest = place.machine, remedy.nearest
+    units = {field.path: field.unit for field in machine.fields}
     return {
-        "nearest": None
-        if nearest is None
-        else {
-            "pose": dict(zip(keys, tables.outer(nearest.pose, place.axes), strict=True)),
-            **common.mode_entry(place.machine, nearest.mode),
-            "joints": tables.outer(nearest.joints, place.joints),
+        **tables.record(remedy, "distance_mm", "error_mm", "modes", "text"),
+        "nearest": nearest
+        and {
+            "pose": tables.named(nearest.pose, machine.coordinates),
+            **tables.mode_entry(machine, nearest.mode),
+            "joints": tables.listed(nearest.joints, machine.joints),
         },
-        "distance_mm": common.finite(remedy.distance),
-        "error_mm": common.finite(remedy.error),
-        "modes": list(remedy.modes),
         "changes": [
             [
                 {
-                    "path": list(change.path),
-                    "label": change.label,
-                    "before": change.before,
-                    "after": change.after,
-                    "text": change.text,
+                    **tables.record(change, "path", "label", "before", "after", "text"),
+                    "unit": units.get(tuple(change.path), ""),
                 }
                 for change in way
             ]
             for way in remedy.changes
         ],
-        "text": remedy.text,
     }
 
 
-def _lost_lines(
-    place: Place,
-    posture: Posture,
-    lost: Sequence[Singularity],
-    near: Sequence[Singularity],
-    held: dict[str, float | None],
-    clearances: Sequence[Clearance],
-    remedy: Remedy | None,
-) -> list[str]:
+def _lost_lines(data: dict[str, Any], near: Sequence[Singularity]) -> list[str]:
+    """What the answer says; ``near``: singularities of which none is one yet."""
     lines = [""]
-    if not posture.reachable:
-        lines += ["Not reachable:", *(f"  {reason.text}" for reason in posture.reasons)]
-    for each in lost:
-        lines += [each.text, f"  {each.cause}", f"  measure {each.measure:.2g}", ""]
-    if posture.closes and not lost:
+    if not data["within_stroke"]:
+        lines += ["Not reachable:", *(f"  {text}" for text in data["reasons"])]
+    for each in data["singularities"]:
+        lines += [each["text"], f"  {each['cause']}", f"  measure {each['measure']:.2g}", ""]
+    if data["singular"] is False and not data["singularities"]:
         lines.append("Not singular.")
-        for each in near:
-            cause = each.cause.removeprefix("nearly: ")
-            lines.append(f"Near a {each.kind} singularity, measure {each.measure:.2g}: {cause}.")
-    smallest, condition = held["smallest_singular_value"], held["condition"]
+        lines += [
+            f"Near a {each.kind} singularity, measure {each.measure:.2g}: "
+            f"{each.cause.removeprefix('nearly: ')}."
+            for each in near
+        ]
+    smallest, condition, _, length = data["conditioning"].values()
     if smallest is not None:
         number = "infinite" if condition is None else f"{condition:.4g}"
         lines.append(
             f"Smallest singular value of the wrenches {smallest:.4g}, condition number {number} "
-            f"(characteristic length {held['characteristic_length_mm']:.4g} mm)."
+            f"(characteristic length {length:.4g} mm)."
         )
     lines += [
         f"{each['title']}: {tables.number_text(each['value'])} {each['unit']}".rstrip()
-        for each in _measures(place)
+        for each in data["measures"]
         if each["value"] is not None
     ]
-    if clearances:
+    if data["clearances"]:
         lines += ["", "What is nearest, at this orientation:"]
-        lines += [f"  {each.text}" for each in clearances]
-    if remedy is not None and remedy.text:
-        lines.append(remedy.text)
-        lines += ["  " + "; ".join(change.text for change in way) for way in remedy.changes]
+        lines += [f"  {each['text']}" for each in data["clearances"]]
+    remedy = data["remedy"]
+    if remedy and remedy["text"]:
+        lines.append(remedy["text"])
+        lines += [f"  {'; '.join(change['text'] for change in way)}" for way in remedy["changes"]]
     return lines
 
 
 # --- charts --------------------------------------------------------------------------------
 
 
-def _chart(arguments: argparse.Namespace) -> None:
+def _chart(pose: Given, mode: str, key: str | None, at: float | None, output: Output) -> Answer:
+    """The curves of a chart; without a key of the first one."""
     from app.features.singularities import files
 
-    path: Path | None = arguments.output
-    kind = None if path is None else common.ending(path, files.FORMATS, "a chart")
-    if arguments.tolerance is not None:
-        raise InputError("--tolerance is about one pose; leave it out with --chart")
-    place = Place.of(arguments)
-    spec = _locus_spec(arguments.chart, place)
-    at = None if arguments.at is None else common.number(arguments.at, "--at")
-    with common.progress(spec.title):
-        found = place.machine.singularities.locus(spec.key, place.pose, place.mode, at)
-    common.warn(place.machine)
-    if path is not None and kind is not None:
-        where = tables.with_units(place.shown, place.axes)
-        title = f"{place.machine.design.title or place.machine.design.name}: {spec.title}"
-        note = f"{where}{common.mode_text(place.machine, place.mode)}"
-        data = files.locus_bytes(found, spec, kind, title=title, note=note)
-        common.write(path, data)
-    if not arguments.json:
-        place.head()
-        print("\n".join(_chart_lines(found, spec, path)))
-        return
+    kind, machine = output.kind(files.FORMATS, "a chart"), pose.machine
+    place, known = pose.place(mode), _charts(machine)
+    key = known[0] if key is None else values.one_of("--chart", key, known)
+    spec = machine.singularities.loci[known.index(key)]
+    with progress(spec.title):
+        found = machine.singularities.locus(key, place.pose, mode, at)
+    if kind:
+        title = f"{machine.design.title or machine.design.name}: {spec.title}"
+        output.write(files.locus_bytes(found, spec, kind, title=title, note=place.where))
     curves = files.curves(found, spec)
-    common.print_json(
-        {
-            **place.entries(),
-            "chart": spec.key,
-            "title": spec.title,
-            "at_mm": at,
-            "coordinates": list(files.columns(spec)),
-            "curves": curves,
-            "residual": max((each["residual"] for each in curves), default=0.0),
-            "bounds": files.outer(found.bounds.T, spec).T.tolist(),
-            "file": None if path is None else str(path),
-        }
+    data = {
+        **place.entries,
+        "chart": key,
+        "title": spec.title,
+        "at_mm": at,
+        "coordinates": list(files.columns(spec)),
+        "curves": curves,
+        "residual": max((each["residual"] for each in curves), default=0.0),
+        "bounds": files.outer(found.bounds.T, spec).T.tolist(),
+    }
+    table = tables.records(
+        [{**curve, "number": n} for n, curve in enumerate(curves, start=1)],
+        ("curve", "number"),
+        ("kind", "kind"),
+        ("limb", lambda curve: str(curve["limb"] or "")),
+        ("points", lambda curve: str(len(curve["points"]))),
+        ("", lambda curve: "closed" if curve["closed"] else "open"),
+        ("residual", lambda curve: f"{curve['residual']:.1e}"),
     )
-
-
-def _locus_spec(key: str, place: Place) -> LocusSpec:
-    specs = place.machine.singularities.loci
-    if not specs:
-        raise InputError(
-            f"{place.machine.design.name}: a {place.machine.title} has no charts of loci"
-        )
-    for spec in specs:
-        if spec.key == key.strip():
-            return spec
-    raise InputError(f"--chart must be one of {', '.join(s.key for s in specs)}, got {key!r}")
-
-
-def _chart_lines(found: LocusCurves, spec: LocusSpec, path: Path | None) -> list[str]:
-    from app.features.singularities import files
-
-    lines = [spec.title]
-    rows = [
-        (
-            str(n + 1),
-            each["kind"],
-            "" if each["limb"] is None else str(each["limb"]),
-            str(len(each["points"])),
-            "closed" if each["closed"] else "open",
-            f"{each['residual']:.1e}",
-        )
-        for n, each in enumerate(files.curves(found, spec))
-    ]
-    if rows:
-        lines += [
-            "",
-            tables.table(("curve", "kind", "limb", "points", "", "residual"), rows),
-            "",
-        ]
-    else:
-        lines.append("There is no singularity in the chart.")
-    if path is not None:
-        lines.append(f"file  {path}")
-    return lines
+    told = ["", table, ""] if curves else ["There is no singularity in the chart."]
+    return Answer(data, [f"Pose {place.where}", spec.title, *told])

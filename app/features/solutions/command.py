@@ -2,194 +2,95 @@
 
 from __future__ import annotations
 
-import argparse
-import sys
 from collections.abc import Sequence
-from math import isfinite, isnan, pi, remainder
+from math import degrees, isfinite, pi, remainder
 from typing import TYPE_CHECKING, Any
 
-from app.terminal import common, tables
+from app.terminal import tables, values
+from app.terminal.command import Answer, command, progress
+from app.terminal.options import DESIGN, POSE, Modes, flag, modes, option
 from kinematics.errors import InputError
 
 if TYPE_CHECKING:
-    from kinematics.answers.solutions import Posture
+    from app.terminal.poses import Given, Place
+    from kinematics.answers.solutions import ForwardSolutions, Posture, Reason
     from kinematics.machine import Machine
-
-
-def register(command: common.AddCommand) -> None:
-    ik = command("ik", _ik, "Inverse kinematics: every working or operation mode of a pose.")
-    common.add_design(ik)
-    common.add_pose(ik)
-    common.add_mode(ik, "all")
-    common.add_json(ik)
-
-    fk = command("fk", _fk, "Forward kinematics: every assembly mode of given actuators.")
-    fk.epilog = (
-        "JSON has no infinity: a condition of null is a singularity, a gap_mm of null an only "
-        "solution."
-    )
-    common.add_design(fk)
-    fk.add_argument(
-        "--joints", required=True, metavar="rho1,...", help="actuated joints, mm (angles: degrees)"
-    )
-    fk.add_argument(
-        "--within-stroke", action="store_true", help="only solutions within the strokes"
-    )
-    fk.add_argument(
-        "--mixed-modes",
-        action="store_true",
-        help="for simplified designs: also solutions in which the two limbs of an arrangement "
-        "stand in different working modes, which takes longer",
-    )
-    common.add_json(fk)
-
-
-def _ik(arguments: argparse.Namespace) -> None:
-    machine = common.load(arguments.design)
-    design = machine.design
-    axes = machine.coordinates
-    typed = common.open_numbers("--pose", arguments.pose, axes)
-    modes: tuple[str, ...] = machine.modes
-    if arguments.mode is not None:
-        modes = (common.chosen_mode(arguments.mode, machine),)
-    postures = _postures(machine, typed, modes)
-    closing = [posture for posture in postures if posture.closes]
-    reachable = any(posture.reachable for posture in postures)
-    nearest = min(postures, key=_miss)
-    reasons = [] if reachable else [reason.text for reason in nearest.reasons]
-    common.warn(machine)
-    joints = machine.joints
-    given = not any(isnan(value) for value in typed)
-    free = [_free(machine, posture) for posture in closing]
-    warnings = _warnings(machine, closing, free)
-    for text in warnings:
-        print(f"bohemia: warning: {text}", file=sys.stderr)
-
-    others = [] if given else _other_poses(machine, typed, nearest)
-
-    def transform(posture: Posture) -> list[list[float]]:
-        placed: list[list[float]] = machine.transform(posture.pose, posture.mode).tolist()
-        return placed
-
-    if not arguments.json:
-        shown = typed if given else tables.outer(nearest.pose, axes)
-        common.print_head(design, f"Pose {tables.with_units(shown, axes)}")
-        noun = machine.mode_noun
-        print(tables.inverse_text(closing, nearest, joints, reachable, noun, free))
-        for other in others:
-            where = tables.with_units(tables.outer(other, axes), axes)
-            print(f"The constraint holds as well at {where}; what is nearest to 0 was taken.")
-        return
-
-    def pose(posture: Posture) -> dict[str, float]:
-        values = typed if given else tables.outer(posture.pose, axes)
-        return dict(zip(map(tables.key, axes), values, strict=True))
-
-    common.print_json(
-        {
-            "design": design.name,
-            "mechanism": design.mechanism,
-            "pose": pose(nearest),
-            "transform": transform(nearest),
-            "reachable": reachable,
-            "reasons": reasons,
-            "warnings": warnings,
-            "other_poses": [
-                dict(zip(map(tables.key, axes), tables.outer(other, axes), strict=True))
-                for other in others
-            ],
-            "solutions": [
-                {
-                    **common.mode_entry(machine, posture.mode),
-                    "pose": pose(posture),
-                    "joints": tables.outer(posture.joints, joints),
-                    "within_stroke": posture.reachable,
-                    "reasons": [reason.text for reason in posture.reasons],
-                    "free_joints": [joints[k].key for k in loose],
-                    "residual": posture.residual,
-                    "transform": transform(posture),
-                }
-                for posture, loose in zip(closing, free, strict=True)
-            ],
-        }
-    )
-
+    from kinematics.mechanism import Coordinate
 
 _NUDGE = 1e-9  # of the characteristic length: how far beside a pose joints are compared
 _APART = 0.1  # rad; a limb at the end of its reach turns by far less
 
 
-def _free(machine: Machine[Any], posture: Posture) -> list[int]:
-    """The angles that a pose leaves free: beside it they are now these, now those."""
-    import numpy as np
+@command("ik")
+def ik(
+    machine: Machine[Any] = DESIGN,
+    pose: Given = POSE,
+    modes: Modes = modes("--mode", "--modes"),
+) -> Answer:
+    """Inverse kinematics: every working or operation mode of a pose."""
+    axes, joints, noun = machine.coordinates, machine.joints, machine.mode_noun
+    places = _places(pose, machine.modes if modes is None else modes)
+    closing = [place for place in places if place.posture.closes]
+    nearest = min(places, key=lambda place: _miss(place.posture))
+    free = [_free(machine, place.posture) for place in closing]
+    others = _other_poses(pose, nearest)
+    held = sum(place.posture.reachable for place in closing)
+    reasons = [] if held else [reason.text for reason in nearest.posture.reasons]
+    solutions = [
+        {
+            **place.entries,
+            "joints": tables.outer(place.posture.joints, joints),
+            "within_stroke": place.posture.reachable,
+            "reasons": [reason.text for reason in place.posture.reasons],
+            "free_joints": [joints[k].key for k in loose],
+            "residual": place.posture.residual,
+            "transform": machine.transform(place.pose, place.mode).tolist(),
+        }
+        for place, loose in zip(closing, free, strict=True)
+    ]
+    data = {
+        "pose": nearest.entries["pose"],
+        "transform": machine.transform(nearest.pose, nearest.mode).tolist(),
+        "reachable": held > 0,
+        "reasons": reasons,
+        "warnings": _warnings(machine, closing, free),
+        "other_poses": [tables.named(other, axes) for other in others],
+        "solutions": solutions,
+    }
+    lines = [f"Pose {tables.with_units(nearest.shown, axes)}", ""]
+    if closing:
+        rows = [
+            [place.mode, *(f"{joint:.4f}" for joint in solution["joints"]), within]
+            for place, solution, within in zip(
+                closing, solutions, map(_within, closing, free), strict=True
+            )
+        ]
+        header = ["mode", *tables.headings(joints), "within its stroke"]
+        own = slice(None if noun else 1, None)
+        lines += [tables.table(header[own], [row[own] for row in rows]), ""]
+    if held:
+        lines.append(f"Reachable in {held} of {len(closing)} {noun}s." if noun else "Reachable.")
+    else:
+        where = f" The nearest {noun} is {nearest.mode}:" if closing and noun else ""
+        lines.append(f"Not reachable in any {noun}.{where}" if noun else "Not reachable.")
+        lines += [f"  {text}" for text in reasons]
+    for other in others:
+        there = tables.with_units(tables.outer(other, axes), axes)
+        lines.append(f"The constraint holds as well at {there}; what is nearest to 0 was taken.")
+    return Answer(data, lines)
 
-    joints = machine.joints
-    turning = [k for k, joint in enumerate(joints) if joint.unit == "rad"]
-    if not turning:
-        return []
-    length = machine.length
-    steps = [_NUDGE * (1.0 if axis.unit == "rad" else length) for axis in machine.coordinates]
-    away = np.diag(steps)
-    answer = machine.inverse(np.array(posture.pose) + np.concatenate([away, -away]))
-    beside = answer.joints[:, answer.modes.index(posture.mode)]
-    apart = np.abs(np.angle(np.exp(1j * (beside - np.array(posture.joints)))))
-    apart = np.where(np.isfinite(apart), apart, 0.0)
-    return [k for k in turning if float(apart[:, k].max()) > _APART]
 
-
-def _warnings(
-    machine: Machine[Any],
-    closing: Sequence[Posture],
-    free: Sequence[Sequence[int]],
-) -> list[str]:
-    """One sentence for each joint that is free somewhere, with the reason."""
-    joints = machine.joints
-    told: dict[int, str] = {}
-    for posture, loose in zip(closing, free, strict=True):
-        for k in loose:
-            if k in told:
-                continue
-            lost = machine.singularities.at(posture)
-            why = [each.text for each in lost if joints[k].limb in each.limbs]
-            told[k] = f"at this pose {joints[k].symbol} is free, what is shown is one of its values"
-            told[k] += f": {why[0]}" if why else ""
-    return list(told.values())
-
-
-def _postures(machine: Machine[Any], typed: Sequence[float], modes: Sequence[str]) -> list[Posture]:
+def _places(pose: Given, modes: Sequence[str]) -> list[Place]:
     """The pose in each mode that has it; a coordinate that was left out may depend on the mode."""
-    axes = machine.coordinates
-    pose = [tables.inner(value, axis) for value, axis in zip(typed, axes, strict=True)]
-    if not any(isnan(value) for value in typed):
-        return [machine.inverse.posture(pose, mode) for mode in modes]
-    postures, refusals = [], []
+    places, refusals = [], []
     for mode in modes:
         try:
-            postures.append(machine.inverse.posture(machine.complete_pose(pose, mode), mode))
+            places.append(pose.place(mode))
         except InputError as error:
             refusals.append(error)
-    if not postures:
+    if not places:
         raise refusals[0]
-    return postures
-
-
-def _other_poses(
-    machine: Machine[Any], typed: Sequence[float], taken: Posture
-) -> list[tuple[float, ...]]:
-    """The poses that the constraint allows besides the one taken, where an angle was left out."""
-    axes = machine.coordinates
-    left = next(n for n, value in enumerate(typed) if isnan(value))
-    if axes[left].unit != "rad" or left not in machine.dependent:
-        return []
-    found: list[tuple[float, ...]] = []
-    for turn in (pi, 2.0 * pi / 3.0, -2.0 * pi / 3.0):  # the value nearest to there
-        pose = list(taken.pose)
-        pose[left] += turn
-        other = machine.complete_pose(pose, taken.mode, None, left)
-        known = (taken.pose, *found)
-        if all(abs(remainder(other[left] - each[left], 2.0 * pi)) > 1e-9 for each in known):
-            found.append(other)
-    return found
+    return places
 
 
 def _miss(posture: Posture) -> tuple[int, float]:
@@ -198,69 +99,154 @@ def _miss(posture: Posture) -> tuple[int, float]:
     return unclosed, max((reason.amount for reason in posture.reasons), default=0.0)
 
 
-def _fk(arguments: argparse.Namespace) -> None:
-    machine = common.load(arguments.design)
-    design = machine.design
-    actuators = machine.joints
-    typed = common.numbers("--joints", arguments.joints, actuators)
-    joints = [tables.inner(value, axis) for value, axis in zip(typed, actuators, strict=True)]
-    with common.progress("All assembly modes"):
-        (found,) = machine.forward([joints], mixed_modes=arguments.mixed_modes)
-    common.warn(machine)
-    for value, axis in zip(joints, actuators, strict=True):
-        if not axis.lower <= value <= axis.upper:
-            print(f"bohemia: warning: {tables.beyond_stroke(value, axis)}", file=sys.stderr)
-    axes = machine.coordinates
-    order = machine.modes.index
+def _free(machine: Machine[Any], posture: Posture) -> list[int]:
+    """The angles that a pose leaves free: beside it they are now these, now those."""
+    import numpy as np
+
+    turning = [k for k, joint in enumerate(machine.joints) if joint.unit == "rad"]
+    if not turning:
+        return []
+    lengths = [1.0 if axis.unit == "rad" else machine.length for axis in machine.coordinates]
+    away = np.diag(lengths) * _NUDGE
+    answer = machine.inverse(np.array(posture.pose) + np.concatenate([away, -away]))
+    beside = answer.joints[:, answer.modes.index(posture.mode)]
+    apart = np.abs(np.angle(np.exp(1j * (beside - np.array(posture.joints)))))
+    return [k for k in turning if float(np.nan_to_num(apart)[:, k].max()) > _APART]
+
+
+def _warnings(
+    machine: Machine[Any], closing: Sequence[Place], free: Sequence[Sequence[int]]
+) -> list[str]:
+    """One sentence for each joint that is free somewhere, with the reason."""
+    told: dict[int, str] = {}
+    for place, loose in zip(closing, free, strict=True):
+        for k in (k for k in loose if k not in told):
+            joint, lost = machine.joints[k], machine.singularities.at(place.posture)
+            why = [f": {each.text}" for each in lost if joint.limb in each.limbs]
+            told[k] = f"at this pose {joint.symbol} is free, what is shown is one of its values"
+            told[k] += "".join(why[:1])
+    return list(told.values())
+
+
+def _other_poses(pose: Given, taken: Place) -> list[tuple[float, ...]]:
+    """The poses that the constraint allows besides the one taken, where an angle was left out."""
+    machine = pose.machine
+    left = next((n for n in machine.dependent if pose.typed[n] != pose.typed[n]), None)
+    if left is None or machine.coordinates[left].unit != "rad":
+        return []
+    found: list[tuple[float, ...]] = []
+    for turn in (pi, 2.0 * pi / 3.0, -2.0 * pi / 3.0):  # the value nearest to there
+        start = [value + turn * (n == left) for n, value in enumerate(taken.pose)]
+        other = machine.complete_pose(start, taken.mode, None, left)
+        known = (taken.pose, *found)
+        if all(abs(remainder(other[left] - each[left], 2.0 * pi)) > 1e-9 for each in known):
+            found.append(other)
+    return found
+
+
+def _within(place: Place, loose: Sequence[int]) -> str:
+    """ "yes", or why not, short enough for a table, and what is free: "ρ₃ 40.3 too long"."""
+    symbols = {joint.limb: joint.symbol for joint in place.machine.joints}
+    told = [_beyond(reason, symbols) for reason in place.posture.reasons] or ["yes"]
+    return ", ".join([*told, *(f"{place.machine.joints[k].symbol} is free" for k in loose)])
+
+
+def _beyond(reason: Reason, symbols: dict[int | None, str]) -> str:
+    low, turned = reason.bound == "rho_min", reason.unit == "rad"
+    amount = degrees(reason.amount) if turned else reason.amount
+    size = f"{amount:.1f}" if amount >= 0.05 else f"{amount:.1g}"  # not zero
+    side = f"° {'below' if low else 'beyond'} its range"
+    side = side if turned else f" too {'short' if low else 'long'}"
+    return f"{symbols.get(reason.limb, f'limb {reason.limb}')} {size}{side}"
+
+
+@command("fk")
+def fk(
+    machine: Machine[Any] = DESIGN,
+    joints: list[float] = option(
+        "q1,q2,...", "actuated joints, mm (angles: degrees)", values.of_joints, required=True
+    ),
+    within_stroke: bool = flag("only solutions within the strokes"),
+    mixed_modes: bool = flag(
+        "for simplified designs: also solutions in which the two limbs of an arrangement stand in "
+        "different working modes, which takes longer"
+    ),
+) -> Answer:
+    """Forward kinematics: every assembly mode of given actuators.
+
+    JSON has no infinity: a condition of null is a singularity, a gap_mm of null an only solution.
+    """
+    actuators, axes = machine.joints, machine.coordinates
+    inner = [tables.inner(value, axis) for value, axis in zip(joints, actuators, strict=True)]
+    with progress("All assembly modes"):
+        (found,) = machine.forward([inner], mixed_modes=mixed_modes)
+    order: dict[str, int] = {mode: n for n, mode in enumerate(machine.modes)}
     shown = sorted(
-        (n for n in range(len(found)) if found.within_stroke[n] or not arguments.within_stroke),
-        key=lambda n: (not found.within_stroke[n], order(found.modes[n]), *found.poses[n]),
+        (n for n in range(len(found)) if found.within_stroke[n] or not within_stroke),
+        key=lambda n: (not found.within_stroke[n], order[found.modes[n]], *found.poses[n]),
     )
-    if not arguments.json:
-        common.print_head(design, f"Joints {tables.with_units(typed, actuators)}")
-        print(tables.forward_text(found, shown, axes))
-        return
     transforms = machine.transform(found.poses, found.modes).tolist()
+    numbers = ("residual", "condition", "determinant", "multiplicity", "gap_mm", "within_stroke")
+    data = {
+        "joints": joints,
+        "solutions": [
+            {
+                **tables.record(found, *numbers, at=n, identity="identities"),
+                "pose": tables.named(found.poses[n], axes),
+                **tables.mode_entry(machine, found.modes[n]),
+                "joints": joints,
+                "transform": transforms[n],
+            }
+            for n in shown
+        ],
+        "real_count": len(found),
+        **tables.record(found, "complex_count", "expected_count", "complete", "method", "notes"),
+        "seconds": found.seconds,
+        "warnings": [
+            _beyond_stroke(value, axis)
+            for value, axis in zip(inner, actuators, strict=True)
+            if not axis.lower <= value <= axis.upper
+        ],
+        "self_motions": [
+            {
+                "pose": tables.named(motion.pose, axes),
+                **tables.mode_entry(machine, motion.mode),
+                "direction": tables.named(motion.direction, axes),
+                "text": motion.text,
+            }
+            for motion in found.self_motions
+        ],
+    }
+    head = f"Joints {tables.with_units(joints, actuators)}"
+    return Answer(data, [head, "", *_solution_lines(found, shown, axes)])
 
-    def pose(values: Sequence[float]) -> dict[str, float]:
-        return dict(zip(map(tables.key, axes), tables.outer(values, axes), strict=True))
 
-    common.print_json(
-        {
-            "design": design.name,
-            "mechanism": design.mechanism,
-            "joints": typed,
-            "solutions": [
-                {
-                    "identity": found.identities[n],
-                    "pose": pose(found.poses[n]),
-                    **common.mode_entry(machine, found.modes[n]),
-                    "joints": typed,
-                    "within_stroke": bool(found.within_stroke[n]),
-                    "residual": float(found.residual[n]),
-                    "condition": common.finite(found.condition[n]),
-                    "determinant": common.finite(found.determinant[n]),
-                    "multiplicity": int(found.multiplicity[n]),
-                    "gap_mm": common.finite(found.gap[n]),
-                    "transform": transforms[n],
-                }
-                for n in shown
-            ],
-            "real_count": len(found),
-            "complex_count": found.complex_count,
-            "expected_count": found.expected_count,
-            "complete": found.complete,
-            "method": found.method,
-            "seconds": found.seconds,
-            "notes": found.notes,
-            "self_motions": [
-                {
-                    "pose": pose(motion.pose),
-                    **common.mode_entry(machine, motion.mode),
-                    "direction": pose(motion.direction),
-                    "text": motion.text,
-                }
-                for motion in found.self_motions
-            ],
-        }
-    )
+def _beyond_stroke(value: float, axis: Coordinate) -> str:
+    shown, low, high = tables.outer([value, axis.lower, axis.upper], [axis] * 3)
+    mark = "°" if axis.unit == "rad" else " mm"
+    return f"{axis.symbol} = {shown:g}{mark} is outside its stroke, {low:g} to {high:g}{mark}"
+
+
+def _solution_lines(
+    found: ForwardSolutions, shown: Sequence[int], axes: Sequence[Coordinate]
+) -> list[str]:
+    """Solutions ``shown`` (indices, in this order) as a table, and what is known of the set."""
+    moded = [1] if any(found.modes) else []
+    header = ["#", *("mode" for _ in moded), *tables.headings(axes, "°")]
+    rows = [
+        [
+            str(found.identities[n]),
+            *(found.modes[n] for _ in moded),
+            *(f"{value:.4f}" for value in tables.outer(found.poses[n], axes)),
+            tables.condition_text(float(found.condition[n])),
+            "yes" if found.within_stroke[n] else "no",
+            tables.remark(int(found.multiplicity[n]), float(found.gap[n])),
+        ]
+        for n in shown
+    ]
+    table = tables.table([*header, "condition", "within strokes", "remark"], rows)
+    lines = [*([table, ""] if shown else []), *found.notes]
+    if len(shown) < len(found):
+        lines.append(f"{len(shown)} of {len(found)} real solutions are within the strokes.")
+    count, seconds = tables.real_of_complex(found), tables.seconds_text(found.seconds)
+    return [*lines, f"{count} ({tables.known(found)}); {found.method}; {seconds}"]

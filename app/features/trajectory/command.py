@@ -2,142 +2,180 @@
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Sequence
-from math import isfinite, radians
+from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
-from app.features.move.command import load_numbers
+from app.features.move.command import wrench_entries
 from app.features.trajectory.text import LOST, polynomial
-from app.terminal import common, tables
+from app.terminal import tables, values
+from app.terminal.command import Answer, Output, command, progress
+from app.terminal.options import DESIGN, argument, choice, mode, option, output
 from kinematics.errors import InputError
 
 if TYPE_CHECKING:
     from app.features.trajectory.files import Points
+    from app.features.trajectory.state import Through
     from kinematics.answers.solutions import Followed
     from kinematics.machine import Machine
     from kinematics.mechanism import Coordinate
-    from kinematics.trajectories import Event, Fits, Limits, TimeLaw, Trajectory
-    from kinematics.trajectories import Path as Way
+    from kinematics.trajectories import Fits, Trajectory
 
-PACE = 100.0  # mm/s, where no duration is given
 DRIVEN = 400  # poses, about, through which a machine is driven to see where it stops
+LAWS = ("linear", "cubic", "quintic", "trapezoidal")
+TAILS = ("", "_per_s", "_per_s2")
+
+Numbers = list[float] | None
 
 
-def register(command: common.AddCommand) -> None:
-    trajectory = command(
-        "trajectory",
-        _trajectory,
-        "Joints, rates, accelerations, forces and the distance to singularities along a path.",
-    )
-    common.add_design(trajectory)
-    trajectory.add_argument(
-        "path",
-        metavar="FILE.csv|NAME",
-        help="points, one a line, under a line that names the pose coordinates (and t, s); or a "
-        "path of the mechanism, as line or rest-to-rest of the five-bar",
-    )
-    common.add_mode(trajectory, "that of the named path, else of the home posture")
-    trajectory.add_argument(
-        "--law",
-        metavar="LAW",
-        help="linear, cubic, quintic or trapezoidal (default quintic; not for points with times)",
-    )
-    trajectory.add_argument(
-        "--duration", metavar="S", help="seconds (default: 100 mm/s along the path)"
-    )
-    trajectory.add_argument(
-        "--samples", metavar="N", default="101", help="rows to compute (default %(default)s)"
-    )
-    trajectory.add_argument(
-        "--through",
-        choices=("spline", "lines"),
-        default="spline",
-        help="how points are joined (default %(default)s)",
-    )
-    trajectory.add_argument(
-        "--blend",
-        metavar="MM",
-        help="with --through lines: round corners from this far on (default 0, sharp)",
-    )
-    trajectory.add_argument(
-        "--load", metavar="Fx,Fy,Fz,Tx,Ty,Tz", help="N and N·mm, base frame: actuator forces for it"
-    )
-    for name, what in (
-        ("rates", "mm/s, angles degrees/s"),
-        ("accelerations", "mm/s², angles degrees/s²"),
-        ("forces", "N, of rotary actuators N·mm; goes with --load"),
-    ):
-        trajectory.add_argument(
-            f"--max-{name}",
-            metavar="v1,...",
-            help=f"limits of the actuators, one number for all or one for each, {what}",
-        )
-    trajectory.add_argument(
-        "--fit",
-        metavar="DEGREE",
-        help="fit polynomials of time to the joints, with the true error; as many digits are "
-        "printed as that needs, and all of them with --json",
-    )
-    trajectory.add_argument(
-        "-o", "--output", type=Path, metavar="FILE", help="write the samples as .csv"
-    )
-    common.add_json(trajectory)
-    trajectory.epilog = (
-        "Between points a path runs straight, or by a spline, in the coordinates themselves: an "
-        "angle from 170 to -170 degrees goes back through 0; write 190 for the short way. Largest "
-        "values and limits are those of the whole way, not of the samples: null in JSON and ∞ in "
-        "text where one grows without end. "
-        "Where the path leaves the workspace or is singular, a last line tells how far a machine "
-        "gets that is driven along it (driven in JSON). JSON and CSV have no number where the "
-        "path is outside or a singularity leaves it open; "
-        "singularity_mm is null in JSON and inf in CSV where there is no singularity."
-    )
+def _most(mm: str, turned: str, help: str) -> Any:
+    """Limits of the actuators, in mm and rad but for forces."""
+
+    def read(option: str, text: str, machine: Machine[Any]) -> tuple[float, ...]:
+        joints = machine.joints
+        every = text if "," in text else ",".join([text] * len(joints))
+        typed = values.of_axes(option, every, joints, (mm, turned))
+        return tuple(typed if mm == "N" else map(tables.inner, typed, joints))
+
+    return option("v1,...", f"limits, one for all actuators or one for each, {help}", read)
 
 
-def _trajectory(arguments: argparse.Namespace) -> None:
+def _names(machine: Machine[Any]) -> list[str]:
+    return [each.name for each in machine.paths.named()]
+
+
+@command("trajectory")
+def trajectory(
+    machine: Machine[Any] = DESIGN,
+    path: str = argument("FILE.csv|NAME", _names, files=True),
+    mode: str | None = mode(None),
+    law: str | None = option(
+        "LAW",
+        f"{', '.join(LAWS)} (default quintic; points with times have none)",
+        known=lambda machine: LAWS,
+    ),
+    duration: float | None = option("S", "seconds (default: 100 mm/s along it)", values.number),
+    samples: int = option("N", "rows to compute", values.whole, default="101"),
+    through: Through = choice("how points are joined", "spline", "lines", default="spline"),
+    blend: float | None = option(
+        "MM", "with --through lines: round corners from this far on (default 0)", values.number
+    ),
+    load: Numbers = option(
+        "Fx,Fy,Fz,Tx,Ty,Tz", "N and N·mm, base frame: actuator forces for it", values.load
+    ),
+    max_rates: Any = _most("mm/s", "degrees/s", "mm/s, angles degrees/s"),
+    max_accelerations: Any = _most("mm/s²", "degrees/s²", "mm/s², angles degrees/s²"),
+    max_forces: Any = _most("N", "N·mm", "N, rotary ones N·mm; goes with --load"),
+    fit: int | None = option(
+        "DEGREE",
+        "fit polynomials of time to the joints, with the true error; as many digits are printed "
+        "as that needs, and all of them with --json",
+        values.whole,
+    ),
+    output: Output = output("the samples as .csv"),
+) -> Answer:
+    """Joints, rates, accelerations, forces and the distance to singularities along a path.
+
+    The path is a CSV file of points, one a line, under a line that names the pose coordinates (and
+    t, s); or a path of the mechanism by its name, as line or rest-to-rest of the five-bar. A named
+    path has its own mode, a file the home mode, unless --mode names another.
+
+    Between points a path runs straight, or by a spline, in the coordinates themselves: an angle
+    from 170 to -170 degrees goes back through 0; write 190 for the short way. Largest values and
+    limits are those of the whole way, not of the samples: null in JSON and ∞ in text where one
+    grows without end. Where the path leaves the workspace or is singular, a last line tells how far
+    a machine gets that is driven along it (driven in JSON). JSON and CSV have no number where the
+    path is outside or a singularity leaves it open; singularity_mm is null in JSON and inf in CSV
+    where there is no singularity.
+    """
+    from app.features.trajectory import state
     from app.features.trajectory.files import trajectory_csv
     from kinematics import trajectories
 
-    output: Path | None = arguments.output
-    if output is not None:
-        common.ending(output, ("csv",), "a trajectory")
-    machine = common.load(arguments.design)
-    design = machine.design
-    joints = machine.joints
-    axes = machine.coordinates
-    way = _way(arguments, machine)
-    load = None if arguments.load is None else load_numbers(arguments.load)
-    limits = _limits(arguments, joints)
-    degree = None if arguments.fit is None else _whole("--fit", arguments.fit)
-    with common.progress("Trajectory"):
-        found = trajectories.trajectory(
-            machine,
-            way.path,
-            way.law,
-            way.mode,
-            samples=_whole("--samples", arguments.samples),
-            load=load,
-            limits=limits,
-            dependent=way.dependent,
+    kind = output.kind(("csv",), "a trajectory")
+    if max_forces is not None and load is None:
+        raise InputError("--max-forces goes with --load")
+    if blend is not None and through != "lines":
+        raise InputError("--blend goes with --through lines")
+    named = next((each for each in machine.paths.named() if each.name == path), None)
+    points, dependent = None, None
+    if named is not None:
+        mode, name = mode or named.mode, named.name
+        plan = state.Plan(way=path)
+    else:
+        mode, name = mode or machine.home.mode, Path(path).name
+        points = _points(machine, path)
+        dependent, poses, times = points.dependent, points.poses, points.times or ()
+        if dependent is not None:
+            poses = tuple(machine.complete_pose(pose, mode) for pose in poses)
+        if times and through == "lines":
+            raise InputError("--through lines: points with times are joined by a spline")
+        if times and law is not None:
+            raise InputError("--law: the file gives the times, so that there is no law to choose")
+        plan = state.Plan(
+            way=state.FILE, file=poses, times=times, through=through, blend=blend or 0.0
         )
-        fits = None if degree is None else trajectories.fit(machine, found, degree)
+    way, own = state.path_of(plan, machine)
+    chosen = trajectories.law(law or own.kind, own.duration if duration is None else duration)
+    with progress("Trajectory"):
+        found = trajectories.trajectory(
+            *(machine, way, chosen, mode),
+            samples=samples,
+            load=load,
+            limits=trajectories.Limits(max_rates, max_accelerations, max_forces),
+            dependent=dependent,
+        )
+        fits = None if fit is None else trajectories.fit(machine, found, fit)
         driven = _driven(machine, found)
-    common.warn(machine)
-    if output is not None:
-        common.write(output, trajectory_csv(found, axes, joints).encode())
-    if arguments.json:
-        common.print_json(_answer(arguments, machine, way, found, fits, driven))
-        return
-    law = f"{way.kind}{way.law.duration:g} s"
-    common.print_head(design, f"{way.title}{common.mode_text(machine, way.mode)}, {law}")
-    print("\n".join(_lines(found, fits, axes, joints)))
+    axes, joints = machine.coordinates, machine.joints
+    if kind:
+        note = f"{len(found.times)} rows; mm, degrees, s"
+        output.write(trajectory_csv(found, axes, joints).encode(), note)
+    title, told = name, "by its times, " if points and points.times else f"{chosen.kind}, "
+    if named is not None:
+        title = named.title if chosen.kind == own.kind else f"The way of {name}"
+        told = "" if chosen.kind == own.kind else told
+    head = f"{title}{tables.mode_text(machine, mode)}, {told}{chosen.duration:g} s"
+    data = {
+        "path": name,
+        **tables.mode_entry(machine, mode),
+        "law": chosen.kind,
+        "duration_s": chosen.duration,
+        **_data(machine, found, fits, driven),
+    }
+    lines = [head, *_lines(found, fits, axes, joints)]
     if driven is not None and driven.stop != "target":
         where = tables.with_units(tables.outer(driven.posture.pose, axes), axes)
-        print(f"A machine driven along it stops at {where}: {driven.text}")
-    if output is not None:
-        print(f"file       {output} ({len(found.times)} rows; mm, degrees, s)")
+        lines.append(f"A machine driven along it stops at {where}: {driven.text}")
+    return Answer(data, lines)
+
+
+def _points(machine: Machine[Any], path: str) -> Points:
+    """What the file of a path says."""
+    from app.features.trajectory.files import LARGEST, read_points
+
+    names, file = _names(machine), Path(path)
+    known = f"paths by name are {', '.join(names)}" if names else "none has a name"
+    try:
+        if not file.is_file():
+            raise OSError
+        with file.open("rb") as opened:
+            data = opened.read(LARGEST + 1)
+    except (OSError, ValueError):
+        if file.suffix or file.name != path:
+            raise InputError(f"there is no file {path!r} that can be read; {known}") from None
+        raise InputError(
+            f"there is no such path {path!r} of a {machine.title}: {known}, any other is a CSV "
+            "file of points"
+        ) from None
+    if len(data) > LARGEST:
+        raise InputError(f"{path}: longer than 16 MB, which no path is")
+    try:
+        text = data.decode()
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not a text file in UTF-8, so not a list of points") from None
+    return read_points(text, machine.coordinates, origin=path, dependent=machine.dependent)
 
 
 def _driven(machine: Machine[Any], found: Trajectory) -> Followed | None:
@@ -150,240 +188,74 @@ def _driven(machine: Machine[Any], found: Trajectory) -> Followed | None:
     return machine.paths.drive(start, poses[1:])
 
 
-# --- the path and its law ------------------------------------------------------------------
-
-
-class _Asked(NamedTuple):
-    """The trajectory asked for: ``name`` of a named one, or the file's.
-
-    ``kind``: the law in words, with a comma; "" where the title tells it.
-    """
-
-    name: str
-    title: str
-    path: Way
-    law: TimeLaw
-    mode: str
-    kind: str
-    dependent: int | None = None
-
-
-def _way(arguments: argparse.Namespace, machine: Machine[Any]) -> _Asked:
-    """The path, its time law and its mode."""
-    from kinematics.trajectories import law
-
-    known = {each.name: each for each in machine.paths.named()}
-    named = known.get(arguments.path)
-    duration = None
-    if arguments.duration is not None:
-        duration = common.number(arguments.duration, "--duration")
-    if arguments.blend is not None and arguments.through != "lines":
-        raise InputError("--blend goes with --through lines")
-    mode = named.mode if named is not None else ""
-    if named is None or arguments.mode is not None:
-        mode = common.chosen_mode(arguments.mode, machine)
-    if named is not None:
-        kind = named.law.kind if arguments.law is None else arguments.law
-        seconds = named.law.duration if duration is None else duration
-        own = kind == named.law.kind
-        title = named.title if own else f"The way of {named.name}"
-        told = "" if own else f"{kind}, "
-        return _Asked(named.name, title, named.path, law(kind, seconds), mode, told)
-    points = _points(arguments, machine, tuple(known))
-    path = _joined(arguments, machine, points, mode)
-    if points.times is not None:
-        if arguments.law is not None:
-            raise InputError("--law: the file gives the times, so that there is no law to choose")
-        seconds = points.times[-1] - points.times[0] if duration is None else duration
-        chosen, told = law("linear", seconds), "by its times, "
-    else:
-        seconds = max(1.0, path.length / PACE) if duration is None else duration
-        chosen = law(arguments.law or "quintic", seconds)
-        told = f"{chosen.kind}, "
-    name = Path(arguments.path).name
-    return _Asked(name, name, path, chosen, mode, told, points.dependent)
-
-
-def _points(arguments: argparse.Namespace, machine: Machine[Any], known: tuple[str, ...]) -> Points:
-    """What the file says."""
-    from app.features.trajectory.files import LARGEST, read_points
-
-    file = Path(arguments.path)
-    try:
-        if file.stat().st_size > LARGEST:
-            raise InputError(f"{file}: longer than 16 MB, which no path is")
-        text = file.read_bytes().decode("utf-8")
-    except UnicodeDecodeError:
-        raise InputError(f"{file}: not a text file in UTF-8, so not a list of points") from None
-    except (OSError, ValueError):
-        names = f"; paths by name are {', '.join(known)}" if known else ""
-        raise InputError(f"there is no file {arguments.path!r} that can be read{names}") from None
-    axes = machine.coordinates
-    return read_points(text, axes, origin=str(file), dependent=machine.dependent)
-
-
-def _joined(
-    arguments: argparse.Namespace,
-    machine: Machine[Any],
-    points: Points,
-    mode: str,
-) -> Way:
-    """The path through a file's points; one that leaves a coordinate open is completed first."""
-    from kinematics.trajectories import polyline, spline
-
-    poses = points.poses
-    if points.dependent is not None:
-        poses = tuple(machine.complete_pose(pose, mode) for pose in poses)
-    length = machine.length
-    axes = machine.coordinates
-    scale = [length if axis.unit == "rad" else 1.0 for axis in axes]
-    if points.times is not None:
-        if arguments.through == "lines":
-            raise InputError("--through lines: points with times are joined by a spline")
-        return spline(poses, scale, points.times)
-    if arguments.through == "lines":
-        blend = 0.0 if arguments.blend is None else common.number(arguments.blend, "--blend")
-        return polyline(poses, scale, blend)
-    return spline(poses, scale)
-
-
-def _whole(option: str, text: str) -> int:
-    try:
-        return int(text)
-    except ValueError:
-        raise InputError(f"{option} must be a whole number, got {text.strip()!r}") from None
-
-
-def _limits(arguments: argparse.Namespace, joints: Sequence[Coordinate]) -> Limits:
-    from kinematics.trajectories import Limits
-
-    def read(
-        name: str, units: tuple[str, str], *, turning: bool = True
-    ) -> tuple[float, ...] | None:
-        text = getattr(arguments, f"max_{name}")
-        if text is None:
-            return None
-        if "," not in text:  # one for all
-            text = ",".join([text] * len(joints))
-        typed = common.numbers(f"--max-{name}", text, joints, units)
-        return tuple(
-            radians(value) if turning and joint.unit == "rad" else value
-            for value, joint in zip(typed, joints, strict=True)
-        )
-
-    if arguments.max_forces is not None and arguments.load is None:
-        raise InputError("--max-forces goes with --load")
-    return Limits(
-        read("rates", ("mm/s", "degrees/s")),
-        read("accelerations", ("mm/s²", "degrees/s²")),
-        read("forces", ("N", "N·mm"), turning=False),
-    )
-
-
 # --- answers -------------------------------------------------------------------------------
 
 
-def _answer(
-    arguments: argparse.Namespace,
-    machine: Machine[Any],
-    way: _Asked,
-    found: Trajectory,
-    fits: Fits | None,
-    driven: Followed | None,
+def _data(
+    machine: Machine[Any], found: Trajectory, fits: Fits | None, driven: Followed | None
 ) -> dict[str, Any]:
-    from app.features.trajectory.files import columns_of
+    from app.features.trajectory.files import columns_of, force_keys
 
     axes, joints = machine.coordinates, machine.joints
     columns = columns_of(found, axes, joints)
     flags = columns.pop("within_stroke")
-    return {
-        "design": machine.design.name,
-        "mechanism": machine.design.mechanism,
-        "path": way.name,
-        **common.mode_entry(machine, found.mode),
-        "law": way.law.kind,
-        "duration_s": way.law.duration,
-        "length_mm": found.length,
-        "sound": found.sound,
-        "moving_at_ends": list(found.moving_ends),
-        "largest": _largest(found, joints),
-        "events": [_event(event, axes) for event in found.events],
-        "driven": None
-        if driven is None
-        else {
-            "stop": driven.stop,
-            "share": driven.fraction,
-            "pose": dict(
-                zip(map(tables.key, axes), tables.outer(driven.posture.pose, axes), strict=True)
-            ),
-            "text": driven.text,
+    keys = force_keys(found.names, joints)
+    system = machine.statics.wrenches(found.poses, found.mode)
+    wrenches = wrench_entries(machine, system) if keys else []
+    # What was first written without its unit is kept, beside the whole name.
+    whole = {"t": "t_s"}
+    for key, wrench in zip(keys, wrenches, strict=True):
+        bare = key.removesuffix("_Nmm").removesuffix("_N")
+        whole[key] = wrench["key"] = f"{bare}_{wrench['unit'].replace(' ', '')}"
+    for axis in (*axes, *joints):
+        whole |= {f"{tables.key(axis)}{tail}": f"{tables.unit_key(axis)}{tail}" for tail in TAILS}
+
+    def both(named: dict[str, Any]) -> dict[str, Any]:
+        return {**{whole.get(key, key): value for key, value in named.items()}, **named}
+
+    largest: dict[str, Any] = {}
+    rates, accelerations = ([tables.key(j) + tail for j in joints] for tail in TAILS[1:])
+    for what, named in (("rate", rates), ("acceleration", accelerations), ("force", keys)):
+        sizes, times = found.largest(what)  # type: ignore[arg-type]
+        shown = tables.plain(sizes) if what == "force" else tables.listed(sizes, joints)
+        for key, value, at in zip(named, shown, tables.plain(times), strict=True):
+            largest[key] = {"value": value, "t_s": at, "t": at}
+    answer = {
+        **tables.record(found, "length_mm", "sound", moving_at_ends="moving_ends"),
+        "largest": both(largest),
+        "events": [
+            {
+                **tables.record(event, "kind", "start_s", "end_s", "text", worst_at_s="at"),
+                "pose": tables.named(event.pose, axes),
+            }
+            for event in found.events
+        ],
+        "driven": driven
+        and {
+            **tables.record(driven, "stop", "text", share="fraction"),
+            "pose": tables.named(driven.posture.pose, axes),
         },
+        "wrenches": wrenches,
         "samples": {
-            **{key: [common.finite(v) for v in values] for key, values in columns.items()},
+            **both({key: tables.plain(column) for key, column in columns.items()}),
             "within_stroke": [bool(flag) for flag in flags],
         },
-        **({} if fits is None else {"fit": _fit(fits, axes, joints)}),
-        "file": None if arguments.output is None else str(arguments.output),
     }
-
-
-def _event(event: Event, axes: Sequence[Coordinate]) -> dict[str, Any]:
-    return {
-        "kind": event.kind,
-        "start_s": event.start,
-        "end_s": event.end,
-        "pose": dict(zip(map(tables.key, axes), tables.outer(event.pose, axes), strict=True)),
-        "text": event.text,
-        "worst_at_s": common.finite(event.at),
-    }
-
-
-def _largest(found: Trajectory, joints: Sequence[Coordinate]) -> dict[str, Any]:
-    """The largest sizes on the whole way and when; no number where one grows without end."""
-    from app.features.trajectory.files import force_keys
-
-    named: dict[str, Any] = {}
-    for what, tail in (("rate", "per_s"), ("acceleration", "per_s2")):
-        values, times = found.largest(what)  # type: ignore[arg-type]
-        for joint, value, at in zip(
-            joints, tables.outer(values.tolist(), joints), times.tolist(), strict=True
-        ):
-            entry = {"value": common.finite(value), "t": common.finite(at)}
-            named[f"{tables.key(joint)}_{tail}"] = entry
-    values, times = found.largest("force")
-    for key, value, at in zip(
-        force_keys(found.names, joints), values.tolist(), times.tolist(), strict=True
-    ):
-        named[key] = {"value": common.finite(value), "t": common.finite(at)}
-    return named
-
-
-def _fit(fits: Fits, axes: Sequence[Coordinate], joints: Sequence[Coordinate]) -> dict[str, Any]:
-    """Polynomials in rad as the papers print them, errors in people's units."""
-    named = {}
-    for what, spread, most in zip(
-        ("", "_per_s", "_per_s2"), fits.deviation, fits.largest, strict=True
-    ):
-        for axis, one, two in zip(
-            axes,
-            tables.outer(spread.tolist(), axes),
-            tables.outer(most.tolist(), axes),
-            strict=True,
-        ):
-            named[f"{tables.key(axis)}{what}"] = {
-                "deviation": common.finite(one),
-                "largest": common.finite(two),
-            }
-    return {
-        "degree": fits.degree,
-        "coefficients": {
-            joint.key: row for joint, row in zip(joints, fits.coefficients.tolist(), strict=True)
-        },
-        "error": named,
-        "digits": fits.digits,
-        "carried": fits.carried,
-        "trouble": fits.trouble,
-    }
+    if fits is not None:  # polynomials in rad as the papers print them, errors in people's units
+        rows = dict(zip((joint.key for joint in joints), fits.coefficients.tolist(), strict=True))
+        errors = {
+            f"{tables.key(axis)}{tail}": {"deviation": one, "largest": two}
+            for tail, spread, most in zip(TAILS, fits.deviation, fits.largest, strict=True)
+            for axis, one, two in zip(
+                axes, tables.listed(spread, axes), tables.listed(most, axes), strict=True
+            )
+        }
+        answer["fit"] = {
+            **tables.record(fits, "degree", "digits", "carried", "trouble"),
+            "coefficients": {**{f"{j.key}_{j.unit}": rows[j.key] for j in joints}, **rows},
+            "error": both(errors),
+        }
+    return answer
 
 
 def _lines(
@@ -398,11 +270,11 @@ def _lines(
     forces = found.largest("force")
     rows = []
     for n, joint in enumerate(joints):
-        mark = "°" if joint.unit == "rad" else "mm"
         ends = tables.outer([found.joints[0, n], found.joints[-1, n]], [joint, joint])
-        row = [f"{joint.symbol} ({mark})", *(f"{v:.4f}" if isfinite(v) else "–" for v in ends)]
-        for values, times in (rates, accelerations):
-            row.append(_at(tables.outer([float(values[n])], [joint])[0], float(times[n])))
+        row = [*tables.headings([joint], "°")]
+        row += [f"{v:.4f}" if isfinite(v) else "–" for v in ends]
+        for sizes, times in (rates, accelerations):
+            row.append(_at(tables.outer([float(sizes[n])], [joint])[0], float(times[n])))
         if found.names:
             unit = " N·mm" if joint.unit == "rad" else " N"
             row.append(_at(float(forces[0][n]), float(forces[1][n]), unit))
@@ -414,19 +286,15 @@ def _lines(
     if moving:
         when = " and ".join(f"t = {t:g} s" for t in moving)
         lines.append(f"ends       at speed at {when}: getting there and stopping is not counted")
-    near = found.distance[np.isfinite(found.distance)]
-    if near.size and not any(event.kind == "singularity" for event in found.events):
-        n = int(np.nanargmin(np.where(np.isfinite(found.distance), found.distance, np.inf)))
-        least, at = float(near.min()), float(found.times[n])
-        least, at = min([(e.value, e.at) for e in found.events if e.kind == "near"] + [(least, at)])
+    distance = np.where(np.isfinite(found.distance), found.distance, np.inf)
+    n = int(distance.argmin())
+    if isfinite(distance[n]) and not any(event.kind == "singularity" for event in found.events):
+        near = [(event.value, event.at) for event in found.events if event.kind == "near"]
+        least, at = min([*near, (float(distance[n]), float(found.times[n]))])
         lines.append(f"nearest    {least:.1f} mm to a singularity, at t = {at:.3f} s")
-    if fits is not None:
-        lines += _fit_lines(fits, axes, joints)
-    if found.events:
-        lines += [event.text for event in found.events]
-    else:
-        lines.append("Nothing on the way: inside the workspace, no singularity, no limit exceeded.")
-    return lines
+    lines += [] if fits is None else _fit_lines(fits, axes, joints)
+    nothing = "Nothing on the way: inside the workspace, no singularity, no limit exceeded."
+    return [*lines, *([event.text for event in found.events] or [nothing])]
 
 
 def _at(value: float, time: float, unit: str = "") -> str:
@@ -439,13 +307,12 @@ def _at(value: float, time: float, unit: str = "") -> str:
 def _fit_lines(fits: Fits, axes: Sequence[Coordinate], joints: Sequence[Coordinate]) -> list[str]:
     lines = ["", f"polynomials of degree {fits.degree}, t in s"]
     for joint, row in zip(joints, fits.coefficients.tolist(), strict=True):
-        unit = "rad" if joint.unit == "rad" else "mm"
-        lines.append(f"{joint.symbol}(t) = {polynomial(row, fits.digits)} {unit}")
-    rows = []
-    for axis, *errors in zip(axes, *fits.deviation, strict=True):
-        mark = "°" if axis.unit == "rad" else "mm"
-        shown = [tables.outer([float(error)], [axis])[0] for error in errors]
-        rows.append([f"{axis.symbol} ({mark})", *(_digits(value) for value in shown)])
+        lines.append(f"{joint.symbol}(t) = {polynomial(row, fits.digits)} {joint.unit}")
+    shown = (
+        [f"{v:.4g}" if isfinite(v) else "–" for v in tables.outer(each.tolist(), axes)]
+        for each in fits.deviation
+    )
+    rows = [*zip(tables.headings(axes, "°"), *shown, strict=True)]
     header = ["true error, σ", "position", "velocity /s", "acceleration /s²"]
     lines.append(tables.table(header, rows))
     if fits.trouble:
@@ -453,7 +320,3 @@ def _fit_lines(fits: Fits, axes: Sequence[Coordinate], joints: Sequence[Coordina
     elif not fits.carried:
         lines.append(LOST)
     return [*lines, ""]
-
-
-def _digits(value: float) -> str:
-    return f"{value:.4g}" if isfinite(value) else "–"
