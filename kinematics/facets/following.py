@@ -14,13 +14,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinematics.answers.solutions import Fold, Followed, Posture, Stop
+from kinematics.answers.solutions import Fold, Followed, Posture, SelfMotion, Stop
 from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
 from kinematics.facets.facet import Facet
 from kinematics.homotopy.continuation import turn_ahead, walk
 from kinematics.homotopy.curve import Curve
 from kinematics.homotopy.quadrics import Quadrics
+from kinematics.homotopy.self_motion import curve_of_solutions
 from kinematics.mechanism import D
 
 _STILL = 1e-14  # a way of this part of the joints is none
@@ -211,12 +212,70 @@ class ClosureFollowing(FollowingFacet[D]):
         Raises:
             InputError: not P or J finite numbers, or no such mode.
         """
-        wanted, first = self.wanted(joints), self.unknowns(pose, mode)
-        curve, guess = self._curve(mode, first, wanted, np.zeros(len(wanted)))
-        found = curve.correct(guess, curve.level, rounds=40)
+        wanted = self.wanted(joints)
+        found = self.solved(self.unknowns(pose, mode), mode, wanted)
+        return None if found is None else self.posture(found, wanted, pose, mode)
+
+    def solved(self, guess: Array, mode: str, joints: Array, rounds: int = 40) -> Array | None:
+        """The unknowns (n,) with joints (J,) mm that Newton's method reaches, if it does."""
+        curve, point = self._curve(mode, guess, joints, np.zeros(len(joints)))
+        found = curve.correct(point, curve.level, rounds=rounds)
+        return None if found is None else curve.polished(found[0])[:-1]
+
+    # --- with the joints locked
+
+    def self_motions(
+        self, poses: ArrayLike, modes: Sequence[str], joints: ArrayLike
+    ) -> tuple[SelfMotion, ...]:
+        """What stays free with joints (J,) locked: motions through solutions near poses (N, P).
+
+        Returns:
+            One for each mode in which some was found.
+        """
+        found: dict[str, SelfMotion] = {}
+        for pose, mode in zip(np.asarray(poses, dtype=float).tolist(), modes, strict=True):
+            motion = self._self_motion(pose, mode, np.asarray(joints, dtype=float))
+            if motion is not None:
+                found.setdefault(motion.mode, motion)
+                if not self.mechanism.mode_noun:
+                    break
+        return tuple(found.values())
+
+    def moves_on(self, posture: Posture, tries: tuple[float, ...] = (0.01, 0.04)) -> bool:
+        """Whether a singular posture can move on, both ways and a finite way, joints locked.
+
+        Next to a double solution, or one that counts three- or fourfold, there are none.
+        """
+        first, now = self._start(posture)
+        return curve_of_solutions(self._locked(posture.mode, first, now), first, tries) is not None
+
+    def _self_motion(self, pose: list[float], mode: str, joints: Array) -> SelfMotion | None:
+        guess = self.unknowns(pose, mode)
+        found = curve_of_solutions(self._locked(mode, guess, joints), guess)
         if found is None:
             return None
-        return self.posture(curve.polished(found[0])[:-1], wanted, pose, mode)
+        here, free = found
+        at = self.posture(here, joints, pose, mode)
+        ahead = self.posture(here + 1e-6 * free, joints, at.pose, at.mode)
+        d = np.subtract(ahead.pose, at.pose)
+        coordinates = self.mechanism.coordinates
+        turns = np.array([c.unit == "rad" for c in coordinates])
+        d[turns] = np.mod(d[turns] + np.pi, 2.0 * np.pi) - np.pi
+        parts = np.abs(d) * np.where(turns, self.mechanism.length, 1.0)
+        d = d / np.sqrt((parts**2).sum())
+        least = 0.05 * parts.max()
+        names = [c.symbol for c, part in zip(coordinates, parts, strict=True) if part > least]
+        text = (
+            f"Self-motion{f' in mode {at.mode}' if at.mode else ''}: the platform moves freely "
+            f"({', '.join(names)}) with all actuators locked; infinitely many solutions belong to "
+            "it."
+        )
+        return SelfMotion(at.pose, at.mode, tuple(d.tolist()), text)
+
+    def _locked(self, mode: str, like: Array, joints: Array) -> Quadrics:
+        """The closure equations in the unknowns alone."""
+        place = np.concatenate([np.zeros(len(like)), joints / self.unit])
+        return self.closure(mode).along(place, np.eye(len(place), len(like)))
 
     def _start(self, posture: Posture) -> tuple[Array, Array]:
         """Unknowns and joints (J,) mm of a posture, which close to within rounding."""

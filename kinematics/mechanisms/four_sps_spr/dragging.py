@@ -7,9 +7,9 @@ from numpy.typing import ArrayLike
 
 from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
-from kinematics.mechanisms.four_sps_spr.closure import State, pose_of, turned
 from kinematics.mechanisms.four_sps_spr.constraint import complete_pose
 from kinematics.mechanisms.four_sps_spr.design import SPR, FourSPSSPRDesign
+from kinematics.mechanisms.four_sps_spr.states import State, pose_of, turned
 
 _ROUNDS = 60
 _ENOUGH = 1e-13  # last correction, in steps

@@ -15,8 +15,8 @@ from kinematics.arrays import Array
 from kinematics.facets.following import ClosureFollowing
 from kinematics.facets.inverse import posture
 from kinematics.homotopy.quadrics import Quadrics, dot, image, square, unknowns
-from kinematics.mechanisms.four_sps_spr.closure import State, pose_of, state_of
 from kinematics.mechanisms.four_sps_spr.design import LIMBS, SPR, FourSPSSPRDesign
+from kinematics.mechanisms.four_sps_spr.states import State, placed, pose_of
 
 _COUNT = 12
 
@@ -28,12 +28,21 @@ class Following(ClosureFollowing[FourSPSSPRDesign]):
         return _closure(self.design)
 
     def unknowns(self, pose: Sequence[float], mode: str) -> Array:
-        state = state_of(pose)
-        return np.concatenate([state.p / self.unit, state.r.ravel()])
+        return unknowns_of(self.design, placed(pose))
 
     def posture(self, unknowns: Array, joints: Array, pose: Sequence[float], mode: str) -> Posture:
-        state = State(unknowns[3:].reshape(3, 3), self.unit * unknowns[:3])
+        state = state_of(self.design, unknowns)
         return posture(self.design, pose_of(state, pose), known=joints)
+
+
+def unknowns_of(design: FourSPSSPRDesign, state: State) -> Array:
+    """(12,) of a state."""
+    return np.concatenate([state.p / design.length, state.r.ravel()])
+
+
+def state_of(design: FourSPSSPRDesign, unknowns: Array) -> State:
+    """The state of (12,)."""
+    return State(unknowns[3:].reshape(3, 3), design.length * unknowns[:3])
 
 
 @lru_cache(maxsize=64)

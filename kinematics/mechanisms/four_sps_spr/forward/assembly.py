@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.answers.solutions import ForwardSolutions
+from kinematics.answers.solutions import ForwardSolutions, SelfMotion
 from kinematics.arrays import Array
 from kinematics.facets.forward import ForwardFacet
 from kinematics.homotopy.assembly_sets import (
@@ -17,11 +17,11 @@ from kinematics.homotopy.assembly_sets import (
 )
 from kinematics.homotopy.solving import Roots
 from kinematics.homotopy.tracking import Complex
-from kinematics.mechanisms.four_sps_spr import closure as moving
+from kinematics.mechanism import mechanism_of
 from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
+from kinematics.mechanisms.four_sps_spr.following import Following, state_of, unknowns_of
 from kinematics.mechanisms.four_sps_spr.forward.equations import Frame, normal_form, to_transforms
 from kinematics.mechanisms.four_sps_spr.forward.roots import own_start_set, roots_at
-from kinematics.mechanisms.four_sps_spr.forward.self_motion import self_motions
 from kinematics.mechanisms.four_sps_spr.forward.start_set import GENERAL_COUNT
 from kinematics.mechanisms.four_sps_spr.inverse import (
     STROKE_SLACK,
@@ -30,6 +30,7 @@ from kinematics.mechanisms.four_sps_spr.inverse import (
     violation,
 )
 from kinematics.mechanisms.four_sps_spr.motion import placement
+from kinematics.mechanisms.four_sps_spr.states import State, pose_of, poses_of
 from kinematics.mechanisms.four_sps_spr.statics import condition, wrenches
 from kinematics.screws.wrenches import determinant
 
@@ -37,6 +38,8 @@ REAL = 1e-7
 """Largest imaginary part of a real solution, relative to its size; of a double one its root."""
 _DOUBLE_REAL = 1e-4  # as REAL, of solutions where several coincide
 _DOUBLE = 1e-5  # of the characteristic length: closer ones are one, seen twice
+_CURVES_FAR = 1e2  # units, of singular solutions that are looked at
+_MOST = 16  # of these
 _FAR = 500.0  # units: with longer legs the platform is a point to them, and digits are lost
 
 
@@ -71,20 +74,34 @@ def _real_ones(design: FourSPSSPRDesign, joints: Array, roots: Roots) -> _Real:
     limit[roots.regular :] = _DOUBLE_REAL
     real = np.flatnonzero(away <= limit)
     r, p = to_transforms(frame, roots.values[:, real])
-    closure = moving.Closure(design, float(joints.max()))
+    following: Following = mechanism_of(design).facet("following")
     kept, poses = [], []
     for n, (turn, place) in enumerate(zip(r, p, strict=True)):
-        state = moving.State(turn, place)
-        sharp = moving.closed(closure, state, joints, rounds=6)
-        if sharp is None and real[n] >= roots.regular:
-            sharp = state  # as good as a singular solution gets
-        if sharp is not None:
+        state = State(turn, place)
+        sharp = following.solved(unknowns_of(design, state), "", joints, rounds=6)
+        if sharp is not None or real[n] >= roots.regular:  # as good as a singular one gets
             kept.append(n)
-            poses.append(moving.pose_of(sharp))
+            poses.append(pose_of(state if sharp is None else state_of(design, sharp)))
     weights = roots.multiplicity[real[kept]] if kept else np.zeros(0, dtype=np.intp)
     table = np.array(poses).reshape(-1, 6)
     order = np.lexsort((table[:, 1], table[:, 0], -table[:, 2]))
     return _Real(table[order], weights[order], _nearly_real(design, frame, form, away, limit))
+
+
+def _self_motions(
+    design: FourSPSSPRDesign, joints: Array, singular: Complex
+) -> tuple[SelfMotion, ...]:
+    """One motion, if there is any, from the singular solutions (8, n).
+
+    A path that ends on a curve of solutions ends anywhere on it, as a rule not at a real point;
+    that is sought next to its real part.
+    """
+    form = normal_form(singular)
+    form = form[:, np.abs(form).max(axis=0, initial=0.0) < _CURVES_FAR]
+    nearest = np.argsort(np.abs(form.imag).max(axis=0, initial=0.0))[:_MOST]
+    poses = poses_of(*to_transforms(Frame.of(design), form[:, nearest]))
+    following: Following = mechanism_of(design).facet("following")
+    return following.self_motions(poses, [""] * len(poses), joints)
 
 
 def _nearly_real(
@@ -105,7 +122,7 @@ def _answer(design: FourSPSSPRDesign, joints: Array, roots: Roots, real: _Real) 
     generic = own_start_set(design).roots.shape[1]
     low, high = design.stroke[:, 0] - STROKE_SLACK, design.stroke[:, 1] + STROKE_SLACK
     reach = bool(((joints >= low) & (joints <= high)).all())
-    free = self_motions(design, joints, Frame.of(design), roots.values[:, roots.regular :])
+    free = _self_motions(design, joints, roots.values[:, roots.regular :])
     far = bool(joints.max() > _FAR * Frame.of(design).unit)
     notes = (*_completeness(roots, generic), *described(weights, gap, real.pairs))
     if far:

@@ -14,7 +14,6 @@ from kinematics.answers.solutions import ForwardSolutions, Refreshed
 from kinematics.arrays import Array
 from kinematics.homotopy.assembly_tracking import AT_ONCE, CAREFULLY, arrivals, became, told_apart
 from kinematics.homotopy.tracking import Ending, Index, Tracked, track
-from kinematics.mechanisms.four_sps_spr import closure
 from kinematics.mechanisms.four_sps_spr.forward.assembly import Solving, pose_distances
 from kinematics.mechanisms.four_sps_spr.forward.equations import (
     Deformation,
@@ -24,6 +23,7 @@ from kinematics.mechanisms.four_sps_spr.forward.equations import (
     to_transforms,
 )
 from kinematics.mechanisms.four_sps_spr.inverse import rotation
+from kinematics.mechanisms.four_sps_spr.states import poses_of
 
 _THERE = 1e-5  # of the characteristic length: an end and the solution that it is
 _TOGETHER = 0.5  # of the characteristic length: solutions left at the same fold
@@ -58,6 +58,4 @@ class Forward(Solving):
 
 
 def _poses(frame: Frame, ends: Tracked) -> Array:
-    r, p = to_transforms(frame, ends.values)
-    states = (closure.State(*one) for one in zip(r, p, strict=True))
-    return np.array([closure.pose_of(state) for state in states]).reshape(-1, 6)
+    return poses_of(*to_transforms(frame, ends.values))
