@@ -16,7 +16,15 @@ _T = TypeVar("_T", bound=np.generic)
 
 
 class Frozen:
-    """Base of results: their arrays are read-only, also after unpickling."""
+    """Base of results: arrays are read-only, also after unpickling, and shown by their shape."""
+
+    def __init_subclass__(cls) -> None:
+        if "__repr__" not in vars(cls):
+            cls.__repr__ = Frozen.__repr__  # type: ignore[method-assign]
+
+    def __repr__(self) -> str:
+        shown = (f"{key}={brief(value)}" for key, value in vars(self).items())
+        return f"{type(self).__name__}({', '.join(shown)})"
 
     def __post_init__(self) -> None:
         for value in self.__dict__.values():
@@ -26,6 +34,24 @@ class Frozen:
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self.__post_init__()
+
+
+def brief(value: object) -> str:
+    """A value in a few words: long arrays by their shape, long sequences by their length."""
+    if isinstance(value, np.ndarray):
+        if value.size > 6:
+            return f"<{' × '.join(map(str, value.shape))} numbers>"
+        return np.array2string(value, precision=6, separator=", ").replace("\n", "")
+    if isinstance(value, tuple | list):
+        inside = ", ".join(map(brief, value[:9]))
+        many = len(value) > 6 or len(inside) > 90
+        return f"<{len(value)} of them>" if many else f"({inside}{',' * (len(value) == 1)})"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, str):
+        return repr(str(value) if len(value) < 60 else f"{value[:59]}…")
+    shown = repr(value)
+    return shown if len(shown) < 60 else f"<{type(value).__name__}>"
 
 
 def frozen(values: NDArray[_T]) -> NDArray[_T]:

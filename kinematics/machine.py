@@ -6,13 +6,27 @@ machine has not is None.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
-from typing import Any
+from math import nan
+from typing import TYPE_CHECKING, Any, cast
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kinematics.answers.coordinates import Pose
+from kinematics.answers.modes import matching
+from kinematics.answers.solutions import Followed, Posture
+from kinematics.arrays import Array, finite, read_only
+from kinematics.errors import InputError
 from kinematics.facets.facet import required
 from kinematics.facets.faceted import Faceted
 from kinematics.mechanism import D, Design, DesignField
+
+if TYPE_CHECKING:  # loaded when they are asked for
+    from kinematics.answers.trajectories import Limits, Path, Trajectory
+    from kinematics.facets.configurations import Configuration
+    from kinematics.facets.spaces import Space
 
 __all__ = ["Machine", "machine_of", "required"]
 
@@ -26,7 +40,22 @@ class Machine(Faceted[D]):
         inverse, forward, following, motion, statics, measures, singularities, clearances, paths:
             facets that every machine has.
         solids, sections, regions, maps, circles: facets that a machine may lack; None then.
+
+    Example:
+        >>> import kinematics as kin
+        >>> machine = kin.open("five-bar")
+        >>> machine
+        <Five-bar (planar 5R) five-bar: x, y by θ₁, θ₂>
+        >>> machine.inverse([0, 700]).joints.shape  # in each of the four working modes
+        (4, 2)
+        >>> machine.sections is None
+        True
     """
+
+    def __repr__(self) -> str:
+        name = f" {self.design.name}" if self.design.name else ""
+        moved = ", ".join(axis.symbol for axis in self.coordinates)
+        return f"<{self.title}{name}: {moved} by {', '.join(a.symbol for a in self.joints)}>"
 
     # --- its design
 
@@ -40,20 +69,255 @@ class Machine(Faceted[D]):
         """Every number of the design that may be edited."""
         return self.mechanism.design_fields()
 
-    def edited(self, path: Sequence[str | int], value: float) -> Machine[D]:
+    def edited(self, path: str | Sequence[str | int], value: float) -> Machine[D]:
         """The machine with one number changed and everything checked again.
 
         Args:
-            path: a `DesignField.path`, as ``("limb", 2, "base", 0)``.
+            path: a `DesignField.path`, as ``("limb", 2, "base", 0)``, or the same with dots:
+                ``"limb.2.base.0"``. As in Python the third limb is 2.
+            value: mm, or degrees where the file has degrees.
 
         Raises:
             InputError: the design has no such number.
             DesignError: the design would not be valid with it.
+
+        Example:
+            >>> import kinematics as kin
+            >>> machine = kin.open("rpur-table1")
+            >>> longer = machine.edited("limb.2.link", 170.0)
+            >>> machine.design.limbs[2].link, longer.design.limbs[2].link
+            (150.0, 170.0)
         """
+        if isinstance(path, str):
+            path = tuple(int(step) if step.isdigit() else step for step in path.split("."))
         return Machine(self.mechanism.edited(path, value))
+
+    # --- poses
+
+    def pose(self, **named: float | None) -> Pose:
+        """A pose by its coordinates' names, mm and rad; what is not named is home's.
+
+        An angle may be given in degrees by the name that it has in files, as ``phi_deg=5``. Where a
+        machine has a coordinate that follows from the others, one that is None, or else one that is
+        not named, is made to follow.
+
+        Raises:
+            InputError: there is no such coordinate, or no such pose.
+
+        Example:
+            >>> import kinematics as kin
+            >>> kin.open("rpur-table1").pose(x=90, y=110, z=430, phi_deg=5, theta=0)
+            Pose(x = 90 mm, y = 110 mm, z = 430 mm, φ = 5°, θ = 0°)
+        """
+        axes, home = self.coordinates, self.home
+        given = self._named(named)
+        values = [float(given.get(n, v)) for n, v in enumerate(home.pose)]
+        free = [n for n, value in enumerate(values) if value != value]
+        for n in free if free else [n for n in self.dependent if n not in given]:
+            if len(given) == len(free):
+                break  # home itself
+            try:
+                open_one = [nan if k == n else v for k, v in enumerate(values)]
+                return Pose(self.complete_pose(open_one, home.mode), axes)
+            except InputError:
+                if free:
+                    raise
+        return Pose(values, axes)
+
+    def poses(self, values: ArrayLike | None = None, **named: ArrayLike) -> Array:
+        """A batch of poses (..., P), mm and rad: an array as it is, or arrays by name.
+
+        Arrays by name broadcast with each other; what is not named is home's.
+
+        Raises:
+            InputError: not finite numbers, not P of them, or no such coordinate.
+
+        Example:
+            >>> import kinematics as kin, numpy as np
+            >>> kin.open("rpur-table1").poses(x=np.linspace(0, 100, 11), phi=0.1).shape
+            (11, 5)
+        """
+        if values is not None:
+            return read_only(finite(values, name="a pose", last=len(self.coordinates)))
+        given = self._named(named)
+        parts = [np.asarray(given.get(n, v), dtype=float) for n, v in enumerate(self.home.pose)]
+        made = np.stack(np.broadcast_arrays(*parts), axis=-1)
+        return read_only(finite(made, name="a pose"))
+
+    def at(
+        self, pose: Sequence[float] | Posture | None = None, mode: str | None = None
+    ) -> Configuration[D]:
+        """The machine at a pose in a mode: what most questions are asked of.
+
+        Args:
+            pose: mm and rad, or a posture; None: home's.
+            mode: None: home's.
+
+        Raises:
+            InputError: not P finite numbers, or no such mode.
+
+        Example:
+            >>> import kinematics as kin
+            >>> kin.open("rps-3").at((200, 0, 0), "2").joints
+            Joints(ρ₁ = 223.6067977 mm, ρ₂ = 223.6067977 mm, ρ₃ = 223.6067977 mm)
+        """
+        from kinematics.facets.configurations import Configuration
+
+        if isinstance(pose, Posture):
+            return Configuration(self, pose)
+        wanted = self.home.mode if mode is None else mode
+        return Configuration(self, self.posture(self.home.pose if pose is None else pose, wanted))
+
+    # --- where it can be
+
+    def workspace(self, modes: str | Sequence[str] | None = None, **held: float | None) -> Space[D]:
+        """The workspace with some coordinates held, in one mode, several or all together.
+
+        Args:
+            modes: None or "all"; modes or patterns as "+-?++"; or several of them.
+            held: coordinates by name, mm and rad (or degrees, ``phi_deg``); angles that are not
+                named are home's. None: the one that follows from the others, where one does.
+
+        Raises:
+            InputError: there is no such coordinate or mode.
+
+        Example:
+            >>> import kinematics as kin
+            >>> kin.open("five-bar").workspace("+-").section().area > 0
+            True
+        """
+        from kinematics.facets.spaces import Space
+
+        given = self._named(held)
+        follows = next((n for n, value in given.items() if value != value), None)
+        if follows is not None and follows not in self.dependent:
+            raise InputError(f"{self.coordinates[follows].symbol} follows from no other")
+        values = [float(given.get(n, v)) for n, v in enumerate(self.home.pose)]
+        values = [0.0 if v != v else v for v in values]
+        chosen = modes if isinstance(modes, str) or modes is None else ",".join(modes)
+        found = None if chosen is None or chosen == "all" else matching(chosen, self.modes)
+        if found is not None and len(found) == len(self.modes):
+            found = None
+        return Space(self, Pose(values, self.coordinates), found, follows)
+
+    # --- on its way
+
+    def follow(
+        self, start: Posture | Configuration[D], joints: Sequence[float] | Mapping[str, float]
+    ) -> Followed:
+        """Along an assembly mode to other joints (J,), mm or rad: where it leads and what stops it.
+
+        Raises:
+            InputError: not J finite numbers.
+
+        Example:
+            >>> import kinematics as kin
+            >>> machine = kin.open("rps-3")
+            >>> machine.follow(machine.home, [290, 300, 310]).stop
+            'target'
+        """
+        here = self.at(start) if isinstance(start, Posture) else start
+        return here.followed(joints)
+
+    def trajectory(
+        self,
+        way: str | Path | ArrayLike,
+        *,
+        mode: str | None = None,
+        law: str | None = None,
+        duration: float | None = None,
+        samples: int = 101,
+        load: Sequence[float] | None = None,
+        limits: Limits | None = None,
+        blend: float = 0.0,
+        distances: bool = True,
+    ) -> Trajectory:
+        """Joints, rates, accelerations and forces along a path, and what is wrong with it.
+
+        Args:
+            way: the name of one of ``machine.paths.named()``; points (N, P), mm and rad, joined by
+                straight lines; or a path of `kinematics.trajectories`.
+            mode: None: the named path's own, or home's.
+            law: one of `kinematics.trajectories.LAWS`; None: the named path's own, or quintic.
+            duration: s; None: the named path's own, or so long that it runs at 100 mm/s.
+            samples: at even times.
+            load: [F, T] (6,) N and N·mm at O′, base frame; None: no forces.
+            limits: of the actuators.
+            blend: mm by which corners between points are rounded; 0: sharp.
+            distances: ask for the distance to singularities at every sample.
+
+        Raises:
+            InputError: there is no such path, mode or law, or the points make no path.
+
+        Example:
+            >>> import kinematics as kin
+            >>> found = kin.open("five-bar").trajectory([[0, 700], [100, 650]], duration=1.0)
+            >>> found.joints.shape, found.sound
+            ((101, 2), True)
+        """
+        from kinematics import trajectories
+
+        named = None
+        if isinstance(way, str):
+            known = {each.name: each for each in self.paths.named()}
+            if way not in known:
+                raise InputError(
+                    f"a {self.title} has no path {way!r}; it has {', '.join(known) or 'none'}"
+                )
+            named = known[way]
+            path: Path = named.path
+        elif hasattr(way, "at") and hasattr(way, "knots"):
+            path = cast("Path", way)
+        else:
+            scale = [self.length if axis.unit == "rad" else 1.0 for axis in self.coordinates]
+            path = trajectories.polyline(cast(ArrayLike, way), scale, blend)
+        if mode is None:
+            mode = self.home.mode if named is None else named.mode
+        own = None if named is None else named.law
+        if own is None or law is not None or duration is not None:
+            kind = law or (own.kind if own is not None else "quintic")
+            seconds = duration or (
+                own.duration if own is not None else max(1.0, path.length / _PACE)
+            )
+            own = trajectories.law(kind, seconds)
+        return trajectories.trajectory(
+            self,
+            path,
+            own,
+            self.mechanism.mode(mode),
+            samples=samples,
+            load=load,
+            limits=limits,
+            distances=distances,
+        )
+
+    # --- inside
+
+    def _named(self, given: Mapping[str, Any]) -> dict[int, Any]:
+        """Values by the index of their coordinate, mm and rad; NaN for None."""
+        known = {axis.key: n for n, axis in enumerate(self.coordinates)}
+        turned = {axis.json_key: n for n, axis in enumerate(self.coordinates)}
+        found: dict[int, Any] = {}
+        for key, value in given.items():
+            if key not in known and key not in turned:
+                raise InputError(
+                    f"a {self.title} has no coordinate {key!r}; it has {', '.join(known)}"
+                )
+            degrees = key not in known
+            value = nan if value is None else value
+            found[turned[key] if degrees else known[key]] = np.radians(value) if degrees else value
+        return found
+
+
+def machine_of(design: D) -> Machine[D]:
+    """The machine of a design, kept while it is used."""
+    found: Machine[D] = _machine_of(design)
+    return found
 
 
 @lru_cache(maxsize=64)
-def machine_of(design: Design) -> Machine[Any]:
-    """The machine of a design, kept while it is used."""
+def _machine_of(design: Design) -> Machine[Any]:
     return Machine(design)
+
+
+_PACE = 100.0  # mm/s

@@ -20,8 +20,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinematics.answers.bounds import Bound
+from kinematics.answers.coordinates import Coordinate as Coordinate
 from kinematics.answers.drawings import Drawing
-from kinematics.answers.modes import Mode, noun
+from kinematics.answers.modes import Mode, noun, plain
 from kinematics.answers.motion import Wrenches, WrenchName
 from kinematics.answers.solutions import Finding, Posture
 from kinematics.arrays import Array
@@ -30,18 +31,6 @@ from kinematics.screws.spatial import cross_matrix
 
 TINY = 1e-30
 """The imaginary time of derivatives: nothing beside the numbers, and far from underflow."""
-
-
-@dataclass(frozen=True, slots=True)
-class Coordinate:
-    """One pose or joint coordinate: how it is called, its unit and the range worth offering."""
-
-    key: str
-    symbol: str
-    unit: Literal["mm", "rad"]
-    lower: float
-    upper: float
-    limb: int | None = None
 
 
 class Design(Protocol):
@@ -167,8 +156,9 @@ class Mechanism(ABC, Generic[D]):
         Raises:
             InputError: the mechanism has no such mode; the message says how one is written.
         """
+        written = plain(text)
         for mode in self.modes:
-            if mode == text:
+            if mode == written:
                 return mode
         example = self.modes[len(self.modes) // 2 - 1]
         if example.signs and not example.operation:

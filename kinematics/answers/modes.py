@@ -16,6 +16,11 @@ from kinematics.errors import InputError
 _MINUS = str.maketrans("−–", "--")
 
 
+def plain(text: str) -> str:
+    """With a minus for each of − and –, and without blanks around."""
+    return text.strip().translate(_MINUS)
+
+
 class Mode(str):
     """A mode; as text it is its written form: "+-+++", "1", or "1+-+" of both kinds at once.
 
@@ -43,7 +48,7 @@ class Mode(str):
         Raises:
             InputError: it is no number followed by signs.
         """
-        found = re.fullmatch(r"(\d*)([+-]*)", text.strip().translate(_MINUS))
+        found = re.fullmatch(r"(\d*)([+-]*)", plain(text))
         if found is None:
             raise InputError(
                 "a mode is one sign for each limb, as +-+++, or the number of an operation mode; "
@@ -113,7 +118,7 @@ def matching(text: str, known: Sequence[str], called: str = "") -> tuple[Mode, .
     called = called or noun(known) or "mode"
     chosen: set[str] = set()
     for word in re.split(r"[,;\s]+", text.strip()):
-        found = re.fullmatch(r"(\d*)([+?-]*)", word.translate(_MINUS))
+        found = re.fullmatch(r"(\d*)([+?-]*)", plain(word))
         fitting = {m for m in modes if found and word and _fits(m, *found.groups())}
         if not fitting:
             article = "an" if called[:1] in "aeiou" else "a"

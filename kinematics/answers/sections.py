@@ -108,6 +108,12 @@ class Section(Frozen):
     construct: Callable[[], Construction]
     area_error: float = 0.0
 
+    def __repr__(self) -> str:
+        return (
+            f"<Section at {self.at:.6g} mm: {self.area:.6g} mm², {self.pieces} pieces, "
+            f"{len(self.start)} edges>"
+        )
+
     @cached_property
     def construction(self) -> Construction:
         """The circles and lines of which the edges are parts."""

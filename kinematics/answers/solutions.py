@@ -6,14 +6,16 @@ Poses and joints are tuples in the mechanism's own coordinates (mm and rad, see
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from kinematics.answers.bounds import Bound, Unit
+from kinematics.answers.coordinates import Coordinate, Pose
 from kinematics.answers.modes import Mode
-from kinematics.arrays import Array, Frozen
+from kinematics.arrays import Array, Frozen, brief
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +63,11 @@ class Posture:
     residual: float
     margins: tuple[Margin, ...]
 
+    def __repr__(self) -> str:
+        why = "reachable" if self.reachable else "; ".join(reason.text for reason in self.reasons)
+        mode = f", {self.mode!s}" if self.mode else ""
+        return f"<Posture at {brief(self.pose)}{mode}, joints {brief(self.joints)}: {why}>"
+
     @property
     def reachable(self) -> bool:
         """Every limb closes and lies within its stroke."""
@@ -78,7 +85,7 @@ class Posture:
         return min(self.margins, key=lambda m: m.amount, default=None)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class InverseSolutions:
     """All working modes of a batch of poses; arrays are read-only.
 
@@ -93,6 +100,17 @@ class InverseSolutions:
     joints: Array
     within_stroke: np.ndarray
     residual: Array
+
+    def __repr__(self) -> str:
+        shape = self.joints.shape[:-2]
+        poses = "one pose" if not shape else f"{' × '.join(map(str, shape))} poses"
+        held = int(self.within_stroke.any(axis=-1).sum())
+        return f"<Joints of {poses} in {len(self.modes)} modes; {held} within reach>"
+
+    @property
+    def within(self) -> np.ndarray:
+        """(..., M) bool: `within_stroke`."""
+        return self.within_stroke
 
 
 Stop = Literal["target", "stroke", "singularity", "stalled"]
@@ -168,6 +186,31 @@ class SelfMotion:
     text: str
 
 
+@dataclass(frozen=True, slots=True)
+class Solution:
+    """One of `ForwardSolutions`.
+
+    Attributes:
+        pose: mm and rad.
+        mode: the mode that it stands in.
+        residual: the largest loop-closure error, mm.
+        condition: condition number of the inverse Jacobian; infinite at a singularity.
+        within_stroke: no joint is beyond its range.
+        multiplicity: how many solutions coincide there to within rounding; 1 as a rule.
+        gap: distance to the nearest other solution, mm, angles times the characteristic length.
+        identity: a label that stays with it when it is followed to other joints.
+    """
+
+    pose: tuple[float, ...]
+    mode: str
+    residual: float
+    condition: float
+    within_stroke: bool
+    multiplicity: int
+    gap: float
+    identity: int
+
+
 @dataclass(frozen=True, eq=False)
 class ForwardSolutions(Frozen):
     """All assembly modes for one vector of actuated joints; N real solutions, read-only arrays.
@@ -194,6 +237,7 @@ class ForwardSolutions(Frozen):
         self_motions: what stays free with the actuators locked.
         roots: (K, M) every complex solution in the mechanism's own unknowns, to track on from.
         mixed_modes: also solutions outside of the design's closed form were asked for.
+        axes: the coordinates of the poses.
     """
 
     joints: tuple[float, ...]
@@ -215,9 +259,38 @@ class ForwardSolutions(Frozen):
     self_motions: tuple[SelfMotion, ...]
     roots: np.ndarray
     mixed_modes: bool = False
+    axes: tuple[Coordinate, ...] = ()
 
     def __len__(self) -> int:
         return len(self.modes)
+
+    def __getitem__(self, n: int) -> Solution:
+        return Solution(
+            pose=Pose(self.poses[n].tolist(), self.axes) if self.axes else tuple(self.poses[n]),
+            mode=self.modes[n],
+            residual=float(self.residual[n]),
+            condition=float(self.condition[n]),
+            within_stroke=bool(self.within_stroke[n]),
+            multiplicity=int(self.multiplicity[n]),
+            gap=float(self.gap[n]),
+            identity=self.identities[n],
+        )
+
+    def __iter__(self) -> Iterator[Solution]:
+        return map(self.__getitem__, range(len(self)))
+
+    def __repr__(self) -> str:
+        return (
+            f"<{len(self)} assembly modes at joints {brief(self.joints)}, "
+            f"{int(self.within_stroke.sum())} within the strokes: {self.evidence}>"
+        )
+
+    @property
+    def evidence(self) -> str:
+        """How it is known that they are all, or why one may be missing, in one sentence."""
+        of = "" if self.expected_count is None else f" of {self.expected_count}"
+        counted = f"{self.complex_count}{of} complex solutions"
+        return f"{'complete' if self.complete else 'perhaps not all'}, {counted}; {self.method}"
 
 
 @dataclass(frozen=True, slots=True)

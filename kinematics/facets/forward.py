@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import count
 from time import perf_counter
-from typing import NamedTuple
+from typing import NamedTuple, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -37,10 +37,20 @@ class ForwardFacet(Facet[D]):
     noun = "actuator lengths"
     keeps_mode = False
 
+    @overload
+    def __call__(  # type: ignore[overload-overlap]  # a list of numbers is one vector
+        self, joints: Sequence[float], *, mixed_modes: bool = False
+    ) -> ForwardSolutions: ...
+
+    @overload
     def __call__(
         self, joints: ArrayLike, *, mixed_modes: bool = False
-    ) -> tuple[ForwardSolutions, ...]:
-        """The sets of solutions for joints (..., J), mm or rad, one after another.
+    ) -> tuple[ForwardSolutions, ...]: ...
+
+    def __call__(
+        self, joints: ArrayLike, *, mixed_modes: bool = False
+    ) -> ForwardSolutions | tuple[ForwardSolutions, ...]:
+        """The set of solutions for joints (J,), mm or rad; of a batch (N, J) a tuple of N sets.
 
         No solution, or joints beyond a stroke, are answers like others.
 
@@ -49,6 +59,12 @@ class ForwardFacet(Facet[D]):
 
         Raises:
             InputError: not J finite numbers each; lengths that are not positive.
+
+        Example:
+            >>> import kinematics as kin
+            >>> solutions = kin.open("five-bar").forward([1.8, 1.3])
+            >>> len(solutions), solutions.complete, solutions[0].mode
+            (2, True, '+-')
         """
         coordinates = self.mechanism.actuators
         symbols = [c.symbol for c in coordinates]
@@ -61,8 +77,9 @@ class ForwardFacet(Facet[D]):
             began = perf_counter()
             found = self.solve(part, mixed_modes=mixed_modes)
             seconds = (perf_counter() - began) / len(part)
-            answers += [replace(one, seconds=one.seconds or seconds) for one in found]
-        return tuple(answers)
+            axes = self.mechanism.coordinates
+            answers += [replace(a, seconds=a.seconds or seconds, axes=axes) for a in found]
+        return answers[0] if np.ndim(joints) == 1 else tuple(answers)
 
     @abstractmethod
     def solve(self, joints: Array, *, mixed_modes: bool) -> Sequence[ForwardSolutions]:
@@ -96,7 +113,7 @@ class ForwardFacet(Facet[D]):
         Raises:
             InputError: as for the solutions themselves.
         """
-        (now,) = self(joints, mixed_modes=before.mixed_modes)
+        (now,) = self([joints], mixed_modes=before.mixed_modes)
         start, end = np.array(before.joints), np.array(now.joints)
         names = np.array(before.identities, dtype=int)
         lost: list[_Lost] = []
@@ -107,7 +124,7 @@ class ForwardFacet(Facet[D]):
             whole = (became >= 0).all() and len(b) == len(a)
             if not whole and depth < _FINEST:
                 middle = 0.5 * (low + high)
-                (between,) = self(start + middle * (end - start), mixed_modes=before.mixed_modes)
+                (between,) = self([start + middle * (end - start)], mixed_modes=before.mixed_modes)
                 pending += [
                     (middle, high, between, b, depth + 1),
                     (low, middle, a, between, depth + 1),

@@ -46,6 +46,10 @@ class SolidMesh:
         self.__dict__.update(state)
         self.__post_init__()  # unpickled arrays are writeable
 
+    def moved(self, motion: Array) -> SolidMesh:
+        """Moved by a rigid motion (4, 4)."""
+        return SolidMesh(self.vertices @ motion[:3, :3].T + motion[:3, 3], self.faces)
+
 
 @dataclass(frozen=True, eq=False)
 class Patch:

@@ -61,12 +61,7 @@ def format_of(path: PurePath) -> str:
 
 def placed(mesh: SolidMesh, placement: ArrayLike) -> SolidMesh:
     """The mesh moved by a 4x4 rigid motion, from the frame it was built in to the base frame."""
-    from kinematics.solids.csg import SolidMesh
-
-    motion = np.asarray(placement, dtype=float)
-    vertices = mesh.vertices @ motion[:3, :3].T + motion[:3, 3]
-    vertices.setflags(write=False)
-    return SolidMesh(vertices, mesh.faces)
+    return mesh.moved(np.asarray(placement, dtype=float))
 
 
 def solid_bytes(built: BuiltSolid, placement: ArrayLike, kind: str) -> bytes:
