@@ -83,7 +83,7 @@ def test_every_solution_closes_and_there_are_two(
     a: float, b: float, c: float, d: float, r: float, q1: float, q2: float
 ) -> None:
     design = FiveBarDesign((Limb(a, b), Limb(c, d)), r)
-    (found,) = machine_of(design).forward([q1, q2])
+    found = machine_of(design).forward([q1, q2])
     assert found.complex_count == 2
     assert found.complete
     assert len(found) in (0, 1, 2)
@@ -105,19 +105,19 @@ def test_every_solution_closes_and_there_are_two(
 def test_forward_where_the_circles_touch_and_where_they_coincide() -> None:
     # B_1 and B_2 at (∓480, 0): the distal links reach each other stretched out.
     flat = FiveBarDesign((Limb(240.0, 480.0), Limb(240.0, 480.0)), 240.0)
-    (touching,) = machine_of(flat).forward([np.pi, 0.0])
+    touching = machine_of(flat).forward([np.pi, 0.0])
     assert len(touching) == 1
     assert touching.multiplicity.tolist() == [2]
     assert np.isinf(touching.condition[0])
     np.testing.assert_allclose(touching.poses[0], [0.0, 0.0], atol=1e-9)
-    (together,) = machine_of(PAPER).forward([np.pi / 3, 2 * np.pi / 3])
+    together = machine_of(PAPER).forward([np.pi / 3, 2 * np.pi / 3])
     assert len(together.self_motions) == 1
     assert not together.complete
     unlike = FiveBarDesign((Limb(480.0, 400.0), Limb(480.0, 300.0)), 240.0)
-    (none,) = machine_of(unlike).forward([np.pi / 3, 2 * np.pi / 3])
+    none = machine_of(unlike).forward([np.pi / 3, 2 * np.pi / 3])
     assert len(none) == 0
     assert none.complex_count == 0
-    (apart,) = machine_of(EMPTY).forward([np.pi, 0.0])
+    apart = machine_of(EMPTY).forward([np.pi, 0.0])
     assert len(apart) == 0
     assert "further apart" in apart.notes[0]
     assert apart.complex_count == 2
@@ -172,7 +172,7 @@ def test_transforms_lie_in_the_plane() -> None:
 
 
 def test_identities_stay_with_their_side_and_merge_at_the_fold() -> None:
-    (before,) = machine_of(PAPER).forward([1.9, 1.2])
+    before = machine_of(PAPER).forward([1.9, 1.2])
     moved = machine_of(PAPER).forward.refresh(before, [1.95, 1.1])
     assert moved.solutions.identities == before.identities
     assert not moved.appeared

@@ -46,7 +46,7 @@ def _study(solution: dict) -> np.ndarray:
 def test_the_reference_cases_come_out_whole(case: dict) -> None:
     assert case["mech"] == "RPS"
     design = TripodDesign("three_rps", case["h1"], case["h2"], (0.0, 9.0))
-    (found,) = machine_of(design).forward(case["r"])
+    found = machine_of(design).forward(case["r"])
     assert found.complete
     assert found.complex_count == found.expected_count == 16
     for mode in (1, 2):
@@ -67,7 +67,7 @@ def test_the_reference_cases_come_out_whole(case: dict) -> None:
 def test_the_cases_of_the_3_spr_are_the_inverses(case: dict) -> None:
     rps = TripodDesign("three_rps", case["h1"], case["h2"], (0.0, 9.0))
     spr = TripodDesign("three_spr", case["h2"], case["h1"], (0.0, 9.0))
-    (ours,), (others,) = machine_of(spr).forward(case["r"]), machine_of(rps).forward(case["r"])
+    ours, others = machine_of(spr).forward(case["r"]), machine_of(rps).forward(case["r"])
     assert ours.complete
     assert ours.modes == others.modes
     left = np.linalg.inv(posing.transform(rps, others.poses, others.modes))
@@ -93,7 +93,7 @@ def test_solutions_of_inverse_results_hold_the_pose(rng: np.random.Generator) ->
 
 def test_solutions_are_mirror_pairs(rng: np.random.Generator) -> None:
     for design in some_machines(rng, 10):
-        (found,) = machine_of(design).forward(rng.uniform(150.0, 400.0, 3))
+        found = machine_of(design).forward(rng.uniform(150.0, 400.0, 3))
         for mode in MODES:
             own = np.array([m == mode for m in found.modes])
             if not own.any():
@@ -116,7 +116,7 @@ def test_many_random_lengths_are_all_complete(rng: np.random.Generator) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_equal_limbs_give_the_level_platform_and_triples(kind: Kind) -> None:
     design = machine(kind)
-    (found,) = machine_of(design).forward([200.0] * 3)
+    found = machine_of(design).forward([200.0] * 3)
     assert found.complete
     level = found.poses[found.poses[:, 1] < 1e-9]
     assert len(level) >= 2
@@ -133,7 +133,7 @@ def test_equal_limbs_give_the_level_platform_and_triples(kind: Kind) -> None:
 
 
 def test_no_real_solution_is_an_answer() -> None:
-    (found,) = machine_of(machine("three_rps")).forward([30.0, 500.0, 30.0])
+    found = machine_of(machine("three_rps")).forward([30.0, 500.0, 30.0])
     assert len(found) == 0
     assert found.complete
     assert "cannot be assembled" in found.notes[0]
@@ -143,7 +143,7 @@ def test_no_real_solution_is_an_answer() -> None:
 def test_a_triangle_of_twice_the_size_moves_freely_on_equal_limbs(kind: Kind) -> None:
     h = (100.0, 200.0) if kind == "three_rps" else (200.0, 100.0)
     design = machine(kind, *h)
-    (found,) = machine_of(design).forward([180.0] * 3)
+    found = machine_of(design).forward([180.0] * 3)
     assert not found.complete
     (motion,) = found.self_motions
     pose = np.array(motion.pose)
@@ -154,7 +154,7 @@ def test_a_triangle_of_twice_the_size_moves_freely_on_equal_limbs(kind: Kind) ->
         assert np.abs(moved - 180.0).max() < 1e-5  # of second order in the step
     assert motion.text in found.notes
     # Nearly equal limbs are no exception any more.
-    (near,) = machine_of(design).forward([180.0, 180.001, 180.003])
+    near = machine_of(design).forward([180.0, 180.001, 180.003])
     assert near.complete
 
 
@@ -164,7 +164,7 @@ def test_a_triangle_of_twice_the_size_moves_freely_on_equal_limbs(kind: Kind) ->
     joints=st.tuples(*[st.sampled_from([60.0, 99.0, 100.0, 100.0000001, 150.0, 300.0])] * 3),
 )
 def test_round_lengths_never_fail(kind: Kind, h2: float, joints: tuple[float, ...]) -> None:
-    (found,) = machine_of(machine(kind, 100.0, h2)).forward(joints)
+    found = machine_of(machine(kind, 100.0, h2)).forward(joints)
     assert found.complex_count <= 16
     if len(found):
         assert found.residual.max() < 1e-5
@@ -175,7 +175,7 @@ def test_round_lengths_never_fail(kind: Kind, h2: float, joints: tuple[float, ..
 def test_a_turned_over_platform_belongs_to_both_modes() -> None:
     design = machine("three_rps")
     lengths = posing.limb_lengths(design, np.array([120.0, np.pi, 0.4]), "2")
-    (found,) = machine_of(design).forward(lengths)
+    found = machine_of(design).forward(lengths)
     assert found.complete
     over = [n for n in range(len(found)) if abs(found.poses[n, 1] - np.pi) < 1e-6]
     assert {found.modes[n] for n in over} == {"1", "2"}
@@ -184,7 +184,7 @@ def test_a_turned_over_platform_belongs_to_both_modes() -> None:
 
 def test_a_3_spr_at_90_degrees_is_told_by_the_pose_next_to_it() -> None:
     design = machine("three_spr", 100.0, 100.0)
-    (found,) = machine_of(design).forward([150.0] * 3)
+    found = machine_of(design).forward([150.0] * 3)
     assert found.complete
     upright = np.abs(found.poses[:, 1] - 0.5 * np.pi) < 1e-6
     assert upright.sum() == 6
@@ -195,7 +195,7 @@ def test_a_3_spr_at_90_degrees_is_told_by_the_pose_next_to_it() -> None:
 def test_identities_stay_while_limbs_move(rng: np.random.Generator) -> None:
     design = machine("three_rps", 200.0, 100.0)
     joints = np.array([300.0, 310.0, 305.0])
-    (found,) = machine_of(design).forward(joints)
+    found = machine_of(design).forward(joints)
     small = machine_of(design).forward.refresh(found, joints + np.array([1.0, -2.0, 0.5]))
     assert sorted(small.solutions.identities) == sorted(found.identities)
     assert not small.appeared

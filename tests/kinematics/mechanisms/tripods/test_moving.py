@@ -29,7 +29,7 @@ def test_a_followed_motion_ends_on_its_own_assembly_mode(rng: np.random.Generato
             continue
         targets += 1
         # The full sets, matched on their own way along the same line, say the same.
-        (before,) = machine_of(design).forward(here.joints)
+        before = machine_of(design).forward(here.joints)
         after = machine_of(design).forward.refresh(before, there.joints).solutions
         start, end = (
             machine_of(design)

@@ -88,7 +88,7 @@ def test_solutions_merge_where_p_is_zero(rng: np.random.Generator) -> None:
     design, mode = machine("three_spr", 100.0, 200.0), "2"
     pose = np.array([100.0, np.pi / 6, -np.pi / 6])  # where the MICR is met
     lengths = posing.limb_lengths(design, pose, mode)
-    (found,) = machine_of(design).forward(lengths)
+    found = machine_of(design).forward(lengths)
     apart = machine_of(design).forward.distances(pose[None], (mode,), found.poses, found.modes)[0]
     n = int(apart.argmin())
     assert apart[n] < 1e-4

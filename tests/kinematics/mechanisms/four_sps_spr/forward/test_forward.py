@@ -45,7 +45,7 @@ def design_of(case):
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["kind"])
 def test_every_reference_solution_is_found_and_no_other(case) -> None:
-    (found,) = machine_of(design_of(case)).forward(case["lengths"])
+    found = machine_of(design_of(case)).forward(case["lengths"])
     assert found.complex_count == found.expected_count == case["n_complex"]
     assert found.complete
     assert len(found) == case["n_real"]
@@ -103,14 +103,14 @@ def test_batches_are_their_single_vectors() -> None:
     lengths = inverse.leg_lengths(design, poses(design, 20, seed=2))
     together = machine_of(design).forward(lengths.reshape(4, 5, 5))
     for one, found in zip(lengths[::7], together[::7], strict=True):
-        (alone,) = machine_of(design).forward(one)
+        alone = machine_of(design).forward(one)
         assert found.poses == pytest.approx(alone.poses, abs=1e-8)
         assert found.joints == tuple(one.tolist())
 
 
 def test_a_level_pentagon_is_a_fourfold_solution() -> None:
     design = pentagons()
-    (found,) = machine_of(design).forward(
+    found = machine_of(design).forward(
         inverse.leg_lengths(design, (0.0, 0.0, 560.0, 0.0, 0.0, 0.0))
     )
     assert found.multiplicity.tolist() == [4, 4, 4, 4]
@@ -130,7 +130,7 @@ def test_two_solutions_near_a_fold_are_both_there() -> None:
     now = np.array(start.joints)
     before = now + (np.array(fold.joints) - now) * (1.0 - 1e-6)
     beyond = now + (np.array(fold.joints) - now) * (1.0 + 1e-6)
-    (near,), (gone,) = machine_of(design).forward(before), machine_of(design).forward(beyond)
+    near, gone = machine_of(design).forward(before), machine_of(design).forward(beyond)
     apart = pose_distances(design, np.array([fold.pose]), near.poses)[0]
     assert np.sort(apart)[1] < 1.0
     assert len(gone) == len(near) - 4  # the pair and its mirror image
@@ -139,7 +139,7 @@ def test_two_solutions_near_a_fold_are_both_there() -> None:
 
 
 def test_lengths_that_cannot_be_assembled_have_no_real_solution() -> None:
-    (found,) = machine_of(preset()).forward((100.0, 900.0, 100.0, 900.0, 100.0))
+    found = machine_of(preset()).forward((100.0, 900.0, 100.0, 900.0, 100.0))
     assert len(found) == 0
     assert found.complete
     assert any("cannot be assembled" in note for note in found.notes)
@@ -153,7 +153,7 @@ def test_broken_lengths_are_refused(bad) -> None:
 
 def test_absurdly_long_legs_are_never_called_complete() -> None:
     design = preset()
-    (found,) = machine_of(design).forward(np.full(5, 2e6))
+    found = machine_of(design).forward(np.full(5, 2e6))
     assert not found.complete
     assert any("digits are lost" in note for note in found.notes)
 
@@ -163,7 +163,7 @@ def test_absurdly_long_legs_are_never_called_complete() -> None:
 
 def test_solutions_keep_their_identity_while_legs_move() -> None:
     design = preset()
-    (before,) = machine_of(design).forward(home(design).joints)
+    before = machine_of(design).forward(home(design).joints)
     joints = np.add(home(design).joints, (3.0, -2.0, 4.0, 1.0, -3.0))
     after = machine_of(design).forward.refresh(before, joints)
     assert not after.merged
@@ -182,7 +182,7 @@ def test_solutions_keep_their_identity_while_legs_move() -> None:
 
 def test_who_merges_is_named_and_who_appears_is_new() -> None:
     design, start = preset(), home(preset())
-    (before,) = machine_of(design).forward(start.joints)
+    before = machine_of(design).forward(start.joints)
     joints = np.array(start.joints)
     joints[0] -= 40.0
     after = machine_of(design).forward.refresh(before, joints)
