@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import doctest
 import pkgutil
+import re
 from importlib import import_module
+from pathlib import Path
 
 import pytest
 
@@ -25,6 +27,16 @@ def documented() -> list[str]:
 def test_the_examples_of_a_module_work(name: str) -> None:
     found = doctest.testmod(import_module(name))
     assert found.failed == 0
+
+
+def test_the_readmes_dialogue_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"^```pycon\n(.*?)^```$", text, re.M | re.S)
+    monkeypatch.chdir(tmp_path)
+    dialogue = doctest.DocTestParser().get_doctest("".join(blocks), {}, "README", None, 0)
+    assert len(dialogue.examples) > 20
+    assert doctest.DocTestRunner().run(dialogue).failed == 0
+    assert (tmp_path / "workspace.stl").stat().st_size > 10_000
 
 
 def test_the_public_names_are_there_and_explained() -> None:
