@@ -22,6 +22,7 @@ from kinematics.facets.solids import build_solid
 from kinematics.machine import machine_of
 from kinematics.screws.spatial import homogeneous, rotation_y, rotation_z
 from kinematics.solids import csg
+from kinematics.solids import files as solid_files
 
 PLACEMENT = homogeneous(rotation_y(0.7) @ rotation_z(-0.3), [100.0, -200.0, 300.0])
 
@@ -42,7 +43,7 @@ def read_back(data: bytes, kind: str) -> trimesh.Trimesh:
 
 
 def test_the_formats_are_those_that_can_be_encoded() -> None:
-    assert set(files.FORMATS) == set(csg.KINDS)
+    assert set(files.FORMATS) == set(solid_files.KINDS)
     assert set(files.MEDIA_TYPES) >= set(files.FORMATS)
 
 

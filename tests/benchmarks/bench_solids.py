@@ -16,7 +16,7 @@ from statistics import median
 from kinematics.facets.solids import RESOLUTIONS
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.workspace.workspace import limb_part, workspace
-from kinematics.solids.csg import KINDS, encode
+from kinematics.solids.files import KINDS, encode
 
 ROOT = Path(__file__).resolve().parents[2]
 ROUNDS = 7

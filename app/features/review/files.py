@@ -71,7 +71,7 @@ def solid_bytes(built: BuiltSolid, placement: ArrayLike, kind: str) -> bytes:
         InputError: ``kind`` is not one of `FORMATS`.
         ComputationError: the solid is empty, or its mesh is not sound.
     """
-    from kinematics.solids.csg import encode
+    from kinematics.solids.files import encode
 
     if kind not in FORMATS:
         raise InputError(f"there is no format {kind!r}; a solid is written as {_list(FORMATS)}")
@@ -92,7 +92,7 @@ def mesh_bytes(mesh: SolidMesh, placement: ArrayLike, kind: str, *, is_open: boo
         InputError: there is no such format, or the mesh is empty.
         ComputationError: it is not sound.
     """
-    from kinematics.solids.csg import encode
+    from kinematics.solids.files import encode
 
     moved = placed(mesh, placement)
     if kind == "csv":

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 from kinematics.errors import ComputationError, InputError
 from kinematics.screws.spatial import homogeneous, rotation_x, rotation_y
-from kinematics.solids.csg import KINDS, Solid, SolidMesh, encode, finish
+from kinematics.solids.csg import Solid, SolidMesh, finish
+from kinematics.solids.files import KINDS, encode
 
 CORNERS = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
 SIDES = np.array(

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from kinematics.errors import InputError
-from kinematics.solids.csg import Solid, encode
+from kinematics.solids.csg import Solid
+from kinematics.solids.files import encode
 from kinematics.solids.isosurfaces import positive_part
 from kinematics.solids.meshes import face_parts
 from kinematics.solids.partition import partition

@@ -19,7 +19,7 @@ from kinematics.mechanisms.five_rpur.workspace.true_surface import true_surface
 from kinematics.mechanisms.five_rpur.workspace.vertex_space import deviation
 from kinematics.mechanisms.five_rpur.workspace.workspace import workspace
 from kinematics.screws.spatial import rotation_y
-from kinematics.solids.csg import encode
+from kinematics.solids.files import encode
 from tests.kinematics.mechanisms.five_rpur.machines import of_volume_case
 from tests.kinematics.references import read
 

@@ -19,7 +19,7 @@ from kinematics.mechanisms.five_rpur.offsets import offset_points
 from kinematics.mechanisms.five_rpur.workspace.vertex_space import PARTS
 from kinematics.mechanisms.five_rpur.workspace.workspace import limb_part, workspace
 from kinematics.screws.spatial import rotation_x, rotation_y
-from kinematics.solids.csg import encode
+from kinematics.solids.files import encode
 from tests.kinematics.mechanisms.five_rpur.machines import of_volume_case
 from tests.kinematics.references import read
 
