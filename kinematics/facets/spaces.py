@@ -293,7 +293,7 @@ class ShownSolid:
         Raises:
             InputError: another ending, or the file cannot be written.
         """
-        from kinematics.solids.csg import encode
+        from kinematics.solids.files import encode
 
         to = Path(path)
         return save(to, encode(self.mesh, to.suffix.removeprefix(".").lower()))
