@@ -75,7 +75,7 @@ class Machine(Faceted[D]):
         Args:
             path: a `DesignField.path`, as ``("limb", 2, "base", 0)``, or the same with dots:
                 ``"limb.2.base.0"``. As in Python the third limb is 2.
-            value: mm, or degrees where the file has degrees.
+            value: in the field's unit, mm or rad.
 
         Raises:
             InputError: the design has no such number.

@@ -20,6 +20,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from kinematics.errors import BohemiaError, InputError
+from kinematics.saving import save
 
 if TYPE_CHECKING:
     from kinematics.machine import Machine
@@ -72,11 +73,7 @@ class Output:
 
     def write(self, data: bytes, note: str = "") -> None:
         if self.path is not None:
-            try:
-                self.path.write_bytes(data)
-            except OSError as error:
-                why = error.strerror or str(error)
-                raise InputError(f"cannot write {str(self.path)!r}: {why}") from None
+            save(self.path, data)
             self.written, self.note = str(self.path), note and f" ({note})"
 
 
@@ -104,7 +101,6 @@ class Command(click.Command):
                     [f"--{axis.key}"],
                     metavar="DEG" if axis.unit == "rad" else "MM",
                     help=f"{axis.symbol} of the pose alone",
-                    is_eager=True,  # before --pose, which is not to be given beside them
                     expose_value=False,
                     callback=_keep,
                 )

@@ -187,7 +187,7 @@ def _regions(
 ) -> Answer:
     """The regions of a workspace that lies in a plane, written if a file is wanted."""
     from app.features.section.files import FORMATS, section_bytes, section_loops
-    from kinematics.answers.sections import SectionSpec, together
+    from kinematics.answers.sections import together
     from kinematics.machine import required
 
     specs = {spec.key: spec for spec in machine.region_specs}
@@ -205,7 +205,7 @@ def _regions(
         title = ", ".join(
             filter(None, (machine.design.title or machine.design.name, turned.text()))
         )
-        of = SectionSpec(spec.title, "normal", spec.axes, spec.figure)
+        of = spec.plane
         all_of_them = together([region.section for region in found])
         output.write(section_bytes(all_of_them, of, kind, title=title), "mm")
     sums = ("area_mm2", "area_error_mm2", "perimeter_mm", "pieces")

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from kinematics.answers.bounds import Bound, decimals
 from kinematics.answers.modes import Mode
 from kinematics.arrays import Array, finite, frozen
-from kinematics.mechanisms.four_sps_spr.design import JOINT_SYMBOLS, SPR, FourSPSSPRDesign
+from kinematics.mechanisms.four_sps_spr.design import JOINT_SYMBOLS, LIMBS, SPR, FourSPSSPRDesign
 from kinematics.screws.spatial import homogeneous, rotation_x, rotation_y, rotation_z
 
 POSE = 6
@@ -128,7 +128,7 @@ def margins(design: FourSPSSPRDesign, poses: Array, joints: Array) -> Array:
     broken = np.isnan(joints[..., SPR])
     if broken.any():
         off[broken] = -np.abs(violation(design, poses[broken]))
-    return np.concatenate([off[..., None], room.reshape(*joints.shape[:-1], -1)], axis=-1)
+    return np.concatenate([off[..., None], room.reshape(*joints.shape[:-1], 2 * LIMBS)], axis=-1)
 
 
 def closure_residual(design: FourSPSSPRDesign, poses: Array, joints: Array) -> Array:

@@ -19,7 +19,6 @@ from kinematics.mechanisms.tripods import polynomial, posing
 from kinematics.mechanisms.tripods.circles import circles
 from kinematics.mechanisms.tripods.design import LIMBS, MODES, SCHEMA, TripodDesign, mode_sign
 from kinematics.mechanisms.tripods.inverse import LIMITS
-from kinematics.mechanisms.tripods.limbs import limb_lengths, offsets
 from kinematics.mechanisms.tripods.posing import Reduced
 from kinematics.mechanisms.tripods.powers import Power
 from kinematics.mechanisms.tripods.study import translation
@@ -50,7 +49,7 @@ def _along(design: TripodDesign, posture: Posture) -> list[Clearance]:
     reduced = posing.reduce_poses(design, pose, posture.mode)
     v = float(reduced.v)
     h, k = design.revolute_radius, mode_sign(posture.mode) * design.spherical_radius
-    outward, upward = offsets(h, k, reduced)
+    outward, upward = posing.offsets(h, k, reduced)
     error = _EXACT * design.size
     what = "along z" if design.revolute_on_base else "along the platform's normal"
     found = []
@@ -202,7 +201,7 @@ def _nearest_altitude(design: TripodDesign, posture: Posture) -> tuple[Posture, 
     pose = np.array(posture.pose)
     reduced = posing.reduce_poses(design, pose, posture.mode)
     h, k = design.revolute_radius, mode_sign(posture.mode) * design.spherical_radius
-    outward, upward = offsets(h, k, reduced)
+    outward, upward = posing.offsets(h, k, reduced)
     v = float(reduced.v)
     lift = np.asarray(upward) - v
     low, high = design.stroke
@@ -240,7 +239,7 @@ def _nearest_orientation(design: TripodDesign, posture: Posture) -> Posture | No
     step = np.array([tilts[1], turns[1] - turns[0]])
     for _ in range(_REFINED):
         poses = np.concatenate([np.full((len(grid), 1), z), grid], axis=-1)
-        lengths = limb_lengths(design, poses, posture.mode)
+        lengths = posing.limb_lengths(design, poses, posture.mode)
         low, high = design.stroke
         with np.errstate(invalid="ignore"):
             able = ((lengths >= low) & (lengths <= high)).all(axis=-1)

@@ -22,7 +22,6 @@ from kinematics.facets.pose_paths import corners_of, follow_ways
 from kinematics.mechanisms.tripods import polynomial, posing
 from kinematics.mechanisms.tripods.design import LIMBS, TripodDesign, mode_sign
 from kinematics.mechanisms.tripods.inverse import LIMITS
-from kinematics.mechanisms.tripods.limbs import limb_lengths
 
 _STEPS = 720  # of a way
 _BEFORE = 1e-6  # of the way, by which a path stops before a singularity
@@ -118,7 +117,7 @@ def _singular(
 def _strokes(
     design: TripodDesign, mode: str, way: _Way, fractions: Array, poses: Array
 ) -> list[Event]:
-    lengths = limb_lengths(design, poses, mode)
+    lengths = posing.limb_lengths(design, poses, mode)
     found = []
     for i in range(LIMBS):
         for bound, end in zip(range_of(LIMITS, i + 1), design.stroke, strict=True):
@@ -128,7 +127,7 @@ def _strokes(
             room = np.where(np.isfinite(room), room, sign)
 
             def left(fraction: float, i: int = i, sign: float = sign, end: float = end) -> float:
-                return sign * float(limb_lengths(design, way.at(fraction), mode)[i] - end)
+                return sign * float(posing.limb_lengths(design, way.at(fraction), mode)[i] - end)
 
             out = (room[:-1] >= 0.0) & (room[1:] < -1e-9)
             back = (room[:-1] < -1e-9) & (room[1:] >= 0.0)

@@ -1,0 +1,90 @@
+"""The workspace of every kind: what it holds, how large it is, and that it is saved."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kinematics as kin
+from kinematics.facets.spaces import ShownSolid, Space
+from tests.conformance.machines import ONE_EACH, held, machine
+
+
+def space_of(name: str) -> Space[object]:  # type: ignore[type-var]
+    """A solid one where there is one: with the last angle following, if one has to."""
+    m = machine(name)
+    following = [spec.follows for spec in m.solid_specs if spec.follows is not None]
+    left = {m.coordinates[following[-1]].key: None} if following else {}
+    return m.workspace(m.home.mode or None, **left)
+
+
+@pytest.mark.parametrize("name", ONE_EACH)
+def test_it_holds_home_and_not_what_is_far(name: str) -> None:
+    m, space = machine(name), space_of(name)
+    if m.solids is None:
+        place = m.transform(m.home.pose, m.home.mode)[:3, 3]
+    else:
+        spec = next(s for s in m.solid_specs if s.key.partition("/")[0] == "workspace")
+        place = m.solids.point(spec.key, m.home.pose, m.home.mode)
+    assert space.contains(place)
+    far = np.array([[1e5, 0.0, 0.0], [0.0, 3e4, 2e4]])
+    assert not space.contains(far).any()
+
+
+@pytest.mark.parametrize("name", ONE_EACH)
+def test_its_size_has_an_error_and_its_files_are_written(name: str, tmp_path: Path) -> None:
+    m, space = machine(name), space_of(name)
+    if m.solids is None:
+        section = space.section()
+        assert section.area > 0.0
+        saved = section.save(tmp_path / "plane.dxf")
+    else:
+        solid = space.solid("preview")
+        assert solid.built.watertight
+        assert solid.volume > 0.0
+        volume = space.volume(1e-3, pieces=False)
+        allowed = volume.error + solid.built.volume_error
+        assert solid.volume == pytest.approx(volume.value, abs=allowed)
+        saved = solid.save(tmp_path / "workspace.stl")
+        with pytest.raises(kin.InputError):
+            solid.save(tmp_path / "workspace.txt")
+        assert sorted(tmp_path.iterdir()) == [saved]
+    assert saved.stat().st_size > 500
+
+
+@pytest.mark.parametrize("name", ONE_EACH)
+def test_its_aspects_are_told_or_refused(name: str) -> None:
+    m, space = machine(name), space_of(name)
+    if "aspects" not in {spec.key for spec in (*m.solid_specs, *m.region_specs)}:
+        with pytest.raises(kin.InputError, match="aspects"):
+            space.aspects("preview")
+        return
+    found = space.aspects("preview")
+    if isinstance(found, ShownSolid):
+        assert {piece.sign for piece in found.built.pieces} <= {-1, 0, 1}
+        assert found.built.pieces
+    else:
+        assert all(region.section.area > 0.0 for region in found)
+
+
+@pytest.mark.parametrize("name", ONE_EACH)
+def test_a_machine_at_a_posture_answers_everything(name: str) -> None:
+    m = machine(name)
+    here = m.at(held(name)[1].pose, m.home.mode)
+    assert here.reachable
+    assert here.singularities() == ()
+    assert here.drawing().bars
+    assert here.pose.to_dict().keys() == {axis.json_key for axis in m.coordinates}
+    assert here.to_dict()["within_stroke"] is True
+    moved = here.velocity(joint_rates={m.joints[0].key: 1.0})
+    assert moved.joint_rates[0] == pytest.approx(1.0)
+    assert here.follow({m.joints[0].key: here.joints[0]}).posture.reachable
+    for clearance in here.clearances():
+        assert clearance.text
+    away = m.at([1.5 * axis.upper for axis in m.coordinates], m.home.mode)
+    assert not away.reachable
+    assert away.nearest_pose().text
+    for text in (here, away, m, m.workspace(), m.home, m.inverse(m.home.pose)):
+        assert 10 < len(repr(text)) < 600
