@@ -87,3 +87,10 @@ def finite(values: Any, *, name: str, last: int | None = None) -> Array:
 def largest(values: Array) -> Array:
     """(...) the largest of values (..., N) that are numbers; NaN where none is."""
     return np.asarray(np.fmax.reduce(values, axis=-1))
+
+
+def runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First and last index of every run of true values."""
+    padded = np.concatenate([[False], flags, [False]])
+    change = np.flatnonzero(padded[1:] != padded[:-1])
+    return [(int(a), int(b) - 1) for a, b in zip(change[::2], change[1::2], strict=True)]

@@ -51,6 +51,13 @@ def _rotation(angle: ArrayLike, first: int, second: int) -> Array:
     return matrix
 
 
+def wrap_angle(angle: ArrayLike) -> Array:
+    """Angles in (−π, π]; those already there are untouched."""
+    a = np.asarray(angle, dtype=float)
+    inside_range = (a > -np.pi) & (a <= np.pi)
+    return np.where(inside_range, a, np.pi - np.mod(np.pi - a, 2 * np.pi))
+
+
 def cross_matrix(vectors: Array) -> Array:
     """(..., 3) → (..., 3, 3): the matrix that is v × when it is multiplied by."""
     matrix = np.zeros((*vectors.shape, 3))

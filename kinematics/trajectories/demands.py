@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from kinematics.answers.trajectories import Event, Limits, Quantity, Trajectory
+from kinematics.arrays import runs
 from kinematics.mechanism import Coordinate
 from kinematics.trajectories.along import Along
 from kinematics.trajectories.between import crossings
-from kinematics.trajectories.searches import runs
 
 LEAP = 0.5  # rad that a joint may turn more than its rates say
 MOMENT = 1.0 / 4096  # of the duration: what happens within it happens at once

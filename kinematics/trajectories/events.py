@@ -14,10 +14,10 @@ from math import inf, isfinite, nan
 import numpy as np
 
 from kinematics.answers.trajectories import Event, Limits, Trajectory
-from kinematics.arrays import Array
+from kinematics.arrays import Array, runs
 from kinematics.trajectories.along import Along
 from kinematics.trajectories.demands import beyond, corners, leaps, place
-from kinematics.trajectories.searches import edge, least, runs
+from kinematics.trajectories.searches import edge, least
 
 _SAME = 1e-7  # of the duration: what is nearer is one event
 _TOUCH = 1e-7  # a determinant, relative to its largest on the way, that is none

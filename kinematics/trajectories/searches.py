@@ -1,20 +1,10 @@
-"""Searches along the time, and runs of samples."""
+"""Searches along the time."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-from numpy.typing import NDArray
-
 _HALVINGS = 50
-
-
-def runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """First and last index of every run of true values."""
-    padded = np.concatenate([[False], flags, [False]])
-    change = np.flatnonzero(padded[1:] != padded[:-1])
-    return [(int(a), int(b) - 1) for a, b in zip(change[::2], change[1::2], strict=True)]
 
 
 def edge(holds: Callable[[float], bool], low: float, high: float) -> float:

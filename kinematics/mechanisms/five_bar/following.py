@@ -9,11 +9,11 @@ from kinematics.answers.solutions import Fold, Followed, Posture, Stop
 from kinematics.arrays import Array
 from kinematics.facets.following import Aim, FollowingFacet, aimed
 from kinematics.facets.inverse import posture
+from kinematics.facets.paths import PathsFacet
 from kinematics.mechanisms.five_bar.design import SUBSCRIPTS, FiveBarDesign
 from kinematics.mechanisms.five_bar.forward import both_points
 from kinematics.mechanisms.five_bar.inverse import elbows, mode_of, normal_angles
 from kinematics.mechanisms.five_bar.joints_line import Crossing, first_crossing
-from kinematics.mechanisms.five_bar.paths import warning
 
 _BEFORE = 1e-6  # part of the way by which a motion stops before a singularity
 _UNDETERMINED = "P stands in a parallel singularity, so the joints do not determine where it goes"
@@ -52,7 +52,9 @@ class Following(FollowingFacet[FiveBarDesign]):
         elif blocked is not None:
             stop, limb = "stroke", blocked + 1
             text = _joined(text, _range_text(design, blocked, float(wanted[blocked])))
-        return Followed(moved, stop, text, fraction * share, limb, warning(design, moved))
+        return Followed(
+            moved, stop, text, fraction * share, limb, self.other(PathsFacet).warning(moved)
+        )
 
     def fold_ahead(self, start: Posture, joints: ArrayLike) -> Fold | None:
         """The partner is the other assembly mode: with two of them, it is who both merge with."""

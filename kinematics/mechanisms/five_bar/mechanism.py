@@ -47,7 +47,7 @@ class FiveBar(Mechanism[FiveBarDesign]):
         measures="measures:Measures",
         singularities="singularities:Singularities",
         clearances="clearances:Clearances",
-        paths="facets:FiveBarPaths",
+        paths="paths:Paths",
         regions="regions:Regions",
     )
 

@@ -14,12 +14,12 @@ from kinematics.answers.singularities import AT, ModeChange, Singularity, Singul
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
 from kinematics.facets.inverse import posture as posture_at
+from kinematics.facets.paths import PathsFacet
 from kinematics.mechanisms.five_bar import workspace
 from kinematics.mechanisms.five_bar.design import LIMBS, SUBSCRIPTS, FiveBarDesign
 from kinematics.mechanisms.five_bar.inverse import elbows, signs
 from kinematics.mechanisms.five_bar.loci import Loci, base_points
 from kinematics.mechanisms.five_bar.nearest_pose import nearest_on
-from kinematics.mechanisms.five_bar.paths import events
 from kinematics.mechanisms.five_bar.statics import sines
 
 HERE = 1e-7
@@ -71,7 +71,7 @@ class Singularities(Loci):
         Returns:
             None where the posture cannot be held, or no limb has such a place in this mode.
         """
-        design, at = self.design, posture
+        design, at, paths = self.design, posture, self.other(PathsFacet)
         if not at.reachable:
             return None
         goal = wanted or "".join("-" if sign == "+" else "+" for sign in at.mode)
@@ -81,7 +81,8 @@ class Singularities(Loci):
         for i in range(LIMBS):
             if goal[i] != at.mode[i]:
                 for point in _places(design, at.mode, i, p):
-                    stopped = any(e.stops for e in events(design, p, _short(p, point), at.mode))
+                    move = paths.segment(p, _short(p, point), at.mode)
+                    stopped = any(e.stops for e in paths.events(move))
                     ways.append((stopped, float(np.hypot(*(point - p))), i, point))
         if not ways:
             return None

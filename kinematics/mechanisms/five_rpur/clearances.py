@@ -14,65 +14,61 @@ from kinematics.answers.bounds import Bound, bound_of, decimals, named, range_of
 from kinematics.answers.clearances import Clearance
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
-from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
+from kinematics.mechanisms.five_rpur.design import LIMBS
 from kinematics.mechanisms.five_rpur.feet import ERROR, feet
 from kinematics.mechanisms.five_rpur.inverse import LIMITS, signs
+from kinematics.mechanisms.five_rpur.nearest_pose.ways_in import NearestPose
 from kinematics.mechanisms.five_rpur.offsets import offset_points
 from kinematics.mechanisms.five_rpur.singularities.nearest import nearest_singularity
 from kinematics.screws.spatial import rotation_y
 
 
-def clearances(design: FiveRPURDesign, posture: Posture) -> tuple[Clearance, ...]:
-    """The room to every stroke end and working-mode change, and to the workspace's boundary.
+class Clearances(NearestPose):
+    """The room of O′ at its orientation."""
 
-    Where a bound is passed already its distance is negative: the way back to it. A limb that cannot
-    close has its reach alone, and the boundary is told of a posture that can be held alone.
+    def of(self, posture: Posture, *, singular: bool = True) -> tuple[Clearance, ...]:
+        """To every stroke end and working-mode change, to the workspace's boundary and, if
+        ``singular``, to the nearest parallel singularity, which takes longer to find.
 
-    Returns:
-        The nearest first, negative ones before. Exact but for rounding.
-    """
-    position, theta = np.array(posture.pose[:3]), posture.pose[4]
-    turn = rotation_y(theta)
-    offset = offset_points(design, posture.pose[3], theta)
-    relative = position @ turn - offset
-    distance, foot = feet(
-        relative[:, None], design.link[:, None], signs(posture.mode)[:, None], design.stroke
-    )
-    foot = (foot + offset[:, None]) @ turn.T
-    size = float(np.abs(offset).max() + (design.link + design.stroke[:, 1]).max())
-    error = ERROR * (size + float(np.abs(position).max()))
-    found: list[Clearance] = []
-    for i in range(LIMBS):
-        found.append(_reach(i, float(relative[i, 1]), float(design.link[i]), position, error))
-        if not np.isfinite(posture.joints[i]):
-            continue
-        for end, bound in enumerate(range_of(LIMITS, i + 1)):
-            beyond = any(r.limb == i + 1 and r.bound == bound for r in posture.reasons)
-            amount = -float(distance[i, end]) if beyond else float(distance[i, end])
-            found.append(_stroke(i, bound, amount, foot[i, end], error))
-    found.sort(key=lambda c: c.distance)
-    if posture.reachable:
-        # A stroke that begins at zero ends at ρ = 0, but the workspace does not.
-        edge = next(c for c in found if c.bound != "rho_min" or design.stroke[_at(c), 0] > 0.0)
-        found.insert(found.index(edge), _boundary(edge))
-    return tuple(found)
+        Where a bound is passed already its distance is negative: the way back to it. A limb that
+        cannot close has its reach alone, and the boundary is told of a posture that can be held
+        alone.
 
-
-def with_singularity(
-    design: FiveRPURDesign, posture: Posture, found: tuple[Clearance, ...]
-) -> tuple[Clearance, ...]:
-    """The same and the room to the nearest parallel singularity, which takes longer to find."""
-    singular = nearest_singularity(design, posture.pose, posture.mode)
-    if singular is None:
-        return found
-    more = Clearance(
-        "parallel",
-        singular.distance,
-        _xyz(singular.point),
-        f"{_far(singular.distance)} a parallel singularity",
-        error=singular.error,
-    )
-    return tuple(sorted((*found, more), key=lambda c: c.distance))
+        Returns:
+            The nearest first, negative ones before. Exact but for rounding.
+        """
+        design = self.design
+        position, theta = np.array(posture.pose[:3]), posture.pose[4]
+        turn = rotation_y(theta)
+        offset = offset_points(design, posture.pose[3], theta)
+        relative = position @ turn - offset
+        distance, foot = feet(
+            relative[:, None], design.link[:, None], signs(posture.mode)[:, None], design.stroke
+        )
+        foot = (foot + offset[:, None]) @ turn.T
+        size = float(np.abs(offset).max() + (design.link + design.stroke[:, 1]).max())
+        error = ERROR * (size + float(np.abs(position).max()))
+        found: list[Clearance] = []
+        for i in range(LIMBS):
+            found.append(_reach(i, float(relative[i, 1]), float(design.link[i]), position, error))
+            if not np.isfinite(posture.joints[i]):
+                continue
+            for end, bound in enumerate(range_of(LIMITS, i + 1)):
+                beyond = any(r.limb == i + 1 and r.bound == bound for r in posture.reasons)
+                amount = -float(distance[i, end]) if beyond else float(distance[i, end])
+                found.append(_stroke(i, bound, amount, foot[i, end], error))
+        found.sort(key=lambda c: c.distance)
+        if posture.reachable:
+            # A stroke that begins at zero ends at ρ = 0, but the workspace does not.
+            edge = next(c for c in found if c.bound != "rho_min" or design.stroke[_at(c), 0] > 0.0)
+            found.insert(found.index(edge), _boundary(edge))
+        near = nearest_singularity(design, posture.pose, posture.mode) if singular else None
+        if near is not None:
+            text = f"{_far(near.distance)} a parallel singularity"
+            found.append(
+                Clearance("parallel", near.distance, _xyz(near.point), text, error=near.error)
+            )
+        return tuple(sorted(found, key=lambda c: c.distance))
 
 
 def _at(clearance: Clearance) -> int:

@@ -25,10 +25,10 @@ from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
 from kinematics.facets.following import ClosureFollowing
 from kinematics.facets.inverse import posture
+from kinematics.facets.paths import PathsFacet
 from kinematics.homotopy.quadrics import Quadrics, square, unknowns
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inverse import signs
-from kinematics.mechanisms.five_rpur.paths import nearness
 
 _COUNT = 7 + LIMBS
 
@@ -88,7 +88,7 @@ class Following(ClosureFollowing[FiveRPURDesign]):
 
     def warning(self, reached: Followed) -> str:
         stopped = reached.stop == "singularity"
-        return nearness.warning(self.design, reached.posture, stopped=stopped)
+        return self.other(PathsFacet).warning(reached.posture, stopped=stopped)
 
 
 @lru_cache(maxsize=64)

@@ -22,7 +22,7 @@ from kinematics.arrays import Array, finite, frozen
 from kinematics.errors import InputError
 from kinematics.facets.inverse import InverseFacet
 from kinematics.mechanisms.five_rpur.design import LIMBS, SUBSCRIPTS, FiveRPURDesign
-from kinematics.screws.spatial import homogeneous, rotation_x, rotation_y
+from kinematics.screws.spatial import homogeneous, rotation_x, rotation_y, wrap_angle
 
 MODES = working_modes(LIMBS)
 """The 32 working modes, limb 5 changing fastest: "+++++", "++++-", … "-----"."""
@@ -271,13 +271,6 @@ def _nearest_angles(r: Array) -> tuple[Array, Array]:
         if (np.abs(np.sin(phi - before)) < 1e-15).all():
             break
     return wrap_angle(phi), wrap_angle(theta)
-
-
-def wrap_angle(angle: ArrayLike) -> Array:
-    """Angles in (−π, π]; those already there are untouched."""
-    a = np.asarray(angle, dtype=float)
-    inside_range = (a > -np.pi) & (a <= np.pi)
-    return np.where(inside_range, a, np.pi - np.mod(np.pi - a, 2 * np.pi))
 
 
 # --- inside --------------------------------------------------------------------------------

@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike
 from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
 from kinematics.mechanisms.four_sps_spr.design import SPR, FourSPSSPRDesign
-from kinematics.mechanisms.four_sps_spr.inverse import POSE, rotation, wrap_angle
-from kinematics.screws.spatial import rotation_x, rotation_y, rotation_z
+from kinematics.mechanisms.four_sps_spr.inverse import POSE, rotation
+from kinematics.screws.spatial import rotation_x, rotation_y, rotation_z, wrap_angle
 
 SYMBOLS = ("x", "y", "z", "α", "β", "γ")
 _PARALLEL = 1e-9  # of a unit vector's component: the coordinate has no say in the constraint

@@ -65,13 +65,6 @@ def euler_angles(r: ArrayLike) -> Array:
     return np.stack([alpha, beta, gamma], axis=-1)
 
 
-def wrap_angle(angle: ArrayLike) -> Array:
-    """Angles in (−π, π]; those already there are untouched."""
-    a = np.asarray(angle, dtype=float)
-    inside_range = (a > -np.pi) & (a <= np.pi)
-    return np.where(inside_range, a, np.pi - np.mod(np.pi - a, 2 * np.pi))
-
-
 # --- lengths -------------------------------------------------------------------------------
 
 

@@ -47,7 +47,7 @@ class FourSPSSPR(Mechanism[FourSPSSPRDesign]):
         measures="measures:Measures",
         singularities="singularities:Singularities",
         clearances="clearances:Clearances",
-        paths="facets:SPSPaths",
+        paths="paths:Paths",
         regions="regions:Regions",
         solids="solids:Solids",
     )

@@ -12,7 +12,7 @@ from kinematics.arrays import Array
 from kinematics.facets.solids import SolidRequest, SolidsFacet, SolidSpec, SurfaceKind
 from kinematics.mechanisms.four_sps_spr import constraint, workspace
 from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
-from kinematics.mechanisms.four_sps_spr.inverse import wrap_angle
+from kinematics.screws.spatial import wrap_angle
 
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
     from kinematics.solids.csg import BuiltSolid

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from kinematics.arrays import Array
-from kinematics.mechanisms.four_sps_spr.inverse import euler_angles, rotation, wrap_angle
+from kinematics.mechanisms.four_sps_spr.inverse import euler_angles, rotation
+from kinematics.screws.spatial import wrap_angle
 
 
 class State(NamedTuple):

@@ -28,11 +28,11 @@ from kinematics.facets.solids import Resolution
 from kinematics.mechanisms.four_sps_spr import home
 from kinematics.mechanisms.four_sps_spr.constraint import angle_terms, dependent_values
 from kinematics.mechanisms.four_sps_spr.design import LIMBS, SPR, FourSPSSPRDesign
-from kinematics.mechanisms.four_sps_spr.inverse import wrap_angle
 from kinematics.mechanisms.four_sps_spr.motion import angular_axes
 from kinematics.mechanisms.four_sps_spr.plane import plane, rings
 from kinematics.mechanisms.four_sps_spr.statics import legs
 from kinematics.plane.annuli import Rings, rings_moments
+from kinematics.screws.spatial import wrap_angle
 from kinematics.solids.isosurfaces import positive_part
 
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built

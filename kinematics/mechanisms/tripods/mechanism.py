@@ -42,8 +42,8 @@ class Tripod(Mechanism[TripodDesign]):
         forward="forward:Forward",
         measures="measures:Measures",
         singularities="singularities:Singularities",
-        clearances="facets:TripodClearances",
-        paths="facets:TripodPaths",
+        clearances="clearances:Clearances",
+        paths="paths:Paths",
         circles="circles:Circles",
         solids="solids:Solids",
     )

@@ -1,155 +1,66 @@
-"""What a straight way in the pose coordinates passes, and following a path of such ways.
+"""What a move of a 3-RPS or 3-SPR meets: Z, θ and φ (the shorter way round) change evenly.
 
-On a way Z, θ and φ (the shorter way round) change evenly. P and the limb lengths are looked at in
-small steps, and where their signs change between two of them that place is found exactly.
+Limb lengths and the polynomial P of parallel singularities (see `polynomial`) are smooth; those of
+a 3-SPR are multiplied by cos² θ: at a tilt of 90° there is no finite position.
 """
 
 from __future__ import annotations
 
-from itertools import pairwise
-from typing import NamedTuple
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
 
-from kinematics.answers.bounds import range_of
 from kinematics.answers.singularities import Event
-from kinematics.answers.solutions import Followed, Posture
+from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
-from kinematics.facets.inverse import posture as posture_at
-from kinematics.facets.pose_paths import corners_of, follow_ways
+from kinematics.facets.paths import PathsFacet
+from kinematics.facets.segments import ROUNDING, Segment
 from kinematics.mechanisms.tripods import polynomial, posing
 from kinematics.mechanisms.tripods.design import LIMBS, TripodDesign, mode_sign
-from kinematics.mechanisms.tripods.inverse import LIMITS
 
-_STEPS = 720  # of a way
-_BEFORE = 1e-6  # of the way, by which a path stops before a singularity
-_TURN_ROUND = 1e-9  # rad from 180°: the tilt at which the operation modes meet
+_MEETING = 1e-6  # rad from 180°: the tilt at which the operation modes meet
 
 
-def passed(design: TripodDesign, before: Posture, after: Posture) -> tuple[Event, ...]:
-    """What is passed on the straight way from one posture to another of the same mode, in order.
+class Paths(PathsFacet[TripodDesign]):
+    """Limbs have no reach."""
 
-    Of postures in different modes it is only told that no way was driven.
-    """
-    if before.mode != after.mode:
-        text = (
-            f"the operation mode was set to {after.mode}: a machine changes it only in the "
-            "constraint singularity, at a tilt of 180°"
-        )
-        meet = abs(before.pose[1] - np.pi) <= _TURN_ROUND and abs(after.pose[1] - np.pi) <= 1e-6
-        return () if meet else (Event("parallel", 0.0, before.pose, None, text, True),)
-    return _events(design, before.mode, _Way.between(design, before.pose, after.pose))
-
-
-def path(design: TripodDesign, start: Posture, poses: ArrayLike) -> Followed:
-    """Follow straight ways through poses (N, 3), in the start's mode.
-
-    Stops shortly before a parallel singularity, and at a stroke end that it would pass.
-
-    Raises:
-        InputError: no poses, or not three finite numbers each.
-    """
-    corners = [start.pose, *corners_of(poses, ("z", "tilt", "azimuth"))]
-    return follow_ways(
-        start,
-        [_Way.between(design, a, b) for a, b in pairwise(corners)],
-        events=lambda way: _events(design, start.mode, way),
-        posture=lambda pose: posture_at(design, pose, start.mode),
-        back=lambda _: _BEFORE,
-        why=lambda event, *_: event.text,
-    )
-
-
-# --- inside --------------------------------------------------------------------------------
-
-
-class _Way(NamedTuple):
-    """Both ends (3,), the azimuth of the second one the shorter way round, and its length, mm."""
-
-    start: Array
-    end: Array
-    length: float
-
-    @classmethod
-    def between(cls, design: TripodDesign, start: ArrayLike, end: ArrayLike) -> _Way:
-        a, b = np.array(start, dtype=float), np.array(end, dtype=float)
-        b[2] = a[2] + np.pi - (np.pi - (b[2] - a[2])) % (2.0 * np.pi)
-        radius = design.platform_radius
-        return cls(a, b, float(np.linalg.norm((b - a) * (1.0, radius, radius))))
-
-    def at(self, s: ArrayLike) -> Array:
-        """Poses (..., 3) at s (...), their azimuths as they are on the way."""
-        return np.asarray(self.start + np.asarray(s)[..., None] * (self.end - self.start))
-
-    def pose(self, s: float) -> tuple[float, ...]:
-        z, tilt, azimuth = self.at(s).tolist()
-        return z, tilt, float(np.pi - (np.pi - azimuth) % (2.0 * np.pi))
-
-
-def _events(design: TripodDesign, mode: str, way: _Way) -> tuple[Event, ...]:
-    """What a way passes, in order."""
-    if not way.length > 0.0:
+    @property
+    def reach_limbs(self) -> tuple[int, ...]:
         return ()
-    fractions = np.linspace(0.0, 1.0, _STEPS + 1)
-    poses = way.at(fractions)
-    found = _singular(design, mode, way, fractions, poses)
-    found += _strokes(design, mode, way, fractions, poses)
-    return tuple(sorted(found, key=lambda event: event.fraction))
 
+    def passed(self, before: Posture, after: Posture, through: ArrayLike = ()) -> tuple[Event, ...]:
+        meet = all(abs(posture.pose[1] - np.pi) <= _MEETING for posture in (before, after))
+        if before.mode != after.mode and meet:
+            return ()
+        return super().passed(before, after, through)
 
-def _singular(
-    design: TripodDesign, mode: str, way: _Way, fractions: Array, poses: Array
-) -> list[Event]:
-    def side(fraction: float) -> float:
-        return float(_polynomial(design, mode, way.at(fraction)))
+    def breaks(self, move: Segment) -> Sequence[float]:
+        if self.design.revolute_on_base or not move.change[1]:
+            return ()
+        s = (0.5 * np.pi - move.start[1]) / move.change[1]
+        return (float(s),) if 0.0 < s < 1.0 else ()
 
-    values = np.asarray(_polynomial(design, mode, poses))
-    found = []
-    for n in np.flatnonzero(values[:-1] * values[1:] < 0.0).tolist():
-        at = float(brentq(side, fractions[n], fractions[n + 1], xtol=1e-14))
-        text = f"a parallel singularity was crossed at {_where(way, at)}"
-        found.append(Event("parallel", at, way.pose(at), None, text, True))
-    return found
+    def ranges(self, poses: Array, mode: str) -> Array:
+        h, k = self.design.revolute_radius, mode_sign(mode) * self.design.spherical_radius
+        z, tilt, azimuth = (poses[:, n] for n in range(posing.POSE))
+        factor, lift = np.ones(len(poses)), z
+        if not self.design.revolute_on_base:
+            factor = np.cos(tilt)
+            lift = self.design.base_radius * np.sin(0.5 * tilt) ** 2 * np.sin(tilt)
+            lift = lift * np.sin(3.0 * azimuth) - z
+        level = posing.reduce_poses(self.design, poses, mode)._replace(v=np.zeros(len(poses)))
+        outward, upward = posing.offsets(h, k, level)
+        upward = lift[:, None] + factor[:, None] * upward
+        square = (factor[:, None] * outward) ** 2 + upward**2
+        low, high = self.design.stroke
+        by = factor[:, None] ** 2
+        both = np.stack([square - by * low**2, by * high**2 - square], axis=-1)
+        return both.reshape(len(poses), 2 * LIMBS)
 
-
-def _strokes(
-    design: TripodDesign, mode: str, way: _Way, fractions: Array, poses: Array
-) -> list[Event]:
-    lengths = posing.limb_lengths(design, poses, mode)
-    found = []
-    for i in range(LIMBS):
-        for bound, end in zip(range_of(LIMITS, i + 1), design.stroke, strict=True):
-            sign = 1.0 if bound == "rho_min" else -1.0
-            with np.errstate(invalid="ignore"):
-                room = sign * (lengths[:, i] - end)
-            room = np.where(np.isfinite(room), room, sign)
-
-            def left(fraction: float, i: int = i, sign: float = sign, end: float = end) -> float:
-                return sign * float(posing.limb_lengths(design, way.at(fraction), mode)[i] - end)
-
-            out = (room[:-1] >= 0.0) & (room[1:] < -1e-9)
-            back = (room[:-1] < -1e-9) & (room[1:] >= 0.0)
-            for n in np.flatnonzero(out | back).tolist():
-                low, high = float(fractions[n]), float(fractions[n + 1])
-                at = float(brentq(left, low, high, xtol=1e-14)) if room[n] != 0.0 else low
-                word = "passed" if out[n] else "came back within"
-                text = (
-                    f"limb {i + 1} {word} the end of its stroke ({bound.name}) at {_where(way, at)}"
-                )
-                found.append(Event("stroke", at, way.pose(at), i + 1, text, bool(out[n])))
-    return found
-
-
-def _polynomial(design: TripodDesign, mode: str, poses: Array) -> Array:
-    z, tilt, azimuth = (poses[..., n] for n in range(posing.POSE))
-    k = mode_sign(mode) * design.platform_radius
-    return np.asarray(
-        polynomial.value(design.mechanism, design.base_radius, k, z, tilt, np.sin(3.0 * azimuth))
-    )
-
-
-def _where(way: _Way, fraction: float) -> str:
-    z, tilt, azimuth = way.pose(fraction)
-    return f"z = {z:.1f} mm, θ = {np.degrees(tilt):.1f}°, φ = {np.degrees(azimuth):.1f}°"
+    def determinant(self, poses: Array, mode: str) -> tuple[Array, Array]:
+        z, tilt, azimuth = (poses[:, n] for n in range(posing.POSE))
+        k = mode_sign(mode) * self.design.platform_radius
+        terms = polynomial.in_w(self.design.mechanism, self.design.base_radius, k, z, tilt)
+        terms = terms * np.sin(3.0 * azimuth)[:, None] ** np.arange(4)
+        return terms.sum(axis=-1), ROUNDING * np.abs(terms).sum(axis=-1)

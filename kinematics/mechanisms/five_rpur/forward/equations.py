@@ -27,7 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 from kinematics.arrays import Array
 from kinematics.homotopy.tracking import determinant_columns, relative_size, solve_columns
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
-from kinematics.mechanisms.five_rpur.inverse import wrap_angle
+from kinematics.screws.spatial import wrap_angle
 
 Complex = NDArray[np.complex128]
 

@@ -14,10 +14,10 @@ import numpy as np
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
-from kinematics.mechanisms.five_rpur.inverse import MODES, inside, limb_lengths, wrap_angle
+from kinematics.mechanisms.five_rpur.inverse import MODES, inside, limb_lengths
 from kinematics.mechanisms.five_rpur.nearest_pose.projection import Found, nearest
 from kinematics.mechanisms.five_rpur.offsets import offset_points
-from kinematics.screws.spatial import rotation_y
+from kinematics.screws.spatial import rotation_y, wrap_angle
 
 _STEPS = 12  # from an angle to half a turn away
 _PLACES = 8  # along each axis of what all limbs may reach at an orientation

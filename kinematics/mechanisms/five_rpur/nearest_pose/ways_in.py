@@ -7,6 +7,7 @@ from math import degrees
 from kinematics.answers.bounds import decimals
 from kinematics.answers.clearances import Remedy
 from kinematics.answers.solutions import Posture
+from kinematics.facets.clearances import ClearancesFacet
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inverse import MODES, inverse
 from kinematics.mechanisms.five_rpur.nearest_pose.projection import Found, nearest
@@ -16,30 +17,35 @@ from kinematics.mechanisms.five_rpur.nearest_pose.turning import turned
 _MODES_NAMED = 3
 
 
-def remedy(design: FiveRPURDesign, wanted: Posture) -> Remedy:
-    """The ways out of a posture that cannot be held.
+class NearestPose(ClearancesFacet[FiveRPURDesign]):
+    """Proven at the orientation, searched for at others."""
 
-    The nearest posture is at the same orientation: in the same working mode, and where that has no
-    place there at all, in another one; both are proven to be the nearest (see `projection`). Where
-    no mode has any, other orientations are searched, of the same mode first (see `turning`).
-    """
-    if wanted.reachable:
-        return Remedy(wanted, 0.0, (), "this pose can be held")
-    within = inverse(design, wanted.pose).within_stroke
-    modes = tuple(mode for mode, ok in zip(MODES, within, strict=True) if ok)
-    found, text = _nearest(design, wanted)
-    if modes:
-        text = f"{text}; {_modes_text(modes)}"
-    elif found is not None and found.posture.mode == wanted.mode:
-        text += _nearer(design, wanted, found)
-    return Remedy(
-        nearest=None if found is None else found.posture,
-        distance=float("inf") if found is None else found.distance,
-        changes=changes(design, wanted),
-        text=text,
-        modes=modes,
-        error=0.0 if found is None else found.error,
-    )
+    def nearest_pose(self, posture: Posture) -> Remedy:
+        """The ways out of a posture that cannot be held.
+
+        The nearest posture is at the same orientation: in the same working mode, and where that has
+        no place there at all, in another one; both are proven to be the nearest (see `projection`).
+        Where no mode has any, other orientations are searched, of the same mode first (see
+        `turning`).
+        """
+        design, wanted = self.design, posture
+        if wanted.reachable:
+            return Remedy(wanted, 0.0, (), "this pose can be held")
+        within = inverse(design, wanted.pose).within_stroke
+        modes = tuple(mode for mode, ok in zip(MODES, within, strict=True) if ok)
+        found, text = _nearest(design, wanted)
+        if modes:
+            text = f"{text}; {_modes_text(modes)}"
+        elif found is not None and found.posture.mode == wanted.mode:
+            text += _nearer(design, wanted, found)
+        return Remedy(
+            nearest=None if found is None else found.posture,
+            distance=float("inf") if found is None else found.distance,
+            changes=changes(design, wanted),
+            text=text,
+            modes=modes,
+            error=0.0 if found is None else found.error,
+        )
 
 
 def _nearest(design: FiveRPURDesign, wanted: Posture) -> tuple[Found | None, str]:

@@ -23,6 +23,7 @@ from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.singularities.determinant import Determinant, terms
 from kinematics.plane.contours import zero_curves
+from kinematics.screws.spatial import wrap_angle
 
 ORIENTATION = LocusSpec(
     "orientation", "Singular orientations at this position", ("φ", "θ"), ("rad", "rad")
@@ -247,9 +248,7 @@ def _closing(design: FiveRPURDesign, y: float) -> list[tuple[float, float, list[
         for reach in (design.link[limb], -design.link[limb]):
             if swing[limb] > 0.0 and abs(reach - away[limb]) < swing[limb]:
                 turn = np.arccos((reach - away[limb]) / swing[limb])
-                ends += [
-                    (float(inverse.wrap_angle(way - lag[limb])), limb + 1) for way in (turn, -turn)
-                ]
+                ends += [(float(wrap_angle(way - lag[limb])), limb + 1) for way in (turn, -turn)]
     stations = sorted({phi for phi, _ in ends})
     found: list[tuple[float, float, list[int], list[int]]] = []
     for low, high in pairwise(stations):

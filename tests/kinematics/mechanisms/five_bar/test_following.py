@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from kinematics.machine import machine_of
 from kinematics.mechanism import mechanism_class
-from kinematics.mechanisms.five_bar import forward, inverse, paths
+from kinematics.mechanisms.five_bar import forward, inverse
 from kinematics.mechanisms.five_bar.joints_line import first_crossing
 from kinematics.mechanisms.five_bar.statics import sines
 from tests.kinematics.mechanisms.five_bar.conftest import BOTH, MACHINES, PAPER, UNLIKE
@@ -113,6 +113,11 @@ def test_a_machine_that_is_not_assembled_stays() -> None:
     assert machine_of(PAPER).following.fold_ahead(apart, (0.0, 0.0)) is None
 
 
+def events(design, start: np.ndarray, end: np.ndarray, mode: str):
+    paths = machine_of(design).paths
+    return paths.events(paths.segment(start, end, mode))
+
+
 # --- ways of P -----------------------------------------------------------------------------
 
 
@@ -127,7 +132,7 @@ def test_what_a_way_passes_is_what_dense_samples_see(
 ) -> None:
     design = MACHINES[name]
     start, end = np.array([a, b]), np.array([c, d])
-    found = paths.events(design, start, end, mode)
+    found = events(design, start, end, mode)
     s = np.linspace(0.0, 1.0, 2001)
     p = start + s[:, None] * (end - start)
     q = inverse.joints_of(design, p, mode)
@@ -157,19 +162,18 @@ def test_what_a_way_passes_is_what_dense_samples_see(
 
 def test_paths_stop_before_a_singularity() -> None:
     start = machine_of(PAPER).home
-    moved = paths.path(PAPER, start, [(0.0, 600.0), (0.0, 200.0), (0.0, 0.0)])
+    moved = machine_of(PAPER).paths.drive(start, [(0.0, 600.0), (0.0, 200.0), (0.0, 0.0)])
     assert moved.stop == "singularity"
     assert moved.posture.pose[1] == pytest.approx(415.692193816, abs=1e-5)
     assert moved.posture.pose[1] > 415.69219381
-    assert paths.path(PAPER, start, [(0.0, 600.0)]).stop == "target"
-    outside = paths.path(UNLIKE, machine_of(UNLIKE).home, [(0.0, 2000.0)])
+    assert machine_of(PAPER).paths.drive(start, [(0.0, 600.0)]).stop == "target"
+    outside = machine_of(UNLIKE).paths.drive(machine_of(UNLIKE).home, [(0.0, 2000.0)])
     assert outside.stop == "singularity"
     assert outside.posture.reachable
 
 
 def test_a_change_of_mode_is_no_way() -> None:
-    (event,) = paths.passed(
-        PAPER,
+    (event,) = machine_of(PAPER).paths.passed(
         machine_of(PAPER).inverse.posture((0.0, 700.0), "+-"),
         machine_of(PAPER).inverse.posture((0.0, 700.0), "++"),
     )
@@ -178,7 +182,7 @@ def test_a_change_of_mode_is_no_way() -> None:
 
 
 def test_a_base_joint_is_passed() -> None:
-    found = paths.events(PAPER, np.array([-240.0, 300.0]), np.array([-240.0, -300.0]), "++")
+    found = events(PAPER, np.array([-240.0, 300.0]), np.array([-240.0, -300.0]), "++")
     assert [e.limb for e in found if "A₁" in e.text] == [1]
 
 
@@ -186,7 +190,7 @@ def test_ways_with_corners_are_told_as_one() -> None:
     before, after = (
         machine_of(PAPER).inverse.posture(pose, "+-") for pose in ((0.0, 700.0), (100.0, 500.0))
     )
-    (one, two) = paths.passed(PAPER, before, after, [(0.0, 400.0), (100.0, 400.0)])
+    (one, two) = machine_of(PAPER).paths.passed(before, after, [(0.0, 400.0), (100.0, 400.0)])
     assert one.pose[1] == pytest.approx(415.692193816, abs=1e-6)
     assert one.fraction == pytest.approx((700.0 - one.pose[1]) / 500.0)
     assert one.fraction < two.fraction < 1.0

@@ -24,9 +24,8 @@ from kinematics.mechanisms.five_rpur.inverse import (
     pose_from_transform,
     signs,
     transform,
-    wrap_angle,
 )
-from kinematics.screws.spatial import rotation_x, rotation_y, rotation_z
+from kinematics.screws.spatial import rotation_x, rotation_y, rotation_z, wrap_angle
 from tests.kinematics.references import read
 
 # Real forward solutions, refined to 40 digits and found by methods independent of this package.

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from kinematics.designs.files import load_design
 from kinematics.facets import inverse as generic
+from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur import inverse
-from kinematics.mechanisms.five_rpur.clearances import clearances
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.feet import feet
 from kinematics.mechanisms.five_rpur.inscribed import largest
@@ -92,7 +92,7 @@ def _beside(there, clearance) -> float:
 @pytest.mark.parametrize("seed", range(12))
 def test_at_each_nearest_point_its_bound_is_met(seed):
     design, posture = a_posture(seed)
-    found = clearances(design, posture)
+    found = machine_of(design).clearances.of(posture, singular=False)
     assert [c.distance for c in found] == sorted(c.distance for c in found)
     assert len(found) == 16  # two ends and a mode of each limb, and the boundary
     for clearance in found:
@@ -111,7 +111,8 @@ def test_at_each_nearest_point_its_bound_is_met(seed):
 @pytest.mark.parametrize("seed", range(6))
 def test_boundary_is_the_largest_ball_of_the_mode(seed):
     design, posture = a_posture(seed)
-    boundary = next(c for c in clearances(design, posture) if c.kind == "boundary")
+    found = machine_of(design).clearances.of(posture, singular=False)
+    boundary = next(c for c in found if c.kind == "boundary")
     ball = largest.sphere(design, *posture.pose[3:], (posture.mode,), posture.pose[:3])
     assert ball.radius == pytest.approx(boundary.distance, abs=1e-6)
     rng = np.random.default_rng(seed)
@@ -133,7 +134,7 @@ def test_boundary_is_the_largest_ball_of_the_mode(seed):
 @pytest.mark.parametrize("seed", range(8))
 def test_beyond_a_bound_the_way_back_is_negative(seed):
     design, posture = a_posture(seed, reachable=False)
-    found = clearances(design, posture)
+    found = machine_of(design).clearances.of(posture, singular=False)
     beyond = {(c.limb, c.bound) for c in found if c.distance < 0.0}
     assert beyond == {(r.limb, r.bound) for r in posture.reasons}
     assert all(c.kind != "boundary" for c in found)
@@ -165,8 +166,9 @@ def test_motions_and_another_reference_point_leave_the_distances(seed):
     turned = rotation_y(theta) @ rotation_x(phi)
     pose = (*(turn @ (posture.pose[:3] + turned @ other) + shift), phi, theta + about)
     moved = FiveRPURDesign(limbs)
-    before = clearances(design, posture)
-    after = clearances(moved, generic.posture(moved, pose, posture.mode))
+    before = machine_of(design).clearances.of(posture, singular=False)
+    there = generic.posture(moved, pose, posture.mode)
+    after = machine_of(moved).clearances.of(there, singular=False)
 
     def table(found):
         return {(c.kind, c.limb, c.bound): c.distance for c in found if c.kind != "boundary"}
@@ -179,7 +181,7 @@ def test_a_stroke_from_zero_is_no_boundary():
     limb = Limb(zero, zero, 100.0, (0.0, 300.0))
     design = FiveRPURDesign((limb,) * 5)
     posture = generic.posture(design, (1.0, 0.0, 100.0, 0.0, 0.0), "+++++")
-    found = clearances(design, posture)
+    found = machine_of(design).clearances.of(posture, singular=False)
     assert found[0].distance == pytest.approx(1.0)
     assert found[0].bound == "rho_min"
     boundary = next(c for c in found if c.kind == "boundary")

@@ -12,6 +12,7 @@ from kinematics.facets import inverse as generic
 from kinematics.mechanisms.four_sps_spr import inverse
 from kinematics.mechanisms.four_sps_spr.constraint import complete_pose, dependent_values
 from kinematics.mechanisms.four_sps_spr.home import home
+from kinematics.screws.spatial import wrap_angle
 from tests.kinematics.mechanisms.four_sps_spr.machines import (
     angles,
     general,
@@ -71,7 +72,7 @@ def test_the_coordinate_that_was_there_is_found_again(design, index: int) -> Non
         # Where a position has next to no say it is not well determined either.
         turned = inverse.rotation(pose) @ design.axis
         loose = 1e-9 / max(abs(turned[index]), 1e-6) if index < 3 else 1e-7
-        away = found - pose[index] if index < 3 else inverse.wrap_angle(found - pose[index])
+        away = found - pose[index] if index < 3 else wrap_angle(found - pose[index])
         assert np.nanmin(np.abs(away)) < loose
 
 

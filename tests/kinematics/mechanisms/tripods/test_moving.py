@@ -8,7 +8,7 @@ import pytest
 from kinematics.designs.files import load_design
 from kinematics.facets import inverse as generic
 from kinematics.machine import machine_of
-from kinematics.mechanisms.tripods import paths, posing
+from kinematics.mechanisms.tripods import posing
 from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind, TripodDesign
 from tests.kinematics.mechanisms.tripods.machines import machine, some_machines, some_poses
 
@@ -86,23 +86,23 @@ def test_what_a_move_of_the_pose_passes() -> None:
     wide = TripodDesign("three_spr", 100.0, 200.0, (1.0, 900.0))
     before = generic.posture(wide, (100.0, 0.1, -np.pi / 6), "2")
     after = generic.posture(wide, (100.0, 0.8, -np.pi / 6), "2")
-    (event,) = paths.passed(wide, before, after)
+    (event,) = machine_of(wide).paths.passed(before, after)
     assert event.kind == "parallel"
     assert event.pose[1] == pytest.approx(np.pi / 6, abs=1e-9)
     assert event.stops
-    reached = paths.path(wide, before, [after.pose])
+    reached = machine_of(wide).paths.drive(before, [after.pose])
     assert reached.stop == "singularity"
     assert reached.posture.pose[1] == pytest.approx(np.pi / 6, abs=1e-5)
     design = load_design("spr-3")
     home = machine_of(design).home
     up = generic.posture(design, (200.0, 0.0, 0.0), "2")
-    events = paths.passed(design, home, up)
+    events = machine_of(design).paths.passed(home, up)
     assert {event.limb for event in events} == {1, 2, 3}
-    way = paths.path(design, home, [(120.0, 0.0, 0.0), up.pose])
+    way = machine_of(design).paths.drive(home, [(120.0, 0.0, 0.0), up.pose])
     assert way.stop == "stroke"
     assert way.posture.joints == pytest.approx((design.stroke[1],) * 3, abs=1e-6)
     other = generic.posture(design, home.pose, "1")
-    assert "operation mode" in paths.passed(design, home, other)[0].text
+    assert "operation mode" in machine_of(design).paths.passed(home, other)[0].text
 
 
 @pytest.mark.parametrize("name", ["rps-3", "spr-3"])

@@ -31,7 +31,7 @@ from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur.arrangements import arrangements
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
-from kinematics.mechanisms.five_rpur.inverse import wrap_angle
+from kinematics.screws.spatial import wrap_angle
 
 Complex = NDArray[np.complex128]
 Number = complex | np.complex128

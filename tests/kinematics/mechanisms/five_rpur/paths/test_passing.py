@@ -12,8 +12,6 @@ from kinematics.machine import machine_of
 from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
-from kinematics.mechanisms.five_rpur.paths.events import passed
-from kinematics.mechanisms.five_rpur.paths.straight import Way
 from tests.kinematics.mechanisms.five_rpur.asked import wrench_matrix
 from tests.kinematics.references import read
 
@@ -44,7 +42,7 @@ def test_events_are_those_of_dense_samples(seed):
     design, before, after = a_way(seed)
     events = machine_of(design).paths.passed(before, after)
     assert [e.fraction for e in events] == sorted(e.fraction for e in events)
-    way = Way.between(design, before.pose, after.pose, before.mode)
+    way = machine_of(design).paths.segment(before.pose, after.pose, before.mode)
     s = np.linspace(0.0, 1.0, 4001)
     near = 2.0 / len(s)
     poses = way.poses(s)
@@ -114,7 +112,7 @@ def folds():
         mode = "".join(
             "+" if abs(a - r) < abs(b - r) else "-" for (a, b), r in zip(lengths, rho, strict=True)
         )
-        way = Way.between(design, pose, pose, mode)
+        way = machine_of(design).paths.segment(pose, pose, mode)
         steps = 1e-4 * np.diag(1.0 / way.metric)
         slope = way.determinant(pose + steps)[0] - way.determinant(pose - steps)[0]
         yield design, mode, pose, slope / way.metric, way
@@ -200,7 +198,7 @@ def test_another_mode_is_told():
 
 def test_angles_go_the_shorter_way():
     design = load_design("rpur-table1")
-    way = Way.between(design, (0, 0, 0, 3.0, -3.0), (0, 0, 0, -3.0, 3.0), "+++++")
+    way = machine_of(design).paths.segment((0, 0, 0, 3.0, -3.0), (0, 0, 0, -3.0, 3.0), "+++++")
     turn = 2.0 * np.pi - 6.0
     assert way.change[3:] == pytest.approx([turn, -turn])
     assert way.pose(1.0)[3:] == pytest.approx((-3.0, 3.0))
@@ -239,9 +237,9 @@ def test_a_motion_of_the_whole_leaves_the_events(seed):
 @pytest.mark.parametrize("seed", range(1, 40, 8))
 def test_a_way_in_parts_passes_the_same(seed):
     design, before, after = a_way(seed)
-    way = Way.between(design, before.pose, after.pose, before.mode)
+    way = machine_of(design).paths.segment(before.pose, after.pose, before.mode)
     whole = machine_of(design).paths.passed(before, after)
-    parts = passed(design, before, after, way.poses(np.array([0.211, 0.658])))
+    parts = machine_of(design).paths.passed(before, after, way.poses(np.array([0.211, 0.658])))
     assert [(e.kind, e.limb, e.stops, e.text) for e in parts] == [
         (e.kind, e.limb, e.stops, e.text) for e in whole
     ]

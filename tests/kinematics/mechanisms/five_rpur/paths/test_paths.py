@@ -7,12 +7,11 @@ import pytest
 
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
+from kinematics.facets.paths import WARNED
 from kinematics.machine import machine_of
 from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.five_rpur import inverse
-from kinematics.mechanisms.five_rpur.paths.driving import GAP
-from kinematics.mechanisms.five_rpur.paths.nearness import WARNED
-from kinematics.mechanisms.five_rpur.paths.straight import Way
+from kinematics.mechanisms.five_rpur.paths import Paths
 from tests.kinematics.mechanisms.five_rpur.asked import wrench_matrix
 
 MECHANISM = mechanism_class("five_rpur")
@@ -35,7 +34,7 @@ def test_a_path_stops_before_what_it_would_pass(seed):
     assert 0.0 <= reached.fraction <= 1.0
     assert sign_of(design, reached.posture) == sign_of(design, start)
     ways = [
-        Way.between(design, a, b, start.mode)
+        machine_of(design).paths.segment(a, b, start.mode)
         for a, b in zip([start.pose, *corners[:-1]], corners, strict=True)
     ]
     lengths = np.array([way.length for way in ways])
@@ -57,9 +56,11 @@ def test_a_path_stops_before_what_it_would_pass(seed):
     else:
         assert reached.stop == "singularity"
         assert "singularity" in reached.text
-        way = Way.between(design, reached.posture.pose, reached.posture.pose, start.mode)
+        way = machine_of(design).paths.segment(
+            reached.posture.pose, reached.posture.pose, start.mode
+        )
         if reached.limb is None:
-            assert 0.0 < way.apart(reached.posture.pose) <= 1.01 * GAP
+            assert 0.0 < way.to_singularity(reached.posture.pose) <= 1.01 * Paths.gap
 
 
 def test_some_paths_meet_each_kind_of_stop():
