@@ -14,43 +14,23 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
-import numpy as np
 import viser
 
-from app.features.design.panel import DesignPanel
-from app.features.map.panel import MapPanel
-from app.features.map.part import Mapping
-from app.features.move.panel import MovePanel
-from app.features.move.state import Place, Visit
-from app.features.review.files import ExportedFile, build_file, solid_name
-from app.features.review.panel import ReviewPanel
-from app.features.section.panel import SectionPanel
-from app.features.section.part import Slicing
-from app.features.singularities.compute import beside
-from app.features.singularities.panel import SingularitiesPanel
-from app.features.singularities.part import Controlling
-from app.features.singularities.state import Control
-from app.features.solutions.panel import SolutionsPanel
-from app.features.solutions.part import Solving
-from app.features.trajectory.panel import TrajectoryPanel
-from app.features.trajectory.part import Moving
-from app.features.workspace.compute import SolidWish, modes_of, wishes
-from app.features.workspace.panel import WorkspacePanel
-from app.features.workspace.part import Regioning
+from app.features import each
+from app.features.review.files import ExportedFile
+from app.jobs.lane import Busy, Done, Lost
 from app.jobs.parts import Part
-from app.jobs.worker import Built, Busy, Event, Failed, Worker
-from app.review import session
 from app.review import view as compute
 from app.review.changes import Change
 from app.review.history import History
-from app.review.requests import Request
-from app.review.state import Options, Review, is_planar
-from app.scene.machine import FIELD_OF_VIEW, Scene, machine_bounds
-from app.scene.morph import Morph
-from app.widgets.desk import Hands, Panel, Save, Sheet, safely
+from app.review.state import Options, Review
+from app.scene.camera import fit
+from app.scene.machine import Scene
+from app.widgets.desk import Group, Hands, Panel, Sheet, safely
 from app.widgets.header import Header
 from app.widgets.hotkeys import add_hotkeys
 from kinematics.errors import InputError
@@ -58,22 +38,11 @@ from kinematics.errors import InputError
 log = logging.getLogger(__name__)
 
 TICK = 0.25  # s between looks at the clock while nothing happens
-MOMENT = 0.03  # s, the same while a widget waits to be brought up to date
-FRAME = 0.02  # s, the same while the machine glides to another solution
-SETTLED = 0.8  # s without a change before the session is saved
+MOMENT = 0.03  # s, the same while something waits to be brought up to date
 PANEL_WIDTH = 400  # px
 
-TABS: tuple[tuple[str, type[Panel]], ...] = (
-    ("Move", MovePanel),
-    ("Solutions", SolutionsPanel),
-    ("Workspace", WorkspacePanel),
-    ("Section", SectionPanel),
-    ("Singularities", SingularitiesPanel),
-    ("Map", MapPanel),
-    ("Trajectory", TrajectoryPanel),
-    ("Design", DesignPanel),
-    ("Review", ReviewPanel),
-)
+A = ParamSpec("A")
+P = TypeVar("P")
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +54,10 @@ class _Asked:
 
 
 class Page:
-    """A review on a viser server; every method but `run` only puts something into the inbox."""
+    """A review on a viser server; every method but `run` only puts something into the inbox.
+
+    It is the `Desk` of its panels and the `Stage` of its parts.
+    """
 
     def __init__(
         self, server: viser.ViserServer, review: Review, address: str, session_file: Path | None
@@ -93,99 +65,88 @@ class Page:
         self.server = server
         self.gui = server.gui
         self.address = address
+        self.session_file = session_file
         self.hands = Hands()
-        self._session_file = session_file
+        self.scene = Scene(server)
+
         self._history = History(review)
         self._inbox: queue.SimpleQueue[Any] = queue.SimpleQueue()
-        self.scene = Scene(server)
-        self._control = Controlling(self)
-        self._regions = Regioning(self)
-        self._moving = Moving(self)
-        self._parts: tuple[Part, ...] = (
-            Solving(self),
-            Slicing(self),
-            Mapping(self),
-            self._regions,
-            self._control,
-            self._moving,
-        )
-        self._morph: Morph | None = None
-        self._view: compute.View | None = None
-        self._wishes: tuple[SolidWish, ...] = ()
-        self._header: Header | None = None
-        self.panels: list[Panel] = []  # the header first
-        self._built: dict[str, Built] = {}
-        self._busy: dict[str, Busy] = {}
+        self._view = compute.view(review)
         self._notes: tuple[str, ...] = ()
-        self._dragging: set[int] = set()
-        self._grips = 0
-        self._unsaved = False
-        self._changed_at = 0.0
+        self._busy: dict[str, Busy] = {}
+        self._header: Header | None = None
+        self._panels: list[Group] = []  # the header first
         self._kind = ""
         self._framed: object = None
-        self._framed_with_solids = False
         self._dark: bool | None = None
         self._stopping = threading.Event()
-        self.worker = Worker(self._inbox.put)
+        self._parts: list[Part] = []
+        for module in each("part"):
+            self._parts += [kind(self) for kind in module.PARTS]
 
     # --- what panels ask for (Desk)
 
     def send(self, change: Change, client: viser.ClientHandle | None = None) -> None:
         self._inbox.put(_Asked(change, client))
 
+    def ask(self, act: Callable[A, object], *arguments: A.args, **options: A.kwargs) -> None:
+        self._inbox.put(partial(act, *arguments, **options))
+
     def undo(self) -> None:
-        self._inbox.put("undo")
+        self._inbox.put(lambda: self._travel(self._history.undo()))
 
     def redo(self) -> None:
-        self._inbox.put("redo")
+        self._inbox.put(lambda: self._travel(self._history.redo()))
 
     def fit_view(self) -> None:
-        self._inbox.put("fit")
+        self._inbox.put(self._fit)
 
     def cancel(self) -> None:
         busy = self._longest_work()
-        part = next((p for p in self._parts if busy is not None and busy.lane in p.lanes), None)
-        if part is None or busy is None:
-            self.worker.cancel()
-        else:
-            part.cancel(busy.lane)
-
-    def ask(self, request: Request) -> None:
-        self._inbox.put(request)
+        for part in self._parts:
+            if busy is not None and busy.lane in part.lanes:
+                part.cancel(busy.lane)
 
     def complain(self, text: str, client: viser.ClientHandle | None = None) -> None:
         """Tell the person who asked, or everybody, what is wrong."""
         self._notify(text, client)
         self._inbox.put("redraw")  # widgets go back to what is true
 
+    def _clients(self, client: viser.ClientHandle | None) -> list[viser.ClientHandle]:
+        return [*self.server.get_clients().values()] if client is None else [client]
+
     def _notify(self, text: str, client: viser.ClientHandle | None) -> None:
-        for each in [client] if client is not None else self.server.get_clients().values():
-            each.add_notification("Bohemia", text, color="red", auto_close_seconds=12.0)
+        for each_one in self._clients(client):
+            each_one.add_notification("Bohemia", text, color="red", auto_close_seconds=12.0)
 
     def download(self, file: ExportedFile, client: viser.ClientHandle | None) -> None:
-        for each in [client] if client is not None else self.server.get_clients().values():
-            each.send_file_download(file.name, file.data, save_immediately=True)
-
-    def export(self, save: Save) -> None:
-        self._inbox.put(save)
-
-    def picture(self, client: viser.ClientHandle | None) -> None:
-        if client is None:
-            raise InputError("a picture is taken of one browser's view; press the button there")
-        self.apart(client, lambda: self.download(self._picture(client), client))
-
-    def scene_page(self, client: viser.ClientHandle | None) -> None:
-        self.apart(client, lambda: self.download(self._scene_page(), client))
+        for each_one in self._clients(client):
+            each_one.send_file_download(file.name, file.data, save_immediately=True)
 
     # --- what parts ask for (Stage)
 
     @property
     def view(self) -> compute.View:
-        assert self._view is not None
         return self._view
+
+    @property
+    def review(self) -> Review:
+        return self._history.present
+
+    def part(self, kind: type[P]) -> P:
+        return next(part for part in self._parts if isinstance(part, kind))
 
     def put(self, item: object) -> None:
         self._inbox.put(item)
+
+    def tell(self, news: object, view: compute.View | None = None) -> None:
+        sheet = self.sheet() if view is None else replace(self.sheet(), view=view)
+        for panel in self._panels:
+            panel.told(sheet, news)
+
+    def note(self, text: str) -> None:
+        """Whoever opens the page later reads it, too."""
+        self._notes = (text,)
 
     def apart(self, client: viser.ClientHandle | None, act: Callable[[], None]) -> None:
         """Do something that takes a while in a thread of its own; its failure is told."""
@@ -195,13 +156,23 @@ class Page:
 
         threading.Thread(target=work, daemon=True).start()
 
+    def shown(self) -> compute.View:
+        """The view with the machine where it is to be seen now."""
+        view = self._view
+        for part in self._parts:
+            view = part.shown(view)
+        return view
+
+    def show_machine(self) -> None:
+        """Bring the machine in the scene to where it is to be seen now."""
+        self.scene.show(self.shown(), dragging=self.scene.held)
+
     # --- the loop
 
     def run(self) -> None:
         """Serve the review until `stop`."""
         # Threads hand over to each other within a frame: the lanes must not wait for a drawing.
         sys.setswitchinterval(0.0005)
-        self.worker.start()
         for part in self._parts:
             part.start()
         self._publish()
@@ -216,8 +187,6 @@ class Page:
                 except queue.Empty:
                     break
             self._turn(items)
-        self._save_session()
-        self.worker.stop()
         for part in self._parts:
             part.stop()
 
@@ -240,47 +209,32 @@ class Page:
 
     def _patience(self, owing: bool) -> float:
         """How long to wait for the next input, s."""
-        if self._morph is not None:
-            return FRAME
-        if (due := self._moving.due) is not None:
-            return due
-        return MOMENT if owing or any(part.late for part in self._parts) else TICK
+        due = [part.due for part in self._parts]
+        soonest = min((s for s in due if s is not None), default=TICK)
+        return min(max(soonest, 0.002), MOMENT if owing else TICK)
 
     def _take(self, items: Sequence[Any]) -> None:
-        redraw = solids = False
+        redraw = False
         for n, item in enumerate(items):
             match item:
                 case _Asked(change, client):
                     if not _superseded(item, items[n + 1 :]):
                         redraw |= self.apply(change, client)
-                case "undo" | "redo":
-                    history = self._history
-                    self._history = history.undo() if item == "undo" else history.redo()
-                    redraw = True
-                    self._touched(())
                 case "redraw":
                     redraw = True
-                case "fit":
-                    self._fit()
-                case Save():
-                    self._export(item)
-                case Built() | Failed() | Busy():
-                    solids |= self._worked(item)
-                case ("drag", phase, client_id, pose):
-                    redraw |= self._drag(phase, client_id, pose)
-                case _:
+                case Busy(lane):
+                    self._busy[lane] = item
+                case Done() | Lost():
                     for part in self._parts:
                         redraw |= part.take(item)
+                case _:
+                    redraw |= bool(item())
         if redraw:
             self._publish()
-        elif solids:
-            self._publish_solids()
-        self._glide()
         for part in self._parts:
             part.catch_up()
-        self._show_work()
-        if self._unsaved and time.monotonic() - self._changed_at > SETTLED:
-            self._save_session()
+        if self._header is not None:
+            self._header.draw_work(self._longest_work())
 
     def apply(self, change: Change, client: viser.ClientHandle | None) -> bool:
         """Take a change; true when the page has to be brought to it."""
@@ -290,189 +244,66 @@ class Page:
         except InputError as error:
             self.complain(str(error), client)
             return True
-        self._touched((note,) if note else ())
+        self._notes = (note,) if note else ()
         for part in self._parts:
             part.applied(change, before, note)
-        if isinstance(change, Visit) and self._view is not None:
-            after = compute.view(self._history.present)
-            self._morph = Morph(self._shown(), after, time.monotonic())
         return True
 
-    def _touched(self, notes: tuple[str, ...]) -> None:
-        self._notes = notes
-        self._morph = None
-        self._unsaved = True
-        self._changed_at = time.monotonic()
-
-    def _worked(self, event: Event) -> bool:
-        """A lane reported; true when the page has to change."""
-        match event:
-            case Busy(lane):
-                self._busy[lane] = event
-                return False
-            case Failed(what, resolution, text):
-                if text:
-                    self.complain(text)
-                    self._notes = (text,)  # whoever opens the page later reads it too
-                if resolution == "preview":  # better no solid than one of another pose
-                    for wish in wishes(self._history.present):
-                        if wish.what == what:
-                            self._built.pop(wish.spec.key, None)
-                return bool(text)
-            case Built(wish, resolution):
-                before = self._built.get(wish.spec.key)
-                ranks = ("preview", "normal", "fine")
-                if (
-                    before is not None
-                    and before.wish.what == wish.what
-                    and ranks.index(before.resolution) >= ranks.index(resolution)
-                ):
-                    return False
-                if all(w.what != wish.what for w in wishes(self._history.present)):
-                    return False  # the hand has moved on
-                self._built[wish.spec.key] = event
-                if not self._framed_with_solids:
-                    self._framed_with_solids = True
-                    self._fit()
-                return True
+    def _travel(self, history: History) -> bool:
+        self._history, self._notes = history, ()
+        return True
 
     # --- showing
 
     def _publish(self) -> None:
         """Bring everything to the present review."""
         review = self._history.present
-        view = self._view = replace(compute.view(review), beside=beside(review))
-        self._wishes = wishes(review)
-        self.worker.want(self._wishes)
+        self._view = compute.view(review)
+        for part in self._parts:
+            self._view = part.seen(self._view)
         with self.server.atomic():
             if review.design.mechanism != self._kind:
-                self._assemble(self.sheet())
+                self._assemble(review)
             self._theme(review)
-            self.scene.show(self._shown(), dragging=bool(self._dragging))
-            self._show_solids(view)
-            self._draw_panels()
-            framed = review.design, review[Control].compare
-            if self._framed != framed:
-                # Again when the first solid is there: it is larger than the machine.
-                self._framed, self._framed_with_solids = framed, not self._wishes
-                self._fit()
             for part in self._parts:
                 part.follow()
-        self.server.flush()
-
-    def _shown(self) -> compute.View:
-        """The view that the scene has, or is to have now: on the way to a solution, or there."""
-        assert self._view is not None
-        if self._morph is None:
-            return self._moving.shown(self._view)
-        return self._morph.at(time.monotonic())
-
-    def _glide(self) -> None:
-        """One more picture of the machine on its way to a solution."""
-        if self._morph is None:
-            return
-        with self.server.atomic():
-            self.scene.show(self._shown(), dragging=bool(self._dragging))
-        self.server.flush()
-        if self._morph.over(time.monotonic()):
-            self._morph = None
-
-    def _publish_solids(self) -> None:
-        """Only solids came: the machine stands as it stood."""
-        assert self._view is not None
-        with self.server.atomic():
-            self._show_solids(self._view)
+            self.show_machine()
             sheet = self.sheet()
-            for panel in self.panels:
-                panel.draw_solids(sheet)
+            for panel in self._panels:
+                panel.draw(sheet)
+            framed = review.design, self._view.beside is None
+            if self._framed != framed:
+                self._framed = framed
+                self._fit()
         self.server.flush()
 
     def sheet(self) -> Sheet:
-        assert self._view is not None
-        return Sheet(
-            self._view,
-            self._wishes,
-            dict(self._built),
-            self._notes,
-            bool(self._history.past),
-            bool(self._history.future),
-        )
+        history = self._history
+        return Sheet(self._view, self._notes, bool(history.past), bool(history.future))
 
-    def _draw_panels(self) -> None:
-        sheet = self.sheet()
-        for panel in self.panels:
-            panel.draw(sheet)
-
-    def _show_solids(self, view: compute.View) -> None:
-        wished = {wish.spec.key: wish for wish in self._wishes}
-        for spec in view.review.machine.solid_specs:
-            wish, built = wished.get(spec.key), self._built.get(spec.key)
-            if wish is None:
-                self.scene.hide_solid(spec.key)
-                self._built.pop(spec.key, None)
-            elif built is None:
-                self.scene.hide_solid(spec.key)
-            elif built.wish.what == wish.what:
-                coats = self._control.coats(view, wish, built)
-                if not self.scene.shows(wish, built.solid, coats):
-                    self.scene.show_solid(wish, built.solid, coats)
-                else:
-                    self.scene.fade_solid(wish)
-            else:  # the new solid is on its way; until then the old one stays where it was
-                self.scene.fade_solid(wish)
-
-    def _assemble(self, sheet: Sheet) -> None:
+    def _assemble(self, review: Review) -> None:
         """Make the panel and the scene's fixed parts for the mechanism of a review."""
-        review = sheet.view.review
         self._kind = review.design.mechanism
-        self._built.clear()
         self.gui.reset()
         self.scene.clear()
         self._dark = None
         self._theme(review)
-        add_hotkeys(self, lambda: self._history.present)
         self.gui.main_panel.dock_right()
         self.gui.main_panel.set_width(PANEL_WIDTH)
         self.gui.set_panel_label("Bohemia")
+        self.scene.prepare(self._view.drawing.size, review.machine.coordinates)
         for part in self._parts:
             part.prepare()
-        self.scene.prepare(
-            review.machine.solid_specs,
-            sheet.view.drawing.size,
-            review.machine.coordinates,
-        )
+        sheet = self.sheet()
         self._header = Header(self, sheet)
-        self.panels = [self._header]
+        self._panels = [self._header]
         tabs = self.gui.add_tab_group()
-        for title, panel in TABS:
-            if panel.serves(review.machine):
-                with tabs.add_tab(title):
-                    self.panels.append(panel(self, sheet))
-        handle = self.scene.handle
-        assert handle is not None
-
-        async def dragged(event: viser.TransformControlsEvent) -> None:
-            rotation = viser.transforms.SO3(np.array(event.target.wxyz)).as_matrix()
-            placed = np.eye(4)
-            placed[:3, :3], placed[:3, 3] = rotation, event.target.position
-            self._inbox.put(("drag", event.phase, event.client_id, placed))
-
-        handle.on_update(dragged)
-
-    def _drag(self, phase: str, client_id: int | None, placed: np.ndarray) -> bool:
-        who = -1 if client_id is None else client_id
-        if phase == "end":
-            self._dragging.discard(who)
-            self.scene.release_handle()
-            return True
-        if not self._dragging:
-            self._grips += 1
-        self._dragging.add(who)
-        if not np.isfinite(placed).all():
-            return False
-        review = self._history.present
-        pose = review.machine.pose_from_transform(placed, review.mode)
-        return self.apply(Place(pose, held=self._grips), None)
+        kinds: list[type[Panel]] = [kind for module in each("panel") for kind in module.PANELS]
+        for kind in kinds:
+            if kind.serves(review.machine):
+                with tabs.add_tab(kind.TITLE):
+                    self._panels.append(kind(self, sheet))
+        add_hotkeys(self, [command for panel in self._panels for command in panel.commands()])
 
     def _theme(self, review: Review) -> None:
         if review[Options].dark == self._dark:
@@ -485,91 +316,15 @@ class Page:
             brand_color=(0, 114, 178),
         )
 
-    def _show_work(self) -> None:
-        if self._header is not None:
-            self._header.draw_work(self._longest_work())
-
     def _longest_work(self) -> Busy | None:
-        """What a person waits for; the coarse lane is too quick to be worth a bar."""
-        lanes = (busy for lane, busy in self._busy.items() if lane != "coarse")
-        at_work = [busy for busy in lanes if busy.title]  # "" has a bar of its own
+        """What a person waits for; previews are too quick to be worth a bar."""
+        at_work = [busy for busy in self._busy.values() if busy.title]  # "" has one of its own
         return min(at_work, key=lambda busy: busy.since, default=None)
 
     def _fit(self) -> None:
-        review = self._history.present
-        drawing = review.machine.drawing(review.posture)
-        other = beside(review)
-        low, high = machine_bounds(drawing, *([] if other is None else [other.drawing]))
-        for built in self._built.values():
-            if built.solid.triangles:
-                placed = built.solid.mesh.vertices @ built.wish.placement[:3, :3].T
-                placed = placed + built.wish.placement[:3, 3]
-                low, high = np.minimum(low, placed.min(0)), np.maximum(high, placed.max(0))
-        for more in (self._regions.bounds, self._moving.bounds):
-            if more is not None:
-                low, high = np.minimum(low, more[0]), np.maximum(high, more[1])
-        planar = is_planar(review.machine)
-        position, target = self.scene.frame((low, high), from_above=planar)
-        first = self.server.initial_camera
-        first.near, first.far = drawing.size / 100.0, drawing.size * 80.0
-        first.fov = FIELD_OF_VIEW
-        first.position, first.look_at = position, target
-        for client in self.server.get_clients().values():
-            with client.atomic():
-                client.camera.near, client.camera.far = first.near, first.far
-                client.camera.fov = first.fov
-                aspect = client.camera.aspect
-                seen = self.scene.frame((low, high), from_above=planar, aspect=aspect)
-                client.camera.position, client.camera.look_at = seen
-
-    # --- files
-
-    def _export(self, save: Save) -> None:
-        review = self._history.present
-        wish = next((w for w in wishes(review) if w.spec.key == save.key), None)
-        if wish is None:
-            self.complain("that solid is not shown any more", save.client)
-            return
-        angles = tuple(
-            (c, v)
-            for c, v in zip(review.machine.coordinates, review.pose, strict=True)
-            if c.unit == "rad"
-        )
-        modes = modes_of(review, wish.spec)
-        name = solid_name(review.design, save.key, angles, modes)
-        request = next(r for res, r in wish.requests.items() if res == save.resolution)
-
-        def save_it() -> None:
-            file = self.worker.apart(
-                build_file, request, wish.placement, save.kind, name, save.part
-            )
-            self.download(file, save.client)
-
-        self.apart(save.client, save_it)
-
-    def _picture(self, client: viser.ClientHandle) -> ExportedFile:
-        import imageio.v3 as iio
-
-        height, width = client.camera.image_height, client.camera.image_width
-        scale = max(1.0, 1600.0 / max(width, 1))
-        image = client.get_render(int(height * scale), int(width * scale), transport_format="png")
-        name = f"{solid_name(self._history.present.design, 'view', ())}.png"
-        return ExportedFile(name, iio.imwrite("<bytes>", image, extension=".png"), "image/png")
-
-    def _scene_page(self) -> ExportedFile:
-        page = self.server.scene.as_html()
-        name = f"{solid_name(self._history.present.design, 'scene', ())}.html"
-        return ExportedFile(name, page.encode(), "text/html")
-
-    def _save_session(self) -> None:
-        if self._session_file is None or not self._unsaved:
-            self._unsaved = False
-            return
-        self._unsaved = False
-        try:
-            session.save(self._history.present, self._session_file)
-        except InputError as error:
-            self.complain(f"The session could not be saved: {error}")
+        """Show all that there is."""
+        bounds = [b for part in self._parts if (b := part.bounds) is not None]
+        fit(self.server, self._view, bounds)
 
 
 def _superseded(item: _Asked, later: Sequence[Any]) -> bool:

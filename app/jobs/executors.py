@@ -15,8 +15,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
+from app.jobs.process import give_way
 from app.jobs.spawning import Spawning
-from app.jobs.worker import give_way
 from kinematics.errors import ComputationError, InputError
 
 YIELD = 10  # how much the processes give way to whatever a person is waiting for (nice)

@@ -1,7 +1,6 @@
 """A process for one kind of work: the newest jobs win, and what is found comes in order.
 
-The process is started when it is first needed and gives way to those that build solids. It keeps
-nothing that a job needs of another, so its death costs only the job at work.
+It keeps nothing that a job needs of another, so its death costs only the job at work.
 """
 
 from __future__ import annotations
@@ -10,10 +9,9 @@ import threading
 import time
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
-from app.jobs.worker import Busy, LaneName, Process, give_way
+from app.jobs.process import Process, give_way
 from kinematics.errors import BohemiaError
 
 
@@ -26,6 +24,7 @@ class Job:
         title: what a person reads while it takes long.
         rest: s for which the job must have been wanted before it is begun.
         slow: it is given up at once when nobody wants it any more; others end quickly anyway.
+        tries: how often it is begun if the process dies of it.
     """
 
     key: Hashable
@@ -34,6 +33,7 @@ class Job:
     arguments: tuple[Any, ...]
     rest: float = 0.0
     slow: bool = False
+    tries: int = 1
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -52,15 +52,39 @@ class Lost:
     text: str
 
 
+@dataclass(frozen=True, slots=True)
+class Busy:
+    """A lane began (a title) or ended (None) its work."""
+
+    lane: str
+    title: str | None
+    since: float
+
+
+def _give_way() -> None:
+    give_way(4)
+
+
 class Lane:
-    """Does the jobs that `want` was last told, in order; reports from its own thread."""
+    """Does the jobs that `want` was last told, in order; reports from its own thread.
+
+    Args:
+        prepare: called in the process first; left out, it gives way to those that build solids.
+        warm: the process starts with the lane, not with the first job.
+    """
 
     def __init__(
-        self, name: LaneName, on_event: Callable[[Done | Lost | Busy], None], *, give_way: int = 4
+        self,
+        name: str,
+        on_event: Callable[[Done | Lost | Busy], None],
+        *,
+        prepare: Callable[[], None] = _give_way,
+        warm: bool = False,
     ) -> None:
         self.name = name
         self._report = on_event
-        self._give_way = give_way
+        self._prepare = prepare
+        self._warm = warm
         self._changed = threading.Condition()
         self._jobs: tuple[Job, ...] = ()
         self._since: dict[Hashable, float] = {}
@@ -72,7 +96,9 @@ class Lane:
         self._thread = threading.Thread(target=self._work, name=name, daemon=True)
 
     def start(self) -> None:
-        """Start the thread; the process starts with the first job."""
+        """Start the thread."""
+        if self._warm:
+            self._process = Process(self.name, self._prepare)
         self._thread.start()
 
     def want(self, jobs: Sequence[Job]) -> None:
@@ -135,22 +161,33 @@ class Lane:
     def _work(self) -> None:
         while (job := self._next()) is not None:
             self._report(Busy(self.name, job.title, time.monotonic()))
-            event: Done | Lost
-            try:
-                event = Done(job, self._call(job))
-            except BohemiaError as error:
-                event = Lost(job, str(error))
-            except (EOFError, OSError):
-                if self._stopped:
-                    return
-                self._bury()
-                event = Lost(job, "" if self._cancelled else _died(job))
+            event = self._done(job)
+            if event is None:
+                return
             with self._changed:
                 self._at_work = None
                 if job.key in self._since:
                     self._answered.add(job.key)
             self._report(event)
             self._report(Busy(self.name, None, time.monotonic()))
+
+    def _done(self, job: Job) -> Done | Lost | None:
+        """What becomes of a job; None when the lane stops."""
+        for _ in range(job.tries):
+            try:
+                return Done(job, self._call(job))
+            except BohemiaError as error:
+                return Lost(job, str(error))
+            except (EOFError, OSError):
+                if self._stopped:
+                    return None
+                self._bury()
+                if self._cancelled:
+                    return Lost(job, "")
+        return Lost(
+            job,
+            f"The process at work on {job.title} stopped; change something, and it is tried again.",
+        )
 
     def _bury(self) -> None:
         """A process that no longer answers may still count as alive for a moment."""
@@ -164,10 +201,6 @@ class Lane:
             if self._stopped or self._cancelled:
                 raise EOFError
             if self._process is None or not self._process.alive:
-                self._process = Process(self.name, partial(give_way, self._give_way))
+                self._process = Process(self.name, self._prepare)
             process = self._process
         return process.run(None, job.function, *job.arguments)
-
-
-def _died(job: Job) -> str:
-    return f"The process at work on {job.title} stopped; change something, and it is tried again."

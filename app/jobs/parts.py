@@ -1,71 +1,201 @@
-"""The parts of the page that compute beside its loop, and what they may ask of it."""
+"""What a feature does on the page's loop: asks for what the review wishes, and shows what came."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+import time
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any, ClassVar, ParamSpec, Protocol, TypeVar
 
-from app.features.review.files import ExportedFile
-from app.jobs.worker import LaneName
-from app.review.changes import Change
-from app.review.state import Review
-from app.review.view import View
-from app.scene.machine import Scene
+from app.jobs.answers import Answers, Asked, Told
+from app.jobs.lane import Done, Lane, Lost
 
 if TYPE_CHECKING:
-    import viser
+    from pathlib import Path
 
-    from app.widgets.desk import Panel, Sheet
+    from app.features.review.files import ExportedFile
+    from app.review.changes import Change
+    from app.review.state import Review
+    from app.review.view import View
+    from app.scene.machine import Scene
+    from app.widgets.desk import Sheet
+    from kinematics.arrays import Array
+
+AGED = 0.4  # s after which the scene shows that something is of before
+
+Client = Any
+"""Whose browser it is that something was asked in; None for nobody's in particular."""
+A = ParamSpec("A")
+P = TypeVar("P")
 
 
 class Stage(Protocol):
     """The page as its parts see it; all of it on the loop's thread, but for `put`."""
 
     @property
-    def server(self) -> viser.ViserServer: ...
+    def server(self) -> Any: ...
     @property
     def scene(self) -> Scene: ...
     @property
-    def view(self) -> View: ...
+    def session_file(self) -> Path | None: ...
     @property
-    def panels(self) -> Sequence[Panel]: ...
+    def view(self) -> View:
+        """What is shown, of the review that was brought to the page last."""
+
+    @property
+    def review(self) -> Review:
+        """The present one, be it not on the page yet."""
+
     def sheet(self) -> Sheet: ...
-    def put(self, item: object) -> None: ...
-    def apply(self, change: Change, client: viser.ClientHandle | None) -> bool: ...
-    def complain(self, text: str, client: viser.ClientHandle | None = None) -> None: ...
-    def download(self, file: ExportedFile, client: viser.ClientHandle | None) -> None: ...
-    def apart(self, client: viser.ClientHandle | None, act: Callable[[], None]) -> None: ...
+    def part(self, kind: type[P]) -> P:
+        """Another part, which comes before."""
+
+    def tell(self, news: object, view: View | None = None) -> None:
+        """Hand something to the panels that show it, with the view that it is of."""
+
+    def note(self, text: str) -> None:
+        """Something that stands in the status until the next change."""
+
+    def shown(self) -> View:
+        """The view with the machine where it is to be seen now."""
+
+    def show_machine(self) -> None:
+        """Bring the machine in the scene there."""
+
+    def fit_view(self) -> None: ...
+    def put(self, item: object) -> None:
+        """Put something into the inbox."""
+
+    def ask(self, act: Callable[A, object], *arguments: A.args, **options: A.kwargs) -> None:
+        """Have the loop call this; the page is brought to the review if it returns True."""
+
+    def apply(self, change: Change, client: Client) -> bool: ...
+    def complain(self, text: str, client: Client = None) -> None: ...
+    def download(self, file: ExportedFile, client: Client) -> None: ...
+    def apart(self, client: Client, act: Callable[[], None]) -> None: ...
 
 
-class Part(Protocol):
-    """One line of work beside the loop; its methods are called by the loop alone."""
+class Part:
+    """One feature on the loop, which alone calls its methods.
 
-    lanes: tuple[LaneName, ...]
+    What a person asks of it, rather than of the review, are further methods of it; they return
+    True when the page has to be brought to the review.
+    """
 
-    @property
-    def late(self) -> bool:
-        """Whether something is to be drawn as soon as there is time."""
+    LANES: ClassVar[tuple[str, ...]] = ()
 
-    def start(self) -> None:
-        """Start what computes."""
+    def __init__(self, stage: Stage) -> None:
+        self.stage = stage
+        self.lanes = {name: self.lane(name) for name in self.LANES}
+        self.answers = Answers(self.lanes)
+        self.late = False  # something of it is to be drawn as soon as there is time
+        self._age_at: float | None = None
 
-    def stop(self) -> None:
-        """End it."""
+    # --- what parts are made of
 
-    def cancel(self, lane: LaneName) -> None:
-        """Give up what a lane is busy with."""
+    def lane(self, name: str) -> Lane:
+        """A lane of its own."""
+        return Lane(name, self.stage.put)
 
     def prepare(self) -> None:
-        """Make its scene nodes; the solids', which are made later, are drawn after them."""
+        """Make its scene nodes, for another machine; the page has been cleared."""
 
-    def follow(self) -> None:
-        """The review may have changed, and everything else has been brought to it."""
+    def wished(self, view: View) -> Iterable[Asked[Any, Any]]:
+        """What is to be known for a review, the first to be answered first."""
+        return ()
+
+    def save(self, make: Callable[[], ExportedFile], client: Client) -> None:
+        """Make a file where nobody waits for it, and have it downloaded."""
+        self.stage.apart(client, lambda: self.stage.download(make(), client))
+
+    def came(self, asked: Asked[Any, Any], answer: Any) -> bool:
+        """A question of the present review was answered; as above."""
+        return False
+
+    def lost(self, asked: Asked[Any, Any], text: str) -> None:
+        """A question of the present review was given up."""
+
+    def show(self, sheet: Sheet) -> None:
+        """Bring scene and panels to what is known."""
 
     def applied(self, change: Change, before: Review, note: str) -> None:
         """A person's change was taken, with this to say; the review was ``before``."""
 
-    def take(self, item: Any) -> bool:
-        """Something from the inbox, perhaps not of this part; true when the page has to change."""
+    def seen(self, view: View) -> View:
+        """The view of a review with what the feature adds to it; the same as a rule."""
+        return view
+
+    def shown(self, view: View) -> View:
+        """The view that the scene shows, be it on the way to this one; the same as a rule."""
+        return view
+
+    @property
+    def bounds(self) -> tuple[Array, Array] | None:
+        """The box around what it shows, mm, to be seen whole; None as a rule."""
+        return None
+
+    @property
+    def due(self) -> float | None:
+        """s until it has to do something; None while it has not."""
+        if self.late:
+            return 0.0
+        return None if self._age_at is None else max(self._age_at - time.monotonic(), 0.0)
+
+    def aged(self, told: Told[Any]) -> bool:
+        """Whether what is shown has been of before for so long that the scene is to show it."""
+        if not told.stale:
+            return False
+        at = told.since + AGED
+        if time.monotonic() >= at:
+            return True
+        self._age_at = at if self._age_at is None else min(self._age_at, at)
+        return False
+
+    # --- what the loop does with them
+
+    def start(self) -> None:
+        """Start what computes."""
+        for lane in self.lanes.values():
+            lane.start()
+
+    def stop(self) -> None:
+        """End it."""
+        for lane in self.lanes.values():
+            lane.stop()
+
+    def cancel(self, lane: str) -> None:
+        """Give up what a lane is busy with."""
+        self.lanes[lane].cancel()
+
+    def follow(self) -> None:
+        """The review may have changed."""
+        self.ask()
+        self.late = True
+
+    def ask(self) -> None:
+        """Ask for what is wished now."""
+        self.answers.want(self.wished(self.stage.view))
+
+    def take(self, event: Done | Lost) -> bool:
+        """Something came from one of its lanes; true when the page has to change."""
+        asked = self.answers.take(event)
+        if asked is None:
+            return False
+        self.late = True
+        if isinstance(event, Lost):
+            self.lost(asked, event.text)
+            redraw = False
+        else:
+            redraw = self.came(asked, event.result)
+        self.ask()  # more may be asked now
+        return redraw
 
     def catch_up(self) -> None:
-        """Bring its own up to date, after everything else."""
+        """Draw what is late, after everything else."""
+        if self._age_at is not None and time.monotonic() >= self._age_at:
+            self._age_at, self.late = None, True
+        if not self.late:
+            return
+        self.late = False
+        with self.stage.server.atomic():
+            self.show(self.stage.sheet())
+        self.stage.server.flush()

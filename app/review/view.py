@@ -71,6 +71,36 @@ class View:
     beside: Beside | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """Where on its trajectory the machine is shown.
+
+    ``away``: that is not where the review has it. ``distance`` to a singularity, mm, NaN if it is
+    not known. ``there``: the machine is where the trajectory has it at that time.
+    """
+
+    at: float
+    playing: bool
+    away: bool
+    distance: float
+    there: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Clear:
+    """How far it is to where control is lost, in words; ``stale``: from a place before."""
+
+    text: str
+    stale: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Legend:
+    """Further colours in the scene, each with what it stands for."""
+
+    entries: tuple[tuple[str, str], ...]
+
+
 def view(review: Review) -> View:
     """The view of a review; a few milliseconds."""
     machine, posture = review.machine, review.posture

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
 
-import viser
-
-from app.features.map.state import Span
-from app.review.units import from_page_units, in_page_units, page_unit
-from app.widgets.desk import Desk, answer, esc, put
-from app.widgets.plots import number
+from app.review.units import from_page_units, in_page_units, number, page_unit, sentence
+from app.widgets.desk import Client, Desk, answer, put, put_prop
+from app.widgets.texts import esc, red
 from kinematics.errors import InputError
 from kinematics.mechanism import Coordinate
+
+DIGITS = 4  # of mm and degrees; what was typed stays as it was typed
 
 # A number box that is left without a number goes back to its last one: viser does not even report
 # what is none. Once for a page, in the browser.
@@ -35,66 +35,202 @@ NUMBERS_GO_BACK = (
 )
 
 
-class SpanBox:
-    """From, to, and how many values of a coordinate, in the page's units.
+class Typed:
+    """A text box for numbers: what is typed and means the same is left alone."""
 
-    Text, because number boxes keep to themselves what is no number.
-    """
+    def __init__(self, desk: Desk, handle: Any, axes: Sequence[Coordinate], what: str) -> None:
+        self._desk = desk
+        self.handle = handle
+        self._axes = tuple(axes)
+        self._what = what
+
+    def read(self) -> Any:
+        """What stands in the box, in mm and rad.
+
+        Raises:
+            InputError: it cannot be used.
+        """
+        raise NotImplementedError
+
+    def write(self, value: Any) -> str:
+        """How a value can be typed."""
+        raise NotImplementedError
+
+    def draw(self, value: Any) -> None:
+        """Show a value."""
+        try:
+            same = self.read() == value or self.write(self.read()) == self.write(value)
+        except InputError:
+            same = False
+        if not same:
+            put(self._desk, self.handle, self.write(value))
+
+
+class PoseBox(Typed):
+    """A pose; empty for none."""
+
+    def read(self) -> tuple[float, ...]:
+        return typed_pose(self.handle.value, self._axes, self._what)
+
+    def write(self, value: Any) -> str:
+        return shown_pose(value, self._axes)
+
+
+class RatesBox(PoseBox):
+    """As many numbers as a pose has, by a power of the second; empty for none."""
+
+    def read(self) -> tuple[float, ...]:
+        try:
+            return super().read()
+        except InputError:
+            count = len(self._axes)
+            raise InputError(f"{self._what} are {count} numbers with commas between them") from None
+
+
+class NumbersBox(Typed):
+    """Any numbers."""
+
+    def read(self) -> tuple[float, ...]:
+        return typed_numbers(self.handle.value, self._what)
+
+    def write(self, value: Any) -> str:
+        return ", ".join(map(number, value))
+
+
+class PosesBox(Typed):
+    """Poses, one a line."""
+
+    def read(self) -> tuple[tuple[float, ...], ...]:
+        lines = [line for line in self.handle.value.splitlines() if line.strip()]
+        return tuple(
+            typed_pose(line, self._axes, f"{self._what} {n}") for n, line in enumerate(lines, 1)
+        )
+
+    def write(self, value: Any) -> str:
+        return "\n".join(shown_pose(pose, self._axes) for pose in value)
+
+
+class LimitsBox(Typed):
+    """A positive number for each joint, or one for all; empty for none."""
 
     def __init__(
         self,
         desk: Desk,
-        axis: Coordinate,
-        span: Span,
-        act: Callable[[str, viser.ClientHandle | None], None],
+        handle: Any,
+        joints: Sequence[Coordinate],
+        what: str,
+        *,
+        turning: bool,
     ) -> None:
-        self._desk = desk
-        self._axis = axis
-        self._handle = desk.gui.add_text(
-            f"{axis.symbol} from, to ({page_unit(axis)}), values",
-            shown(axis, span),
-            hint="Three numbers; both ends are included, and more values take longer",
-        )
-        answer(desk, self._handle, act)
+        super().__init__(desk, handle, joints, what)
+        self._turning = turning  # they count angles where a joint turns
 
-    def read(self) -> Span:
-        """What stands in the box.
+    def _scale(self, joint: Coordinate) -> float:
+        return math.radians(1.0) if self._turning and joint.unit == "rad" else 1.0
 
-        Raises:
-            InputError: it is no span; whether its numbers can be used is for others to say.
-        """
-        return typed_span(self._axis, self._handle.value)
+    def read(self) -> tuple[float, ...]:
+        values = typed_numbers(self.handle.value, self._what)
+        if len(values) == 1:
+            values *= len(self._axes)
+        if values and len(values) != len(self._axes):
+            raise InputError(
+                f"{self._what}: one number for all joints, or {len(self._axes)} of them"
+            )
+        if any(value <= 0.0 for value in values):
+            raise InputError(f"{self._what}: limits are positive")
+        return tuple(v * self._scale(c) for v, c in zip(values, self._axes, strict=False))
 
-    def draw(self, span: Span) -> None:
-        """Show a span; what was typed and means the same stays as it was typed."""
-        try:
-            same = self.read() == span
-        except InputError:
-            same = False
-        if not same:
-            put(self._desk, self._handle, shown(self._axis, span))
+    def write(self, value: Any) -> str:
+        shown = [number(v / self._scale(c)) for v, c in zip(value, self._axes, strict=False)]
+        return shown[0] if len(set(shown)) == 1 else ", ".join(shown)
 
 
-def shown(axis: Coordinate, span: Span) -> str:
-    """A span as it can be typed: "-90, 90, 37"."""
-    low, high = (number(round(in_page_units(axis, v), 6)) for v in (span.low, span.high))
-    return f"{low}, {high}, {span.count}"
+def shown_pose(pose: Sequence[float], axes: Sequence[Coordinate]) -> str:
+    """ "90, 110, 430, 5, −3"."""
+    return ", ".join(
+        number(round(in_page_units(c, v), DIGITS)) for c, v in zip(axes, pose, strict=False)
+    )
 
 
-def typed_span(axis: Coordinate, typed: str) -> Span:
-    """What a person typed: three numbers, with commas, semicolons or spaces between them.
+def typed_pose(text: str, axes: Sequence[Coordinate], what: str) -> tuple[float, ...]:
+    """A pose as it was typed, () where there is nothing.
 
     Raises:
-        InputError: it is something else.
+        InputError: not as many finite numbers as a pose has.
     """
-    words = re.split(r"[\s,;…]+", typed.strip().replace("−", "-"))
+    values = typed_numbers(text, what)
+    if values and len(values) != len(axes):
+        raise InputError(f"{what} needs {len(axes)} numbers: {units(axes)}")
+    return tuple(from_page_units(c, v) for c, v in zip(axes, values, strict=False))
+
+
+def typed_numbers(text: str, what: str) -> tuple[float, ...]:
+    """Numbers with commas, semicolons or spaces between them.
+
+    Raises:
+        InputError: something else stands there.
+    """
+    words = re.split(r"[\s,;]+", text.strip().replace("−", "-"))
     try:
-        low, high, count = map(float, words)
+        values = tuple(float(word) for word in words if word)
     except ValueError:
-        raise InputError(
-            f"{axis.symbol} needs three numbers: from, to, and how many values, as "
-            f"{shown(axis, Span())}"
-        ) from None
-    if not (math.isfinite(count) and count == round(count)):
-        raise InputError(f"how many values of {axis.symbol} is a whole number")
-    return Span(from_page_units(axis, low), from_page_units(axis, high), int(count))
+        raise InputError(f"{what}: numbers with commas between them") from None
+    if not all(map(math.isfinite, values)):
+        raise InputError(f"{what}: finite numbers")
+    return values
+
+
+def units(axes: Sequence[Coordinate]) -> str:
+    """ "x, y, z (mm), φ, θ (°)"."""
+    groups: list[tuple[str, list[str]]] = []
+    for c in axes:
+        if not groups or groups[-1][0] != page_unit(c):
+            groups.append((page_unit(c), []))
+        groups[-1][1].append(c.symbol)
+    return ", ".join(f"{', '.join(names)} ({unit})" for unit, names in groups)
+
+
+class Typing:
+    """Boxes whose text is taken as soon as it can be used; until then it is said what is wrong.
+
+    ``together``: they can be used only all at once.
+    """
+
+    def __init__(self, desk: Desk, *, together: bool = False) -> None:
+        self._desk = desk
+        self._together = together
+        self._wrong: dict[int, str] = {}
+        self.note = desk.gui.add_html("", visible=False)
+
+    @property
+    def wrong(self) -> bool:
+        """Something that was typed cannot be used; it stays until it can."""
+        return bool(self._wrong)
+
+    def holds(self, typed: Typed) -> bool:
+        """What stands in this box cannot be used."""
+        return id(typed) in self._wrong
+
+    def watch(self, typed: Typed, take: Callable[[Any, Client], None]) -> None:
+        """Call ``take`` with what was typed into a box; what it refuses is told, too."""
+
+        def changed(_: str, client: Client) -> None:
+            self._wrong = {
+                known: text
+                for known, text in self._wrong.items()
+                if known != id(typed) and not self._together
+            }
+            try:
+                take(typed.read(), client)
+            except InputError as error:
+                self._wrong[id(typed)] = str(error)
+            text = next(iter(self._wrong.values()), "")
+            put_prop(self.note, "content", red(sentence(text)) if text else "")
+            put_prop(self.note, "visible", bool(text))
+
+        answer(self._desk, typed.handle, changed)
+
+    def draw(self, typed: Typed, value: Any) -> None:
+        """Show a value in a box, unless what stands there cannot be used yet."""
+        if not self.holds(typed):
+            typed.draw(value)

@@ -10,16 +10,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
-import numpy as np
-import viser
-
-from app.widgets.desk import Desk, answer, esc, put_prop
-
-Range = tuple[float, float]
-STEPS = (1.0, 2.0, 5.0)  # round numbers, times powers of ten
-TURN = (1.5, 3.0, 4.5, 9.0)  # round degrees, times powers of ten
+from app.widgets.axes import Figure
+from app.widgets.desk import Client, Desk, answer, put_prop
+from app.widgets.texts import esc
 
 # Runs in the browser for every pointer event on a plot; `s` is the drawing, `e` the event. First
 # where the pointer is in the box, u and v from 0 to 1, and what the drawing tells of it.
@@ -57,62 +51,12 @@ _STYLE = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Axes:
-    """A plot's size and inner box (px), and what of x and y it shows."""
-
-    width: float
-    height: float
-    left: float
-    top: float
-    right: float
-    bottom: float
-    x: Range
-    y: Range
-
-    @property
-    def inner(self) -> tuple[float, float]:
-        """Width and height of the box, px."""
-        return self.width - self.left - self.right, self.height - self.top - self.bottom
-
-    def px(self, x: float, y: float) -> tuple[float, float]:
-        """A place in the plot, px."""
-        wide, high = self.inner
-        u = (x - self.x[0]) / (self.x[1] - self.x[0])
-        v = (y - self.y[0]) / (self.y[1] - self.y[0])
-        return self.left + u * wide, self.top + (1.0 - v) * high
-
-
-@dataclass(frozen=True, slots=True)
-class Figure:
-    """A drawing on axes.
-
-    Attributes:
-        content: SVG elements; text in them went through `esc`.
-        columns, rows: what to tell under the pointer of its column and of its row; they are of
-            equal size and fill the box, rows upwards.
-        tips: what to tell of each cell, rows running fastest.
-        idle: what to tell otherwise.
-        name: for who does not see it.
-    """
-
-    axes: Axes
-    content: str
-    columns: Sequence[str]
-    rows: Sequence[str]
-    tips: Sequence[str]
-    idle: str
-    name: str
-
-
 class Plot:
     """A place for a figure in a panel, and what it does when a person points at it."""
 
     script = _POINT
 
-    def __init__(
-        self, desk: Desk, act: Callable[[float, float, viser.ClientHandle | None], None]
-    ) -> None:
+    def __init__(self, desk: Desk, act: Callable[[float, float, Client], None]) -> None:
         gui = desk.gui
         self._act = act
         self._base = gui.add_html(_base(None, self.script))
@@ -120,19 +64,30 @@ class Plot:
         # Neighbours in the page: the style hides this box, and the script finds it there.
         answer(desk, gui.add_text("Pointed at", ""), self._pointed)
         self.figure: Figure | None = None
+        self._shown: tuple[object, bool] = (None, False)
         self._marked = ""
 
-    def draw(self, figure: Figure | None) -> None:
-        """Show a figure, None for nothing."""
-        if figure != self.figure:
-            self.figure = figure
-            put_prop(self._base, "content", _base(figure, self.script))
-            self._cover()
+    def draw(
+        self, of: object, make: Callable[[], Figure | None] = lambda: None, *, stale: bool = False
+    ) -> None:
+        """Show the figure that ``make`` makes of something, None for nothing; faded if it is of
+        before. It is made again only when it is of something else.
+        """
+        if (of, stale) == self._shown:
+            return
+        self._shown = of, stale
+        self.figure = None if of is None else make()
+        base = _base(self.figure, self.script)
+        if stale:
+            base = base.replace('class="plot"', 'class="plot aged"', 1)
+        put_prop(self._base, "content", base)
+        self._cover()
 
     def mark(self, content: str) -> None:
         """Show SVG elements over the figure."""
-        self._marked = content
-        self._cover()
+        if content != self._marked:
+            self._marked = content
+            self._cover()
 
     def _cover(self) -> None:
         if self.figure is None or not self._marked:
@@ -146,7 +101,7 @@ class Plot:
             f'<svg viewBox="0 0 {axes.width:g} {axes.height:g}">{self._marked}</svg></div>',
         )
 
-    def _pointed(self, text: str, client: viser.ClientHandle | None) -> None:
+    def _pointed(self, text: str, client: Client) -> None:
         """A person pointed at a place; what no plot wrote is nothing."""
         try:
             x, y, _ = map(float, text.split())
@@ -177,56 +132,3 @@ def _base(figure: Figure | None, act: str = _POINT) -> str:
 
 def _listed(texts: Sequence[str]) -> str:
     return esc("|".join(text.replace("|", "/") for text in texts))
-
-
-def ticks(low: float, high: float, most: int, steps: Sequence[float] = STEPS) -> list[float]:
-    """At most so many round numbers from low to high; ``steps`` says what is round."""
-    raw = (high - low) / max(most, 1)
-    decades = 10.0 ** np.arange(math.floor(math.log10(raw)) - 2, math.log10(raw) + 2)
-    round_ = np.sort(np.outer(decades, steps).ravel())
-    step = float(round_[np.searchsorted(round_, raw * (1 - 1e-9))])
-    return [n * step for n in range(math.ceil(low / step), math.floor(high / step + 1e-9) + 1)]
-
-
-def scales(
-    axes: Axes, x_title: str, y_title: str, x_ticks: Sequence[float], y_ticks: Sequence[float]
-) -> str:
-    """The box of a plot with ticks and titles, in the page's own colour."""
-    wide, high = axes.inner
-    low = axes.top + high
-    parts = [
-        f'<rect x="{axes.left:g}" y="{axes.top:g}" width="{wide:g}" height="{high:g}" fill="none" '
-        'stroke="currentColor" stroke-opacity=".45"/>'
-    ]
-    for value in x_ticks:
-        x, _ = axes.px(value, axes.y[0])
-        parts.append(
-            f'<path d="M{x:.1f} {low:g}v4" stroke="currentColor" stroke-opacity=".6"/>'
-            f'<text x="{x:.1f}" y="{low + 15:g}" text-anchor="middle" fill="currentColor">'
-            f"{number(value)}</text>"
-        )
-    for value in y_ticks:
-        _, y = axes.px(axes.x[0], value)
-        parts.append(
-            f'<path d="M{axes.left:g} {y:.1f}h-4" stroke="currentColor" stroke-opacity=".6"/>'
-            f'<text x="{axes.left - 6:g}" y="{y + 3.8:.1f}" text-anchor="end" fill="currentColor">'
-            f"{number(value)}</text>"
-        )
-    middle = axes.top + high / 2
-    parts.append(
-        f'<text x="{axes.left + wide / 2:g}" y="{low + 29:g}" text-anchor="middle" '
-        f'fill="currentColor">{esc(x_title)}</text>'
-        f'<text x="12" y="{middle:g}" text-anchor="middle" fill="currentColor" '
-        f'transform="rotate(-90 12 {middle:g})">{esc(y_title)}</text>'
-    )
-    return "".join(parts)
-
-
-def nearest(values: Sequence[float], value: float) -> float:
-    """The one of the values that a person pointed at."""
-    return min(values, key=lambda known: abs(known - value))
-
-
-def number(value: float) -> str:
-    """A tick's number, with a minus sign as wide as a digit."""
-    return f"{value + 0.0:.6g}".replace("-", "−")

@@ -8,8 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from app.jobs.lane import Done, Lane
-from app.jobs.worker import Busy, LaneName
+from app.jobs.lane import Busy, Done, Lane
 
 PATIENCE = 60.0  # s; only a hang is caught by it
 
@@ -17,7 +16,7 @@ PATIENCE = 60.0  # s; only a hang is caught by it
 class Desk:
     """A lane and what it reported."""
 
-    def __init__(self, name: LaneName) -> None:
+    def __init__(self, name: str) -> None:
         self.events: queue.Queue[Any] = queue.Queue()
         self.lane = Lane(name, self.events.put)
 
@@ -51,7 +50,7 @@ class Desk:
 
 
 @contextmanager
-def desk(name: LaneName) -> Iterator[Desk]:
+def desk(name: str) -> Iterator[Desk]:
     """A lane that works for as long as this lasts."""
     made = Desk(name)
     made.lane.start()

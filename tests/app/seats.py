@@ -22,12 +22,10 @@ import pytest
 import viser
 
 from app.features.review.files import ExportedFile
-from app.features.section.part import Slicing
+from app.features.section.part import SectionPart
 from app.jobs.lane import Done, Job, Lane, Lost
-from app.jobs.worker import Worker
 from app.loop import Page
 from app.review.changes import Change
-from app.review.requests import Request
 from app.review.state import Review, new_review
 from app.server import make_server
 from app.widgets.desk import safely
@@ -84,8 +82,9 @@ class Seat:
             self.settle()
         return self.review
 
-    def ask(self, request: Request) -> None:
-        self.page.ask(request)
+    def ask(self, act: Callable[..., object], *arguments: Any) -> None:
+        """Have the loop call a method of a part."""
+        self.page.ask(act, *arguments)
         self.settle()
 
     def open(self, name: str) -> Review:
@@ -220,8 +219,7 @@ def seat(name: str = "rpur-table1") -> Iterator[Seat]:
     """A page on this design for as long as this lasts."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Lane, "want", _want)
-        patch.setattr(Worker, "want", lambda self, wishes: None)
-        patch.setattr(Slicing, "_make_ready", lambda self, *_: None)
+        patch.setattr(SectionPart, "_make_ready", lambda self, *_: None)
         server = make_server("127.0.0.1", 0)
         try:
             yield Seat(server, new_review(load_design(name)))

@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 
 from app.features.move.state import Move, Visit
-from app.features.solutions.atlas import HERE, Known, atlas, mixes, number, offers_mixed, pose_text
+from app.features.solutions.compute import HERE, Known, atlas, mixes, offers_mixed
 from app.features.solutions.state import SAME_MODE, Atlas, SetAtlas
 from app.review import view as compute
 from app.review.changes import change
 from app.review.state import Review, new_review
+from app.review.units import pose_text
+from app.review.units import tenths as number
 from kinematics.answers.solutions import ForwardSolutions, Merged, Refreshed
 from kinematics.designs.files import load_design
 from kinematics.machine import machine_of
@@ -247,5 +249,5 @@ def test_numbers_on_the_page() -> None:
 
 
 def test_a_pose_in_words(review: Review) -> None:
-    text = pose_text(review, (1.0, -2.0, 3.25, math.pi / 2, -math.pi / 6))
+    text = pose_text(review.machine.coordinates, (1.0, -2.0, 3.25, math.pi / 2, -math.pi / 6))
     assert text == "x 1.0, y −2.0, z 3.2 mm, φ 90.0°, θ −30.0°"

@@ -11,7 +11,7 @@ import pytest
 from app.features.design.state import EditDesign, UseDesign
 from app.features.map.state import Chart, SetChart, Span
 from app.features.move.state import Drive, Flip, GoHome, Move, Place, Visit
-from app.features.section.state import Cut, MoveCut, ShowCut, point_in_section
+from app.features.section.state import Cut, MoveCut, SetCut, point_in_section
 from app.features.solutions.state import Atlas, SetAtlas
 from app.features.workspace.state import ChooseModes, Fade, Show, Workspace, solver_modes
 from app.review.changes import SetOption, change
@@ -269,7 +269,7 @@ def test_the_section_of_a_new_review_goes_through_the_platform(review: Review) -
 
 
 def test_a_drag_of_the_plane_is_one_step(review: Review) -> None:
-    history, _ = History(review).apply(ShowCut(True), 0.0)
+    history, _ = History(review).apply(SetCut("on", True), 0.0)
     for n in range(30):
         history, note = history.apply(MoveCut(float(n)), 0.1 + 0.05 * n)
         assert note == ""
@@ -313,7 +313,7 @@ def test_the_settings_of_a_map_are_checked(review: Review) -> None:
 
 
 def test_another_design_keeps_section_and_map(review: Review) -> None:
-    shown, _ = change(review, ShowCut(True))
+    shown, _ = change(review, SetCut("on", True))
     shown, _ = change(shown, SetChart(Chart("pieces", Span(-0.1, 0.2, 5), Span(0.0, 1.0, 2))))
     other, _ = change(shown, UseDesign(load_design("rpur-table2")))
     assert other[Cut].on

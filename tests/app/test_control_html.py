@@ -14,14 +14,14 @@ import pytest
 
 from app.features.singularities import compute
 from app.features.singularities import html as told
-from app.features.singularities.compute import Here
+from app.features.singularities.compute import Controlled, Here, Logged
 from app.features.singularities.part import counterpart, spot_of
 from app.features.singularities.state import SetControl
+from app.features.workspace.compute import Solids
 from app.features.workspace.state import Shown, Workspace
 from app.review.changes import change
 from app.review.state import new_review
 from app.scene import painting, palette
-from app.widgets.desk import Controlled, Logged
 from kinematics.answers.circles import OrientationCircle
 from kinematics.answers.clearances import Clearance, DesignChange, Remedy
 from kinematics.answers.motion import Statics
@@ -40,7 +40,7 @@ def _here(name: str, load: tuple[float, ...] = (10.0, -20.0, -100.0, 0.0, 0.0, 5
 
 
 def _controlled(here: Here | None, **more: Any) -> Controlled:
-    nothing = Controlled(here, False, None, (), None, None, None, False, (), None, "")
+    nothing = Controlled(here)
     return replace(nothing, **more)
 
 
@@ -244,8 +244,7 @@ def test_pieces_say_in_which_the_platform_is() -> None:
     )
     placed = SimpleNamespace(placement=np.eye(4))
     built = SimpleNamespace(solid=solid, wish=placed, resolution="normal")
-    view = SimpleNamespace(review=shown, platform=np.eye(4))
-    html = told.pieces_html(SimpleNamespace(view=view, built={"aspects": built}))  # type: ignore[arg-type]
+    html = told.pieces_html(shown, Solids((), {"aspects": built}, {}, None))  # type: ignore[dict-item]
     text = _text(html)
     assert "12" in text
     assert "you are in this one" in text
@@ -254,15 +253,14 @@ def test_pieces_say_in_which_the_platform_is() -> None:
     assert text.count("dm³") + text.count("cm³") == told.LISTED + 2
     assert f"and {len(pieces) - told.LISTED - 1} smaller ones" in text
     solid.pieces = ()
-    empty = told.pieces_html(SimpleNamespace(view=view, built={"aspects": built}))  # type: ignore[arg-type]
+    empty = told.pieces_html(shown, Solids((), {"aspects": built}, {}, None))  # type: ignore[dict-item]
     assert "empty" in empty
-    gone = SimpleNamespace(view=SimpleNamespace(review=review, platform=np.eye(4)), built={})
-    assert told.pieces_html(gone) == ""  # type: ignore[arg-type]
+    assert told.pieces_html(review, Solids((), {}, {}, None)) == ""
 
 
 def test_a_ball_is_a_sphere() -> None:
     place = _here("rpur-table1").place
-    ball = compute.ball(place, True)
+    (ball,) = compute.ball(place, True)
     assert isinstance(ball, Sphere)
     at = place.machine.transform(place.pose, place.mode)[:3, 3]
     assert ball.center == pytest.approx(at)

@@ -13,10 +13,9 @@ import pytest
 
 from app.features.design.state import EditDesign, UseDesign
 from app.features.move.state import Drive, Move
-from app.features.solutions.explorer import Explorer
+from app.features.solutions.part import Explorer
 from app.features.solutions.state import SetAtlas
-from app.jobs.lane import Done, Lost
-from app.jobs.worker import Busy
+from app.jobs.lane import Busy, Done, Lost
 from app.review import view as compute
 from app.review.changes import change
 from app.review.state import Review, new_review

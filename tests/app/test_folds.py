@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from app.features.solutions.atlas import Known
-from app.features.solutions.folds import Ahead, look_ahead, nearest_first, partner, title, words
+from app.features.solutions.compute import Ahead, Known, look_ahead, nearest_first, partner
+from app.features.solutions.html import title, words
 from app.review.state import Review, new_review
 from kinematics.answers.solutions import Fold
 from kinematics.designs.files import load_design

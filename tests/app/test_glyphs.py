@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import pytest
 
-from app.features.solutions.atlas import Row
-from app.widgets.glyphs import glyph, key_html, row_html, strokes_html
+from app.features.solutions.compute import Row
+from app.features.solutions.html import glyph, key_html, row_html, strokes_html
 from kinematics.mechanism import Coordinate
 
 AXES = (

@@ -15,9 +15,8 @@ from app.features.design.state import EditDesign, UseDesign
 from app.features.map.state import Chart, SetChart, Span
 from app.features.move.state import Drive, Flip, GiveWay, GoHome, Move, Place, Visit
 from app.features.section import compute as slicer
-from app.features.section.state import MoveCut, ShowCut
-from app.features.singularities.compute import OTHER, beside
-from app.features.singularities.part import counterpart, spot_of
+from app.features.section.state import MoveCut, SetCut
+from app.features.singularities.compute import OTHER, beside, counterpart, spot_of
 from app.features.singularities.state import Control, SetControl
 from app.features.solutions.state import SetAtlas
 from app.features.workspace import compute as regions
@@ -85,7 +84,7 @@ CHANGES: st.SearchStrategy[Change] = st.one_of(
     st.builds(Fade, st.just(("workspace", "aspects")), st.floats(-0.5, 1.5)),
     st.builds(ChooseModes, st.sampled_from(["all", "current", *[(m,) for m in _all("modes")]])),
     st.builds(SetAtlas, st.just("modes"), st.sampled_from(["", "same", "?????", "1", "+?", "x"])),
-    st.builds(ShowCut, st.booleans()),
+    st.builds(SetCut, st.just("on"), st.booleans()),
     st.builds(MoveCut, _anything),
     st.builds(
         SetChart,

@@ -10,17 +10,14 @@ import pytest
 
 from app.features.move.state import Place
 from app.features.trajectory import compute
-from app.features.trajectory.compute import Asked, Computed
-from app.features.trajectory.part import Moving, rounded_up
-from app.features.trajectory.player import Player
-from app.features.trajectory.playing import _Rested
+from app.features.trajectory.compute import Asked, Computed, Moved
+from app.features.trajectory.part import TrajectoryPart, rounded_up
+from app.features.trajectory.playing import Player
 from app.features.trajectory.state import Plan, SetPlan
 from app.jobs.lane import Done, Job, Lost
 from app.review.changes import Change, change
-from app.review.requests import Distances, LeaveWay, NextWarning, Play, Scrub, Shortest, StopHere
 from app.review.state import Review, new_review
 from app.review.view import View, view
-from app.widgets.desk import Moved
 from kinematics.designs.files import load_design
 
 
@@ -41,6 +38,9 @@ class Stage:
     def put(self, item: object) -> None:
         self.inbox.append(item)
 
+    def ask(self, act: object, *arguments: object, **options: object) -> None:
+        self.inbox.append(act)
+
     def complain(self, text: str, client: object = None) -> None:
         self.told.append(text)
 
@@ -57,14 +57,19 @@ class Desk:
         review = new_review(load_design("five-bar"))
         plan = (("on", True), ("way", "rest-to-rest"), ("samples", 11), ("rates", (0.3, 0.4)))
         self.stage = Stage(change(review, SetPlan(plan))[0])
-        self.part = Moving(self.stage)  # type: ignore[arg-type]
+        self.part = TrajectoryPart(self.stage)  # type: ignore[arg-type]
         self.wanted: list[Job] = []
-        lane = SimpleNamespace(want=self._want, cancel=lambda: None)
-        self.part._lane = lane  # type: ignore[assignment]
+        lane: Any = SimpleNamespace(want=self._want, cancel=lambda: None)
+        self.part.lanes["trajectory"] = lane
         self.part.follow()
 
     def _want(self, jobs: list[Job]) -> None:
         self.wanted = list(jobs)
+
+    @property
+    def kinds(self) -> list[str]:
+        """What is wanted, each by the name of its question."""
+        return [job.function.__name__ for job in self.wanted]
 
     def set(self, **values: Any) -> None:
         self.stage.apply(SetPlan(tuple(values.items())), None)
@@ -83,15 +88,15 @@ def desk() -> Desk:
 
 
 def test_the_trajectory_comes_first_then_its_distances_then_what_they_tell(desk: Desk) -> None:
-    assert [job.key[0] for job in desk.wanted] == ["trajectory"]
+    assert desk.kinds == ["compute"]
     assert desk.shown().stale
     desk.do(desk.wanted[0])
-    assert {job.key[0] for job in desk.wanted} == {"distances"}
+    assert set(desk.kinds) == {"distances"}
     assert desk.shown().share == 0.0
     for job in list(desk.wanted):
         desk.do(job)
     assert desk.shown().share == 1.0
-    assert [job.key[0] for job in desk.wanted] == ["judged"]
+    assert desk.kinds == ["judged"]
     desk.do(desk.wanted[0])
     assert desk.wanted == []
     moved = desk.shown()
@@ -109,12 +114,12 @@ def test_what_was_asked_before_is_nothing_any_more(desk: Desk) -> None:
     desk.set(duration=4.0)
     desk.part.take(Done(late, np.zeros(6)))
     assert desk.shown().stale
-    assert [job.key[0] for job in desk.wanted] == ["trajectory"]
+    assert desk.kinds == ["compute"]
 
 
 def test_polynomials_of_another_degree_are_asked_for_and_nothing_else(desk: Desk) -> None:
     desk.do(desk.wanted[0])
-    desk.part.take(Distances(on=False))
+    desk.part.measure(on=False)
     assert desk.wanted == []
     desk.set(degree=4)
     (job,) = desk.wanted
@@ -126,7 +131,7 @@ def test_polynomials_of_another_degree_are_asked_for_and_nothing_else(desk: Desk
     assert desk.shown().fits is None
     desk.part.take(Lost(desk.wanted[0], "too few samples"))
     assert desk.shown().fit_trouble == "too few samples"
-    desk.part.take(Distances(on=True))
+    desk.part.measure(on=True)
     assert desk.wanted
 
 
@@ -141,20 +146,20 @@ def test_a_failure_is_told_and_nothing_old_stays(desk: Desk) -> None:
 
 
 def test_playing_moves_pictures_and_stopping_moves_the_machine(desk: Desk) -> None:
-    desk.part.take(Play())
+    desk.part.playing.play()
     assert desk.stage.told == ["There is no trajectory to play yet."]
     desk.do(desk.wanted[0])
     home = desk.stage.review.pose
-    desk.part.take(Play())
+    desk.part.playing.play()
     assert desk.part.late
     assert desk.stage.made == []
-    desk.part.take(Scrub(1.25))
+    desk.part.playing.scrub(1.25)
     shown = desk.part.shown(desk.stage.view)
-    computed = desk.part._computed
+    computed = desk.part.current
     assert computed is not None
     assert shown.posture.pose == computed.pose_at(1.25)
     assert shown.review.pose == home
-    assert desk.part.take(StopHere())
+    assert desk.part.playing.stop_here()
     assert desk.stage.made == [Place(computed.pose_at(1.25), gesture="")]
     desk.part.follow()
     assert desk.part.shown(desk.stage.view).posture.pose == desk.stage.review.pose
@@ -162,54 +167,54 @@ def test_playing_moves_pictures_and_stopping_moves_the_machine(desk: Desk) -> No
 
 def test_whoever_moves_the_machine_has_it(desk: Desk) -> None:
     desk.do(desk.wanted[0])
-    desk.part.take(Play(on=True))
+    desk.part.playing.play(on=True)
     desk.stage.apply(Place((10.0, 700.0)), None)
     desk.part.follow()
     assert desk.part.shown(desk.stage.view).posture.pose == (10.0, 700.0)
     assert not desk.part.playing.player.playing
-    desk.part.take(Scrub(0.5))
-    assert desk.part.take(LeaveWay())
+    desk.part.playing.scrub(0.5)
+    assert desk.part.playing.go_back()
     assert desk.part.shown(desk.stage.view).posture.pose == (10.0, 700.0)
 
 
 def test_warnings_are_gone_through_and_limits_kept(desk: Desk) -> None:
     desk.do(desk.wanted[0])
-    computed = desk.part._computed
+    computed = desk.part.current
     assert computed is not None
     starts = [event.start for event in computed.found.events]
-    desk.part.take(NextWarning())
+    desk.part.playing.to_warning()
     assert desk.part.playing.player.phase == pytest.approx(starts[0])
-    desk.part.take(Shortest())
+    desk.part.shorten()
     desk.part.follow()
     assert desk.stage.review[Plan].duration > 2.0
     desk.do(desk.wanted[0])
-    found = desk.part._computed
+    found = desk.part.current
     assert found is not None
     worst = found.found.largest("rate")[0] / np.array([0.3, 0.4])
     assert worst.max() == pytest.approx(1.0, rel=1e-5)
     desk.set(rates=())
     desk.do(desk.wanted[0])
-    desk.part.take(NextWarning())
-    desk.part.take(Shortest())
+    desk.part.playing.to_warning()
+    desk.part.shorten()
     assert desk.stage.told[-2].startswith("Nothing is wrong")
     assert desk.stage.told[-1].startswith("Give limits")
 
 
 def test_the_cursor_is_where_the_machine_is(desk: Desk) -> None:
     desk.do(desk.wanted[0])
-    part, computed = desk.part, desk.part._computed
+    part, computed = desk.part, desk.part.current
     assert computed is not None
     home = desk.stage.review
-    part.take(Scrub(1.25))
-    part.take(StopHere())
+    part.playing.scrub(1.25)
+    part.playing.stop_here()
     part.follow()
     assert part.playing.player.at(0.0) == 1.25  # it stands there now
     assert part.playing.stands_at(1.25)
     # Put there again: nothing changes, and nothing is left to go back to.
-    part.take(Play(on=True))
-    part.take(Play(on=False))
-    part.take(Scrub(1.25))
-    part.take(StopHere())
+    part.playing.play(on=True)
+    part.playing.play(on=False)
+    part.playing.scrub(1.25)
+    part.playing.stop_here()
     part.follow()
     assert not part.playing.away
     # Undo: it stands where it was, which is not on the way at that time.
@@ -217,10 +222,10 @@ def test_the_cursor_is_where_the_machine_is(desk: Desk) -> None:
     part.follow()
     assert part.playing.player.at(0.0) == 0.0
     # Back to where it was; another path.
-    part.take(Scrub(0.75))
-    part.take(LeaveWay())
+    part.playing.scrub(0.75)
+    part.playing.go_back()
     assert part.playing.player.at(0.0) == 0.0
-    part.take(Scrub(0.5))
+    part.playing.scrub(0.5)
     desk.set(way="line")
     desk.do(desk.wanted[0])
     assert part.playing.player.at(0.0) == 0.0
@@ -230,13 +235,13 @@ def test_the_cursor_is_where_the_machine_is(desk: Desk) -> None:
 def test_the_machine_is_not_put_beside_its_way(desk: Desk) -> None:
     desk.set(way="straight", start=(0.0, 804.0), end=(0.0, 3000.0))
     desk.do(desk.wanted[0])
-    computed = desk.part._computed
+    computed = desk.part.current
     assert computed is not None
-    desk.part.take(Scrub(0.6 * computed.law.duration))
+    desk.part.playing.scrub(0.6 * computed.law.duration)
     made = list(desk.stage.made)
-    assert not desk.part.take(_Rested(None))
+    assert not desk.part.playing.settle(None, asked=False)
     assert desk.stage.told == []
-    assert not desk.part.take(StopHere())
+    assert not desk.part.playing.stop_here()
     assert desk.stage.told == ["The machine cannot be put there: y is kept within −960 … 960 mm."]
     assert desk.stage.made == made
     assert desk.part.playing.away  # and is still shown there
@@ -245,11 +250,11 @@ def test_the_machine_is_not_put_beside_its_way(desk: Desk) -> None:
 def test_playing_stops_at_singularities_and_goes_on_from_there(desk: Desk) -> None:
     desk.set(way="straight", start=(0.0, 804.0), end=(0.0, 300.0), samples=51, rates=())
     desk.do(desk.wanted[0])
-    part, computed = desk.part, desk.part._computed
+    part, computed = desk.part, desk.part.current
     assert computed is not None
     (met,) = {e.start for e in computed.found.events if e.kind == "singularity"}
     assert computed.pose_at(met)[1] == pytest.approx(np.sqrt(480.0**2 - 240.0**2), abs=1e-3)
-    part.take(Play(on=True))
+    part.playing.play(on=True)
     begun = part.playing.player.since
     assert begun is not None
     for step in np.linspace(0.0, 0.9 * computed.law.duration, 40):  # pictures
@@ -257,14 +262,14 @@ def test_playing_stops_at_singularities_and_goes_on_from_there(desk: Desk) -> No
     assert not part.playing.player.playing
     assert part.playing.player.at(0.0) == met
     assert desk.stage.told[-1].startswith(f"Stopped at {met:.3f} s")
-    part.take(Play(on=True))
+    part.playing.play(on=True)
     begun = part.playing.player.since
     assert begun is not None
     part.playing._halt(begun + 0.5 * (computed.law.duration - met))
     assert part.playing.player.playing
     desk.set(halt=False)
-    part.take(Scrub(0.0))
-    part.take(Play(on=True))
+    part.playing.scrub(0.0)
+    part.playing.play(on=True)
     begun = part.playing.player.since
     assert begun is not None
     part.playing._halt(begun + 0.99 * computed.law.duration)
@@ -299,7 +304,7 @@ def test_durations_are_rounded_up(value: float) -> None:
 
 def test_a_stroke_asks_for_the_reach(desk: Desk) -> None:
     desk.set(way="stroke")
-    assert [job.key[0] for job in desk.wanted] == ["reach"]
+    assert desk.kinds == ["reach"]
     desk.do(desk.wanted[0])
     assert desk.shown().reach is not None
     desk.set(plane=("y", "x"))

@@ -15,11 +15,12 @@ import pytest
 from app.features.design.state import UseDesign
 from app.features.move.state import Flip, GoHome, Place
 from app.features.singularities.compute import Here
+from app.features.singularities.part import ControlPart
 from app.features.singularities.state import Control, SetControl
+from app.features.workspace.part import RegionsPart
 from app.features.workspace.state import Flat, SetFlat
 from app.review import session
 from app.review.changes import Restore
-from app.review.requests import SaveLoci, SaveRegions
 from app.review.state import Review, new_review
 from app.review.units import how_far
 from app.scene import palette
@@ -55,7 +56,7 @@ def opened(shared: Seat) -> Open:
 
 
 def _here(seat: Seat) -> Here:
-    here = seat.page._control.controlled().here
+    here = seat.page.part(ControlPart).controlled().here
     assert here is not None
     assert here.place.pose == seat.review.pose
     return here
@@ -107,7 +108,7 @@ def test_it_moves_by_its_pose_and_by_its_actuators_and_goes_home(opened: Open, n
         shown = page.server.scene._handle_from_node_name["/handle"]
         at = machine_of(design).transform(after.pose, after.mode)
         assert shown.position == pytest.approx(at[:3, 3], abs=1e-9)
-        assert page.page._control.controlled().stale is False
+        assert page.page.part(ControlPart).controlled().stale is False
     page.press("Home position")
     assert page.review.pose == home.pose
     page.press("Undo")
@@ -166,7 +167,7 @@ def test_the_load_is_dragged_and_the_limbs_hold_it(opened: Open, name: str) -> N
     # The arrow's tip is the load, to the scale of the scene.
     view = page.page.view
     tip = np.array(page.node("/control/tip").position)
-    scale = page.page._control._loads.scale(view)
+    scale = page.page.part(ControlPart)._loads.scale(view)
     assert (tip - view.platform[:3, 3]) / scale == pytest.approx(LOAD[:3])
     page.drag("/control/tip", view.platform[:3, 3] + scale * np.array([10.0, 0.0, -40.0]))
     page.drag("/control/tip", page.node("/control/tip").position, "end")
@@ -228,7 +229,7 @@ def test_every_chart_is_drawn_pointed_at_and_saved(opened: Open, name: str) -> N
         assert picture is not None
         root = ElementTree.fromstring(picture[0])
         curves = [p for p in root.iter("path") if "locus" in p.get("class", "")]
-        known = page.page._control.controlled().curves
+        known = page.page.part(ControlPart).controlled().curves
         assert known is not None
         assert len(curves) == len(known.kinds)
         assert "exact to" in page.text() or not curves
@@ -247,7 +248,7 @@ def test_every_chart_is_drawn_pointed_at_and_saved(opened: Open, name: str) -> N
             assert page.review.pose == before
             assert "to go there" not in pictures[0]
         for file_kind in ("csv", "svg"):
-            page.ask(SaveLoci(file_kind))
+            page.ask(page.page.part(ControlPart).save_curves, file_kind, None)
         csv, svg = page.files[-2:]
         assert csv.data.count(b"\n") > len(known.points)
         ElementTree.fromstring(svg.data.decode())
@@ -382,7 +383,7 @@ def test_side_by_side_with_its_counterpart(opened: Open, name: str) -> None:
     assert beside.posture.pose == page.review.pose
     assert {row.limb % 5 for row in beside.joints} == {1, 2, 3}
     assert [palette.limb_color(row.limb) for row in beside.joints] == list(palette.LIMBS[:3])
-    controlled = page.page._control.controlled()
+    controlled = page.page.part(ControlPart).controlled()
     assert controlled.beside is not None
     assert controlled.beside.place.design == beside.design
     assert "Circle to a singularity" in page.text()
@@ -396,7 +397,7 @@ def test_side_by_side_with_its_counterpart(opened: Open, name: str) -> None:
     assert moved is not None
     assert moved.posture.pose == page.review.pose
     page.open("spr-3" if name == "rps-3" else "rps-3")
-    controlled = page.page._control.controlled()
+    controlled = page.page.part(ControlPart).controlled()
     assert page.review[Control].compare
     assert controlled.beside is not None
     assert controlled.beside.place.design.mechanism != page.review.design.mechanism
@@ -435,11 +436,11 @@ def test_the_profile_goes_to_an_altitude_and_compares_ratios(opened: Open, name:
     page = opened(name)
     page.put("Further h₂/h₁", "0.5, 1, 2")
     assert page.review[Control].ratios == (0.5, 1.0, 2.0)
-    ((_, profile), *_) = page.page._control.controlled().profiles
+    ((_, profile), *_) = page.page.part(ControlPart).controlled().profiles
     more = {c.title for c in profile.curves if not c.own}
     assert more >= {"h₂/h₁ = 1", f"h₂/h₁ = {'2' if name == 'rps-3' else '0.5'}"}
     page.point(profile.title, 1.25, 0.0)
-    assert page.page._control.controlled().profiles[0][1].at == pytest.approx(1.25)
+    assert page.page.part(ControlPart).controlled().profiles[0][1].at == pytest.approx(1.25)
     for text in ("a", "0.5, -1", "nan", "1e999"):
         page.put("Further h₂/h₁", text)
         assert "ratio" in page.told[-1]
@@ -503,14 +504,14 @@ def test_regions_in_the_plane_are_chosen_told_and_saved(opened: Open) -> None:
         for region in found:
             assert region.title in text
         for file_kind in ("svg", "dxf", "csv"):
-            page.ask(SaveRegions(file_kind))
+            page.ask(page.page.part(RegionsPart).save_regions, file_kind, None)
         ElementTree.fromstring(page.files[-3].data.decode())
     assert page.seen("/regions/locus")
     page.do(SetFlat("locus", False))
     assert not page.seen("/regions/locus")
     page.do(SetFlat("on", False))
     assert not page.seen("/regions/")
-    page.ask(SaveRegions("svg"))
+    page.ask(page.page.part(RegionsPart).save_regions, "svg", None)
     assert "no regions to save" in page.told[-1]
 
 

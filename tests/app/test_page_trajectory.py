@@ -9,9 +9,9 @@ import pytest
 
 from app.features.move.state import Place
 from app.features.singularities.state import SetControl
+from app.features.trajectory.part import TrajectoryPart
 from app.features.trajectory.state import Plan, SetPlan
 from app.review.changes import Restore
-from app.review.requests import LeaveWay, SaveTrajectory, Scrub, StopHere
 from app.review.state import new_review
 from kinematics.designs.files import load_design
 from tests.app import seats
@@ -42,6 +42,10 @@ def _open(shared: Seat, name: str) -> Seat:
     return shared
 
 
+def _part(page: Seat) -> TrajectoryPart:
+    return page.page.part(TrajectoryPart)
+
+
 def _spot(page: Seat) -> np.ndarray:
     return np.array(page.node("/handle").position)
 
@@ -58,17 +62,17 @@ def test_each_machine_runs_stops_and_is_taken_back(shared: Seat, name: str) -> N
     assert page.seen("/trajectory/line")
     points = np.array(page.node("/trajectory/line").points)
     np.testing.assert_allclose(points[0, 0], _spot(page), atol=1e-3)
-    page.ask(Scrub(1e9))
+    page.ask(_part(page).playing.scrub, 1e9)
     np.testing.assert_allclose(points[-1, 1], _spot(page), atol=1e-3)
     assert page.review.pose == home
     assert "Reachable" in page.text()
     assert not page.node("/control").visible
-    page.ask(LeaveWay())
+    page.ask(_part(page).playing.go_back)
     np.testing.assert_allclose(points[0, 0], _spot(page), atol=1e-3)
     assert page.node("/control").visible
-    page.ask(Scrub(1e9))
-    page.ask(StopHere())
-    assert page.review.pose == pytest.approx(page.page._moving._computed.pose_at(1e9), abs=1e-9)  # type: ignore[union-attr]
+    page.ask(_part(page).playing.scrub, 1e9)
+    page.ask(_part(page).playing.stop_here)
+    assert page.review.pose == pytest.approx(_part(page).current.pose_at(1e9), abs=1e-9)  # type: ignore[union-attr]
     page.page.undo()
     page.settle()
     assert page.review.pose == home
@@ -139,7 +143,7 @@ def test_files(shared: Seat) -> None:
     page.put("It runs", "Straight line at constant velocity")
     page.do(SetControl("load", (10.0, 0.0, 0.0, 0.0, 0.0, 0.0)))
     for kind in ("csv", "svg"):
-        page.ask(SaveTrajectory(kind))
+        page.ask(_part(page).save_trajectory, kind)
     table, drawing = (file.data.decode() for file in page.files)
     assert table.splitlines()[0].startswith("t,x,y,theta1_deg")
     assert len(table.splitlines()) == 6
@@ -176,10 +180,10 @@ def test_on_the_way_actuators_follow_and_what_does_not_says_so(shared: Seat) -> 
     said = "the trajectory shows the machine elsewhere"
     before = page.widget("x (mm)").value
     assert said not in page.text()
-    page.ask(Scrub(1e9))
+    page.ask(_part(page).playing.scrub, 1e9)
     assert page.widget("x (mm)").value == 100.0
     assert page.widget("y (mm)").value == 700.0
     assert said in page.text()
-    page.ask(LeaveWay())
+    page.ask(_part(page).playing.go_back)
     assert page.widget("x (mm)").value == before
     assert said not in page.text()

@@ -11,15 +11,17 @@ import pytest
 
 from app.features.move.state import Place
 from app.features.singularities import compute
-from app.features.singularities.painter import Painter
-from app.features.singularities.part import spot_of
+from app.features.singularities.compute import spot_of
 from app.features.singularities.state import SetControl
-from app.features.workspace.compute import SolidWish, wishes
+from app.features.workspace.compute import FIELD, SolidWish, wishes
+from app.features.workspace.painter import Painter
 from app.features.workspace.state import Show
-from app.jobs.worker import Built
+from app.jobs.answers import Answers
+from app.jobs.lane import Done, Job
 from app.review.changes import change
 from app.review.state import Review, new_review
 from app.scene import painting, palette
+from app.scene.painting import Coat
 from kinematics.designs.files import load_design
 from kinematics.facets.solids import build_solid
 from kinematics.machine import machine_of
@@ -35,64 +37,86 @@ def review() -> Review:
 @pytest.fixture(scope="module")
 def built(review: Review) -> dict[str, tuple[SolidWish, Any]]:
     """Both solids, coarse."""
-    return {
-        wish.spec.key: (wish, Built(wish, "preview", build_solid(wish.requests["preview"])))
-        for wish in wishes(review)
-    }
+    return {wish.spec.key: (wish, build_solid(wish.requests["preview"])) for wish in wishes(review)}
+
+
+class Shop:
+    """A painter with a store of values, and a lane that only notes what it is told."""
+
+    def __init__(self) -> None:
+        self.painter = Painter()
+        self.wanted: list[Job] = []
+        lane: Any = SimpleNamespace(want=self._want)
+        self.answers = Answers({"colours": lane})
+
+    def _want(self, jobs: list[Job]) -> None:
+        self.wanted = list(jobs)
+
+    def coats(self, review: Review, *solids: tuple[SolidWish, Any]) -> list[tuple[Coat, ...]]:
+        asked = [self.painter.asked(review, *each) for each in solids]
+        self.answers.want([each for each in asked if each is not None])
+        values = [
+            None if each is None else self.answers.of(each.question, each.request).now
+            for each in asked
+        ]
+        return [self.painter.coats(review, *s, v) for s, v in zip(solids, values, strict=True)]
+
+    def work(self) -> None:
+        for job in self.wanted:
+            self.answers.take(Done(job, job.function(*job.arguments)))
 
 
 def test_coats_are_kept_while_nothing_changes(review: Review, built: dict[str, Any]) -> None:
-    painter = Painter()
-    wish, solid = built["aspects"]
-    first = painter.coats(review, wish, solid)
-    assert painter.coats(review, wish, solid) is first
-    assert not painter.wants
+    shop = Shop()
+    (first,) = shop.coats(review, built["aspects"])
+    assert shop.coats(review, built["aspects"])[0] is first
+    assert not shop.wanted
     bare, _ = change(review, SetControl("locus", False))
-    other = painter.coats(bare, wish, solid)
+    (other,) = shop.coats(bare, built["aspects"])
     assert palette.BEYOND not in [coat.color for coat in other]
-    plain = painter.coats(review, *built["workspace"])
+    (plain,) = shop.coats(review, built["workspace"])
     assert [coat.color for coat in plain] == [palette.WORKSPACE]
 
 
 def test_a_measure_is_asked_for_once_and_then_painted(
     review: Review, built: dict[str, Any]
 ) -> None:
-    painter = Painter()
+    shop = Shop()
+    both = built["workspace"], built["aspects"]
     shaded, _ = change(review, SetControl("shade", "conditioning"))
-    for key in ("workspace", "aspects"):
-        painter.coats(shaded, *built[key])
-    assert painter.wants
-    assert painter.scale(shaded) is None
-    jobs = painter.jobs(shaded, spot_of(shaded))
-    assert len(jobs) == 2
-    assert not painter.wants
-    for job in jobs:
-        values = job.function(*job.arguments)
-        assert len(values) == len(job.arguments[-1])
-        painter.take(job.key, values)
-    assert painter.jobs(shaded, spot_of(shaded)) == []
-    coats = painter.coats(shaded, *built["workspace"])
+    shop.coats(shaded, *both)
+    assert shop.painter.scale(shaded) is None
+    assert len(shop.wanted) == 2
+    for job in shop.wanted:
+        assert len(job.function(*job.arguments)) == len(job.arguments[-1])
+    shop.work()
+    coats, _ = shop.coats(shaded, *both)
+    assert shop.wanted == []
     assert len(coats) > 3
-    steps = painter.scale(shaded)
+    steps = shop.painter.scale(shaded)
     assert steps is not None
     ramp = {steps.color(n) for n in range(painting.STEPS)}
     assert {coat.color for coat in coats} <= ramp | {palette.WORKSPACE}
-    assert painter.coats(shaded, *built["workspace"]) is coats
+    assert shop.coats(shaded, *both)[0] is coats
     # Another measure has other steps; none has no colours.
     other, _ = change(shaded, SetControl("shade", "singular_value"))
-    painter.coats(other, *built["workspace"])
-    assert painter.scale(other) is None
-    assert painter.wants
-    assert painter.scale(review) is None
+    shop.coats(other, *both)
+    assert shop.painter.scale(other) is None
+    assert shop.wanted
+    assert shop.painter.scale(review) is None
 
 
 def test_the_load_counts_for_measures_that_need_it(review: Review, built: dict[str, Any]) -> None:
-    painter = Painter()
+    shop = Shop()
+
+    def asked(review: Review) -> Job:
+        shop.coats(review, built["workspace"])
+        (job,) = shop.wanted
+        return job
+
     forces, _ = change(review, SetControl("shade", "largest_force"))
-    painter.coats(forces, *built["workspace"])
-    (job,) = painter.jobs(forces, spot_of(forces))
     heavy, _ = change(forces, SetControl("load", (0.0, 0.0, -200.0, 0.0, 0.0, 0.0)))
-    (more,) = painter.jobs(heavy, spot_of(heavy))
+    job, more = asked(forces), asked(heavy)
     assert job.key != more.key
     one, two = (j.function(*j.arguments) for j in (job, more))
     known = np.isfinite(one)
@@ -100,30 +124,29 @@ def test_the_load_counts_for_measures_that_need_it(review: Review, built: dict[s
     assert two[known] == pytest.approx(2.0 * one[known])
     bare, _ = change(review, SetControl("shade", "conditioning"))
     light, _ = change(bare, SetControl("load", (0.0, 0.0, -1.0, 0.0, 0.0, 0.0)))
-    assert painter.jobs(bare, spot_of(bare))[0].key == painter.jobs(light, spot_of(light))[0].key
+    assert asked(bare).key == asked(light).key
 
 
-def test_few_values_are_kept(review: Review) -> None:
-    painter = Painter()
+def test_few_values_are_kept() -> None:
+    answers = Answers({})
     for n in range(20):
-        painter.take(("field", n), np.zeros(1))
-    assert len(painter._fields) <= 6
+        answers.put(FIELD, (n,), np.zeros(1))
+    assert sum(answers.kept(FIELD((n,))) is not None for n in range(20)) <= 6
 
 
 def test_what_cannot_be_measured_keeps_the_plain_colour(
     review: Review, built: dict[str, Any]
 ) -> None:
-    painter = Painter()
+    shop = Shop()
     shaded, _ = change(review, SetControl("shade", "conditioning"))
-    wish, solid = built["workspace"]
-    painter.coats(shaded, wish, solid)
-    (job,) = painter.jobs(shaded, spot_of(shaded))
-    painter.take(job.key, np.full(len(job.arguments[-1]), np.nan))
-    assert [c.color for c in painter.coats(shaded, wish, solid)] == [palette.WORKSPACE]
-    empty = SimpleNamespace(
-        solid=SimpleNamespace(triangles=0, shaded=None), wish=wish, resolution="preview"
-    )
-    assert Painter().coats(shaded, wish, empty) == ()  # type: ignore[arg-type]
+    wish, _ = built["workspace"]
+    shop.coats(shaded, built["workspace"])
+    (job,) = shop.wanted
+    shop.answers.take(Done(job, np.full(len(job.arguments[-1]), np.nan)))
+    (coats,) = shop.coats(shaded, built["workspace"])
+    assert [c.color for c in coats] == [palette.WORKSPACE]
+    empty: Any = SimpleNamespace(triangles=0, shaded=None)
+    assert Painter().coats(shaded, wish, empty, None) == ()
 
 
 MACHINES = ("rpur-table1", "five-bar", "rps-3", "spr-3", "sps-spr")

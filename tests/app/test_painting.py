@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.scene import painting, palette
-from app.scene.machine import cylinder
+from app.scene.shapes import cylinder
 
 
 def _solid(**more: Any) -> Any:

@@ -11,12 +11,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.features.map import panel as maps
-from app.features.map.part import chart_request, of
+from app.features.map import plot as maps
+from app.features.map.compute import chart_request, of
 from app.features.map.state import Chart, Span
-from app.features.section.panel import profile
+from app.features.section.html import profile
 from app.review.state import new_review
-from app.widgets.plots import STEPS, TURN, Axes, Figure, _base, scales, ticks
+from app.widgets.axes import STEPS, TURN, Axes, Figure, scales, ticks
+from app.widgets.plots import _base
 from kinematics.answers.sections import Quantity, SectionSpec, Volume
 from kinematics.designs.files import load_design
 from kinematics.facets.map_sweeps import Map, map_request

@@ -15,7 +15,8 @@ import pytest
 from app.features.design.state import EditDesign
 from app.features.move.state import Flip, Move
 from app.features.workspace import compute
-from app.features.workspace.part import region_colors, regions_file
+from app.features.workspace.compute import region_colors
+from app.features.workspace.files import regions_file
 from app.features.workspace.state import ChooseModes, Flat, SetFlat, Workspace
 from app.review.changes import change
 from app.review.state import Review, new_review

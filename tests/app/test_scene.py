@@ -6,7 +6,7 @@ import numpy as np
 import viser.transforms as tf
 
 from app.scene import palette
-from app.scene.machine import _CYLINDER, body_mesh, turns_z_to
+from app.scene.shapes import CYLINDER, body_mesh, turns_z_to
 from kinematics.answers.drawings import Body
 
 
@@ -31,7 +31,7 @@ def test_a_bar_that_is_not_there_turns_into_no_nan() -> None:
 
 
 def test_the_unit_cylinder_is_closed_and_looks_outwards() -> None:
-    vertices, faces = _CYLINDER
+    vertices, faces = CYLINDER
     assert np.isclose(_volume(vertices, faces), 12 * np.sin(2 * np.pi / 24), rtol=1e-6)
 
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from app.features.solutions.compute import Wish, job
-from app.jobs.lane import Done, Lost
+from app.features.solutions.compute import SOLUTIONS, Wish, look_ahead
+from app.jobs.lane import Done, Job, Lost
 from app.review.state import new_review
 from kinematics.answers.solutions import Posture
 from kinematics.designs.files import load_design
@@ -38,6 +38,11 @@ def desk(shared: Desk) -> Desk:
 
 def _longer(home: Posture, by: float) -> tuple[float, ...]:
     return (home.joints[0] + by, *home.joints[1:])
+
+
+def job(wish: Wish) -> Job:
+    """What the lane has to do for a wish."""
+    return Job(wish, SOLUTIONS.title, SOLUTIONS.answer, (wish,), SOLUTIONS.rest)
 
 
 def _found(desk: Desk, wish: Wish) -> Any:
@@ -85,7 +90,8 @@ def test_the_newest_wish_wins_and_nothing_old_follows(desk: Desk, home: Posture)
 
 
 def test_the_folds_ahead_are_looked_for(desk: Desk, home: Posture) -> None:
-    ahead = _found(desk, Wish(DESIGN, home.joints, posture=home))
+    desk.lane.want((Job("folds", "", look_ahead, (DESIGN, home)),))
+    ahead = desk.until(Done).result
     assert {(a.index, a.longer) for a in ahead} == {
         (n, longer) for n in range(5) for longer in (False, True)
     }

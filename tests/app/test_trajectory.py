@@ -15,8 +15,7 @@ from hypothesis import strategies as st
 from app.features.trajectory import compute
 from app.features.trajectory.compute import Asked, Computed
 from app.features.trajectory.html import fits_html, summary_html
-from app.features.trajectory.player import Player
-from app.features.trajectory.playing import on_the_way
+from app.features.trajectory.playing import Player, on_the_way
 from app.features.trajectory.plot import (
     ORDER,
     axes_for,
@@ -27,12 +26,12 @@ from app.features.trajectory.plot import (
     strips,
 )
 from app.features.trajectory.scene import along, wrong
+from app.features.trajectory.sketch import read_stroke, sketch_axes, sketch_figure, sketch_mark
 from app.features.trajectory.state import SetPlan
 from app.features.trajectory.text import polynomial
 from app.review.changes import change
 from app.review.state import Review, new_review
-from app.widgets.pose_boxes import shown_pose, typed_numbers, typed_pose, units
-from app.widgets.sketch import read_stroke, sketch_axes, sketch_figure, sketch_mark
+from app.widgets.boxes import shown_pose, typed_numbers, typed_pose, units
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 from kinematics.machine import machine_of
@@ -242,7 +241,7 @@ def test_a_curve_has_a_gap_where_the_path_is_outside() -> None:
 
 
 def test_what_is_told_in_words(bar: Computed) -> None:
-    from app.widgets.desk import Moved
+    from app.features.trajectory.compute import Moved
 
     moved = Moved(bar, False, "", 1.0, False, None, "", None, "")
     text = summary_html(moved)

@@ -1,4 +1,4 @@
-"""The lanes: newest wish wins, coarse before fine, and the death of a process is survived."""
+"""The solids' lanes: newest wish wins, coarse before fine, the death of a process is survived."""
 
 from __future__ import annotations
 
@@ -8,13 +8,18 @@ import signal
 import time
 from collections.abc import Iterator
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from app.features.move.state import Move
-from app.features.workspace import compute as view
+from app.features.workspace import compute
+from app.features.workspace.compute import Built
+from app.features.workspace.part import SolidsPart
 from app.features.workspace.state import Show
-from app.jobs.worker import Built, Busy, Event, Failed, Worker
+from app.jobs.lane import Busy, Done, Lost
+from app.jobs.process import apart
 from app.review.changes import change
 from app.review.state import Review, new_review
 from kinematics.designs.files import load_design
@@ -28,39 +33,76 @@ def review() -> Review:
     return new_review(load_design("rpur-table1"))
 
 
+class Failed(Exception):
+    """A solid was given up; ``text`` is for the user."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+
+
 class Desk:
-    """A worker and what it reported."""
+    """The part that keeps solids, and what came of its work."""
 
     def __init__(self) -> None:
-        self.events: queue.Queue[Event] = queue.Queue()
-        self.worker = Worker(self.events.put)
-        self.worker.start()
+        self.inbox: queue.Queue[Any] = queue.Queue()
+        self.stage: Any = SimpleNamespace(
+            put=self.inbox.put, scene=None, complain=lambda text: None, note=lambda text: None
+        )
+        self.part = SolidsPart(self.stage)
+        self.events: list[Any] = []
+        self._seen: dict[str, Built] = {}
+        self.part.start()
 
-    def until(self, kind: type, **wanted: object) -> Event:
+    def want(self, review: Review) -> None:
+        self.stage.view = SimpleNamespace(review=review)
+        self.part.ask()
+        self._look()
+
+    def _look(self) -> None:
+        """Note which solids are there that were not."""
+        built = self.part._built()
+        for key, each in built.items():
+            known = self._seen.get(key)
+            if known is None or known.solid is not each.solid:
+                self.events.append(each)
+        self._seen = built
+
+    def until(self, kind: type, **wanted: object) -> Any:
         """The next event of a kind with these attributes."""
         end = time.monotonic() + PATIENCE
         while True:
-            event = self.events.get(timeout=max(0.01, end - time.monotonic()))
-            if isinstance(event, kind) and all(
-                getattr(event, name) == value for name, value in wanted.items()
-            ):
-                return event
+            while self.events:
+                event = self.events.pop(0)
+                if isinstance(event, kind) and all(
+                    getattr(event, name) == value for name, value in wanted.items()
+                ):
+                    return event
+            event = self.inbox.get(timeout=max(0.01, end - time.monotonic()))
+            if isinstance(event, Busy):
+                self.events.append(event)
+            elif isinstance(event, Done | Lost):
+                self.part.take(event)
+                if isinstance(event, Lost):
+                    self.events.append(Failed(event.text))
+                self._look()
+
+    @property
+    def pids(self) -> list[int]:
+        return [lane.pid for lane in self.part.lanes.values() if lane.pid is not None]
 
 
 @pytest.fixture
 def desk() -> Iterator[Desk]:
     made = Desk()
     yield made
-    made.worker.stop()
+    made.part.stop()
 
 
 def test_coarse_comes_first_and_finer_when_the_hand_rests(desk: Desk, review: Review) -> None:
-    wishes = view.wishes(review)
-    desk.worker.want(wishes)
+    desk.want(review)
     order = []
     while len(order) < 3:
         built = desk.until(Built)
-        assert isinstance(built, Built)
         order.append(built.resolution)
         assert built.solid.watertight
     assert order == ["preview", "normal", "fine"]
@@ -69,34 +111,30 @@ def test_coarse_comes_first_and_finer_when_the_hand_rests(desk: Desk, review: Re
 def test_what_was_wished_last_is_what_comes(desk: Desk, review: Review) -> None:
     for n in range(40):
         review, _ = change(review, Move(3, 0.01 * n))
-        desk.worker.want(view.wishes(review))
+        desk.want(review)
         time.sleep(0.005)
-    last = view.wishes(review)[0].what
+    last = compute.wishes(review)[0].what
     seen = []
     while True:
         built = desk.until(Built)
-        assert isinstance(built, Built)
         seen.append(built.wish.what)
         if built.wish.what == last:
             break
     assert len(seen) < 40  # most wishes were void before their turn came
     # After the newest nothing older may follow.
     desk.until(Built, resolution="fine")
-    while not desk.events.empty():
-        event = desk.events.get()
-        assert not isinstance(event, Built) or event.wish.what == last
+    assert not any(isinstance(e, Built) and e.wish.what != last for e in desk.events)
 
 
 def test_a_wish_seen_before_comes_from_the_cache_at_once(desk: Desk, review: Review) -> None:
-    desk.worker.want(view.wishes(review))
+    desk.want(review)
     desk.until(Built, resolution="fine")
     other, _ = change(review, Move(3, 0.3))
-    desk.worker.want(view.wishes(other))
+    desk.want(other)
     desk.until(Built, resolution="preview")
-    while not desk.events.empty():
-        desk.events.get()
-    desk.worker.want(view.wishes(review))
-    first = desk.events.get_nowait()
+    desk.events.clear()
+    desk.want(review)
+    first = desk.events[0]
     assert isinstance(first, Built)
     assert first.resolution == "fine"
 
@@ -105,64 +143,66 @@ def test_equal_limbs_are_built_once(desk: Desk, review: Review) -> None:
     for limb in range(1, 6):
         review, _ = change(review, Show(f"limb{limb}/whole", True))
     review, _ = change(review, Show("workspace", False))
-    wishes = view.wishes(review)
+    wishes = compute.wishes(review)
     assert len({wish.what for wish in wishes}) == 1
-    desk.worker.want(wishes)
+    desk.want(review)
     keys = set()
     while len(keys) < 5:
         built = desk.until(Built, resolution="preview")
-        assert isinstance(built, Built)
         keys.add(built.wish.spec.key)
     placements = {wish.placement.tobytes() for wish in wishes}
     assert len(placements) == 5
 
 
 def test_the_death_of_the_processes_is_survived(desk: Desk, review: Review) -> None:
-    desk.worker.want(view.wishes(review))
+    desk.want(review)
     desk.until(Built, resolution="preview")
-    for pid in desk.worker.pids:
+    for pid in desk.pids:
         os.kill(pid, signal.SIGKILL)
     moved, _ = change(review, Move(4, 0.2))
-    desk.worker.want(view.wishes(moved))
+    desk.want(moved)
     built = desk.until(Built, resolution="preview")
-    assert isinstance(built, Built)
-    assert built.wish.what == view.wishes(moved)[0].what
+    assert built.wish.what == compute.wishes(moved)[0].what
     desk.until(Built, resolution="fine")
 
 
-def test_what_cannot_be_computed_is_told_and_the_next_works(desk: Desk, review: Review) -> None:
-    wish = view.wishes(review)[0]
+def test_what_cannot_be_computed_is_told_and_the_next_works(
+    desk: Desk, review: Review, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wish = compute.wishes(review)[0]
     broken = {
         name: replace(request, arguments=("nonsense", name))
         for name, request in wish.requests.items()
     }
-    desk.worker.want((replace(wish, requests=broken),))
-    failed = desk.until(Failed)
-    assert isinstance(failed, Failed)
+    with monkeypatch.context() as patch:
+        patch.setattr(
+            "app.features.workspace.part.wishes", lambda review: (replace(wish, requests=broken),)
+        )
+        desk.want(review)
+        failed = desk.until(Failed)
     assert "could not be computed" in failed.text
-    desk.worker.want((wish,))
+    desk.want(review)
     desk.until(Built, resolution="preview")
 
 
 def test_cancelling_keeps_the_coarse_solid_and_gives_up_the_fine(
     desk: Desk, review: Review
 ) -> None:
-    desk.worker.want(view.wishes(review))
+    desk.want(review)
     desk.until(Built, resolution="preview")
     desk.until(Busy, lane="fine")
-    desk.worker.cancel()
+    desk.part.cancel("fine")
     moved, _ = change(review, Move(3, 0.15))
-    desk.worker.want(view.wishes(moved))
+    desk.want(moved)
     built = desk.until(Built, resolution="normal")
-    assert isinstance(built, Built)
-    assert built.wish.what == view.wishes(moved)[0].what
+    assert built.wish.what == compute.wishes(moved)[0].what
 
 
 def test_work_apart_reports_its_failure() -> None:
-    assert Worker.apart(pow, 2, 10) == 1024
+    assert apart(pow, 2, 10) == 1024
     with pytest.raises(BohemiaError, match="ZeroDivisionError"):
-        Worker.apart(divmod, 1, 0)
+        apart(divmod, 1, 0)
     with pytest.raises(BohemiaError, match="stopped"):
-        Worker.apart(os._exit, 3)
+        apart(os._exit, 3)
     with pytest.raises(BohemiaError, match="given up"):
-        Worker.apart(time.sleep, 30, timeout=0.5)
+        apart(time.sleep, 30, timeout=0.5)

@@ -19,9 +19,11 @@ import viser
 from websockets.sync.client import connect
 
 from app.features.move.state import Move
-from app.jobs.worker import Built
+from app.features.workspace.compute import Built, Solids
+from app.features.workspace.part import SolidsPart
 from app.loop import Page
 from app.review.state import new_review
+from app.review.view import View
 from app.server import make_server
 from kinematics.designs.files import load_design
 
@@ -34,20 +36,21 @@ class Watched(Page):
 
     def __init__(self, server: viser.ViserServer, name: str) -> None:
         super().__init__(server, new_review(load_design(name)), "bench", None)
-        self.shown: queue.Queue[tuple[object, str, float]] = queue.Queue()
+        self.shown: queue.Queue[tuple[Built, str, float]] = queue.Queue()
 
-    def _publish_solids(self) -> None:
-        super()._publish_solids()
-        now = time.perf_counter()
-        for built in self._built.values():
-            self.shown.put((built.wish.what, built.resolution, now))
+    def tell(self, news: object, view: View | None = None) -> None:
+        super().tell(news, view)
+        if isinstance(news, Solids):
+            now = time.perf_counter()
+            for built in news.built.values():
+                self.shown.put((built, built.resolution, now))
 
     def wait(self, resolution: str, phi: float) -> tuple[float, Built]:
         """When the solid of this orientation and resolution was sent."""
         while True:
-            what, got, when = self.shown.get(timeout=60)
-            if got == resolution and what[2] == phi:  # type: ignore[index]
-                return when, self._built["workspace"]
+            built, got, when = self.shown.get(timeout=60)
+            if got == resolution and built.wish.what[2] == phi:
+                return when, built
 
 
 def figures(label: str, times: list[float]) -> None:
@@ -143,7 +146,8 @@ def main() -> None:
         late = stalls(page, 12.0)
         figures(f"{name}: lateness of the event loop", late)
         if name == "rpur-table1":
-            pids = [os.getpid(), *page.worker.pids]
+            lanes = page.part(SolidsPart).lanes.values()
+            pids = [os.getpid(), *(lane.pid for lane in lanes if lane.pid)]
             for n in range(UPDATES + 1):
                 page.send(Move(3, 1e-4 * n))
                 time.sleep(0.012)

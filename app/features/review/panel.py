@@ -2,38 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
 from functools import partial
 from typing import Any
 
 import viser
 
 from app.features.review.files import FORMATS, ExportedFile, sanitized
-from app.features.workspace.compute import SolidWish
-from app.jobs.worker import Built
+from app.features.review.part import ReviewPart
+from app.features.workspace.compute import Solids, SolidWish
+from app.features.workspace.part import SolidsPart
 from app.review import session
 from app.review.changes import Restore, SetOption
-from app.review.state import Options
+from app.review.state import Options, Review
 from app.terminal.tables import LOCUS
-from app.widgets.desk import (
-    QUIET,
-    Desk,
-    Panel,
-    Save,
-    Sheet,
-    answer,
-    box,
-    button,
-    esc,
-    explain,
-    put,
-    put_prop,
-    safely,
-)
+from app.widgets.desk import QUIET, Client, Command, Panel, Sheet, explain, put_prop, uploaded
+from app.widgets.texts import box, esc
 from kinematics.errors import InputError
 from kinematics.facets.solids import RESOLUTIONS
 
 PIECES = 12  # of one solid that can be saved alone
+NONE = "none is shown"
 OPTIONS = {
     "machine": "Machine",
     "handle": "Drag handle",
@@ -61,91 +49,95 @@ Whoever opens this page's address sees and steers the same review; a reload lose
 class ReviewPanel(Panel):
     """Exports, the session file, undo and redo, and what is drawn."""
 
-    def __init__(self, desk: Desk, sheet: Sheet) -> None:
-        gui = desk.gui
-        self._desk = desk
-        self._undo = button(desk, "Undo", lambda _: desk.undo(), icon=viser.Icon.ARROW_BACK_UP)
-        self._redo = button(desk, "Redo", lambda _: desk.redo(), icon=viser.Icon.ARROW_FORWARD_UP)
+    TITLE = "Review"
+
+    def build(self, review: Review) -> None:
+        gui, desk, icon = self.gui, self.desk, viser.Icon
+        part = desk.part(ReviewPart)
+        self._undo = self.button("Undo", lambda _: desk.undo(), icon=icon.ARROW_BACK_UP)
+        self._redo = self.button("Redo", lambda _: desk.redo(), icon=icon.ARROW_FORWARD_UP)
         with gui.add_folder("Save a solid"):
-            self._solid = gui.add_dropdown("Solid", ("none is shown",))
+            self._solid = gui.add_dropdown("Solid", (NONE,))
             self._format = gui.add_dropdown("Format", tuple(f.upper() for f in FORMATS))
             self._resolution = gui.add_dropdown("Resolution", RESOLUTIONS, initial_value="fine")
-            self._save = button(desk, "Save", self._export, icon=viser.Icon.DOWNLOAD)
+            self._save = self.button("Save", self._export, icon=icon.DOWNLOAD)
         with gui.add_folder("Save the review"):
-            button(desk, "Session file", self._session, icon=viser.Icon.DOWNLOAD)
-            button(desk, "Picture of the view (PNG)", desk.picture, icon=viser.Icon.CAMERA)
-            button(desk, "Scene as a page (HTML)", desk.scene_page, icon=viser.Icon.WORLD)
+            self.button("Session file", self._session, icon=icon.DOWNLOAD)
+            self.button("Picture of the view (PNG)", part.picture, icon=icon.CAMERA)
+            self.button("Scene as a page (HTML)", part.scene_page, icon=icon.WORLD)
             upload = gui.add_upload_button(
                 "Open a session file",
                 mime_type=".json,application/json",
                 color=QUIET,
-                icon=viser.Icon.UPLOAD,
+                icon=icon.UPLOAD,
             )
-            upload.on_upload(self._uploaded)
+            uploaded(desk, upload, self._open)
         with gui.add_folder("What is drawn"):
-            self._options = {
-                name: gui.add_checkbox(title, getattr(sheet.view.review[Options], name))
-                for name, title in OPTIONS.items()
-            }
-            for name, switch in self._options.items():
-                answer(desk, switch, partial(self._option, name))
-            button(desk, "Fit the view", lambda _: desk.fit_view(), icon=viser.Icon.MAXIMIZE)
+            for name, title in OPTIONS.items():
+                self.switch(title, Options, name, SetOption)
+            self.button("Fit the view", lambda _: desk.fit_view(), icon=icon.MAXIMIZE)
         gui.add_html(box(f"This page: <b>{esc(desk.address)}</b>"))
         explain(gui, HELP)
         self._keys: dict[str, tuple[str, str]] = {}  # the solid's, and which part of it
-        self._review = sheet.view.review
+
+    def commands(self) -> tuple[Command, ...]:
+        def toggle(name: str) -> None:
+            self.desk.send(SetOption(name, not getattr(self.review[Options], name)))
+
+        return (
+            Command("Labels", "Show or hide the joints' names", "L", partial(toggle, "labels")),
+            Command("Axes e₁ and e₂", "Show or hide them", "E", partial(toggle, "axes")),
+            Command("Machine", "Show or hide it", "M", partial(toggle, "machine")),
+        )
 
     def draw(self, sheet: Sheet) -> None:
-        self._review = sheet.view.review
+        super().draw(sheet)
         put_prop(self._undo, "disabled", not sheet.can_undo)
         put_prop(self._redo, "disabled", not sheet.can_redo)
-        titles = {wish.spec.title: (wish.spec.key, "") for wish in sheet.wishes}
-        for wish in sheet.wishes:
-            titles |= _parts(wish, sheet.built.get(wish.spec.key))
-        if titles != self._keys or self._solid.options == ("none is shown",):
-            self._keys = titles
-            options = tuple(titles) or ("none is shown",)
-            if tuple(self._solid.options) != options:
-                self._solid.options = options
-        put_prop(self._save, "disabled", not titles)
-        for option in fields(Options):
-            put(self._desk, self._options[option.name], getattr(self._review[Options], option.name))
 
-    def _export(self, client: viser.ClientHandle | None) -> None:
+    def told(self, sheet: Sheet, news: Any) -> None:
+        if not isinstance(news, Solids):
+            return
+        self._keys = {wish.spec.title: (wish.spec.key, "") for wish in news.wishes}
+        for wish in news.wishes:
+            self._keys |= _parts(wish, news)
+        options = tuple(self._keys) or (NONE,)
+        if tuple(self._solid.options) != options:
+            self._solid.options = options
+        put_prop(self._save, "disabled", not self._keys)
+
+    def _export(self, client: Client) -> None:
         chosen = self._keys.get(self._solid.value)
         if chosen is None:
             raise InputError("no solid is shown; switch one on in the Workspace tab first")
         key, part = chosen
         kind, resolution = self._format.value.lower(), self._resolution.value
-        self._desk.export(Save(key, kind, resolution, client, part))
+        solids = self.desk.part(SolidsPart)
+        self.desk.ask(solids.save_solid, key, kind, resolution, part, client)
 
-    def _session(self, client: viser.ClientHandle | None) -> None:
-        text = session.to_text(self._review)
-        name = f"{sanitized(self._review.design.name)}.bohemia.json"
-        self._desk.download(ExportedFile(name, text.encode(), "application/json"), client)
+    def _session(self, client: Client) -> None:
+        text = session.to_text(self.review)
+        name = f"{sanitized(self.review.design.name)}.bohemia.json"
+        self.desk.download(ExportedFile(name, text.encode(), "application/json"), client)
 
-    async def _uploaded(self, event: viser.GuiEvent[Any]) -> None:
-        file = event.target.value
-
-        def take() -> None:
-            if len(file.content) > session.MAX_BYTES:
-                raise InputError(
-                    f"{file.name}: a session file is smaller than {session.MAX_BYTES >> 10} kB"
-                )
-            text = file.content.decode("utf-8", errors="replace")
-            self._desk.send(Restore(session.from_text(text, origin=file.name)), event.client)
-
-        safely(self._desk, event.client, take)
-
-    def _option(self, name: str, on: bool, client: viser.ClientHandle | None) -> None:
-        self._desk.send(SetOption(name, on), client)
+    def _open(self, file: Any, client: Client) -> None:
+        if len(file.content) > session.MAX_BYTES:
+            raise InputError(
+                f"{file.name}: a session file is smaller than {session.MAX_BYTES >> 10} kB"
+            )
+        text = file.content.decode("utf-8", errors="replace")
+        self.desk.send(Restore(session.from_text(text, origin=file.name)), client)
 
 
-def _parts(wish: SolidWish, built: Built | None) -> dict[str, tuple[str, str]]:
+PANELS = (ReviewPanel,)
+
+
+def _parts(wish: SolidWish, solids: Solids) -> dict[str, tuple[str, str]]:
     """Each piece of a solid that singularities part, and where they do."""
-    if built is None or built.wish.what != wish.what or built.solid.piece_of is None:
-        return {}
     key = wish.spec.key
+    built = solids.built.get(key)
+    if built is None or built.solid.piece_of is None:
+        return {}
     parts = {"Singular surface": (key, LOCUS)} if built.solid.on_locus is not None else {}
     return parts | {
         f"Aspect {n + 1}": (key, str(n + 1)) for n in range(min(len(built.solid.pieces), PIECES))

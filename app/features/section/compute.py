@@ -20,10 +20,12 @@ from app.features.section.state import Cut, point_in_section
 from app.features.singularities.compute import placed
 from app.features.singularities.state import Control
 from app.features.workspace.state import Workspace, solver_modes
+from app.jobs.answers import Question
 from app.review.state import Options, Review
 from app.scene.painting import scale
 from kinematics.answers.sections import Box, Section, Sphere, Volume
 from kinematics.arrays import Array
+from kinematics.facets.sections import SectionsFacet
 from kinematics.machine import machine_of, required
 from kinematics.mechanism import Design, mechanism_class
 from kinematics.plane.regions import contains
@@ -116,6 +118,26 @@ class Drawn:
     svg: str
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class Sections:
+    """What is known of the workspace's sections and measures, as panels draw it.
+
+    Attributes:
+        drawn: the section, or while ``stale`` the one before.
+        volume: of the present workspace; while it is not known ``old_volume`` is of one before.
+        ball, box: the largest ones in the present workspace, if a person asked for them.
+        trouble: what could not be computed.
+    """
+
+    drawn: Drawn | None
+    stale: bool
+    volume: Volume | None
+    old_volume: Volume | None
+    ball: Sphere | None
+    box: Box | None
+    trouble: str
+
+
 def region(review: Review) -> Region:
     """What is cut in a review whose mechanism has sections."""
     machine, design, modes = review.machine, review.design, solver_modes(review)
@@ -149,7 +171,7 @@ def draw(wanted: Wish) -> Drawn:
     """The section, its edges, the region hatched, its plot."""
     of = wanted.region
     machine = machine_of(of.design)
-    section = required(machine.sections, "exact sections").at(of.pose, of.modes, wanted.at)
+    section = _sections(of).at(of.pose, of.modes, wanted.at)
     spec = machine.section_spec
     assert spec is not None
     reach = extent(of)
@@ -205,9 +227,7 @@ def _held(wanted: Wish, section: Section) -> Section | None:
         return None
     if of.modes == (lost.mode,):
         return section
-    return required(machine_of(of.design).sections, "exact sections").at(
-        of.pose, (lost.mode,), wanted.at
-    )
+    return _sections(of).at(of.pose, (lost.mode,), wanted.at)
 
 
 def _parted(curves: Sequence[Array], held: Section | None) -> tuple[list[Array], list[Array]]:
@@ -239,7 +259,7 @@ def _shade(wanted: Wish, section: Section, held: Section | None) -> Shade | None
     u = u0 + (np.arange(wide) + 0.5) / wide * (u1 - u0)
     v = v0 + (np.arange(high) + 0.5) / high * (v1 - v0)
     flat = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
-    frame = required(machine.sections, "exact sections").frame(of.pose)
+    frame = _sections(of).frame(of.pose)
     points = _raised(flat, wanted.at) @ frame[:3, :3].T + frame[:3, 3]
     poses = placed(machine, of.pose, points)
     load = lost.load if measure.needs_load else None
@@ -253,15 +273,12 @@ def _shade(wanted: Wish, section: Section, held: Section | None) -> Shade | None
 @lru_cache(maxsize=16)
 def extent(of: Region) -> Extent:
     """Where the workspace is; from so many sections that a picture of it does not jump."""
-    machine = machine_of(of.design)
-    along = required(machine.sections, "exact sections").range(of.pose, of.modes)
+    sections = _sections(of)
+    along = sections.range(of.pose, of.modes)
     if along is None:
         return Extent(None, None)
     places = np.linspace(*along, LOOKS + 2)[1:-1]
-    cuts = [
-        required(machine.sections, "exact sections").at(of.pose, of.modes, float(at))
-        for at in places
-    ]
+    cuts = [sections.at(of.pose, of.modes, float(at)) for at in places]
     found = np.array([section_bounds(cut) for cut in cuts if cut.loops]).reshape(-1, 2, 2)
     if not len(found):
         return Extent(along, None)
@@ -271,19 +288,23 @@ def extent(of: Region) -> Extent:
 
 def measure(of: Region) -> Volume:
     """The exact volume."""
-    return required(machine_of(of.design).sections, "exact sections").volume(of.pose, of.modes)
+    return _sections(of).volume(of.pose, of.modes)
 
 
-def sphere(of: Region, center: Sequence[float] | None) -> Sphere | None:
-    """The largest ball inside."""
-    return required(machine_of(of.design).sections, "exact sections").ball(
-        of.pose, of.modes, center
-    )
+def sphere(of: Region, center: Sequence[float] | None) -> tuple[Sphere, ...]:
+    """The largest ball inside; none in an empty workspace."""
+    found = _sections(of).ball(of.pose, of.modes, center)
+    return () if found is None else (found,)
 
 
-def box(of: Region, center: Sequence[float] | None) -> Box | None:
-    """The largest box inside."""
-    return required(machine_of(of.design).sections, "exact sections").box(of.pose, of.modes, center)
+def box(of: Region, center: Sequence[float] | None) -> tuple[Box, ...]:
+    """The largest box inside, likewise."""
+    found = _sections(of).box(of.pose, of.modes, center)
+    return () if found is None else (found,)
+
+
+def _sections(of: Region) -> SectionsFacet[Any]:
+    return required(machine_of(of.design).sections, "exact sections")
 
 
 def edges(section: Section, step: float = STEP) -> tuple[Array, np.ndarray]:
@@ -320,3 +341,16 @@ def hatched(lines: Array, extent: Bounds) -> Array:
 def _raised(flat: Array, at: float) -> Array:
     """Points (..., 2) of a plane at ``at`` as points (..., 3)."""
     return np.concatenate([np.full((*flat.shape[:-1], 1), at), flat], axis=-1)
+
+
+REST = 0.15  # s for which a workspace must stay before it is measured
+SECTION: Question[Wish, Drawn] = Question("the section", "sections", draw)
+# Apart, so that a section is never behind a volume, let alone behind the first one of all, for
+# which code is compiled.
+VOLUME: Question[Region, Volume] = Question("the exact volume", "measures", measure, REST, kept=64)
+Inside = tuple[Region, tuple[float, ...] | None]
+"""Of what the largest is wanted, and about which point; None for wherever the most room is."""
+BALL: Question[Inside, tuple[Sphere, ...]] = Question(
+    "the largest ball", "measures", sphere, slow=True
+)
+BOX: Question[Inside, tuple[Box, ...]] = Question("the largest box", "measures", box, slow=True)

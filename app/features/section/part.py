@@ -3,91 +3,56 @@
 from __future__ import annotations
 
 import threading
-from collections import OrderedDict
+from collections.abc import Iterable
 from contextlib import suppress
-from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import Any
 
 from app.features.move.state import Visit
 from app.features.review.files import ExportedFile, solid_name
 from app.features.section import compute
-from app.features.section.compute import Drawn, Region, Wish
-from app.features.section.files import section_bytes
-from app.features.section.inscribed_scene import Inside
-from app.features.section.scene import Plane
+from app.features.section.compute import BALL, BOX, SECTION, VOLUME, Drawn, Region, Sections
+from app.features.section.files import MEDIA_TYPES, section_bytes
+from app.features.section.scene import Inside, Plane
 from app.features.section.state import Cut, MoveCut
-from app.jobs.lane import Done, Job, Lane, Lost
-from app.jobs.parts import Stage
-from app.jobs.worker import LaneName, Process, give_way
-from app.review.changes import Change
-from app.review.requests import Forget, GoToBall, Inscribe, SaveSection
-from app.review.state import Review
-from app.review.view import reaching_mode
-from app.widgets.desk import DIGITS, Sections
-from kinematics.answers.sections import Box, Sphere, Volume
+from app.jobs.answers import Asked
+from app.jobs.parts import Client, Part, Stage
+from app.jobs.process import Process, give_way
+from app.review.view import View, reaching_mode
+from app.widgets.desk import DIGITS, Sheet
 from kinematics.errors import BohemiaError
 from kinematics.machine import machine_of, required
 
-if TYPE_CHECKING:
-    import viser
-
-REST = 0.15  # s for which a workspace must stay before it is measured
-CACHE = 64  # volumes kept
 PREPARING = 15  # how much that process gives way to all others (nice)
-MEDIA_TYPES = {"svg": "image/svg+xml", "dxf": "image/vnd.dxf", "csv": "text/csv"}
-NAMES = {"ball": "the largest ball", "box": "the largest box"}
+QUESTIONS: dict[str, Any] = {"ball": BALL, "box": BOX}
 
 
-@dataclass(frozen=True, slots=True)
-class Dragged:
-    """A hand holds the plane in the scene, or lets it go."""
-
-    phase: str
-    client_id: int | None
-    at: float
-
-
-class Slicing:
+class SectionPart(Part):
     """Keeps section, volume, ball and box true to the workspace."""
 
-    lanes: tuple[LaneName, ...] = ("sections", "measures")
+    LANES = ("sections", "measures")
 
     def __init__(self, stage: Stage) -> None:
-        self._stage = stage
-        self._cuts = Lane("sections", stage.put)
-        # Apart, so that a section is never behind a volume, let alone behind the first one of all,
-        # for which code is compiled.
-        self._measures = Lane("measures", stage.put)
-        self._plane = Plane(stage.scene, self._moved)
+        super().__init__(stage)
+        self._plane = Plane(stage.scene, lambda *what: stage.ask(self.drag, *what))
         self._inside = Inside(stage.scene)
         self._dragging: set[int] = set()
         self._grips = 0
-        self._late = False
         self._region: Region | None = None
-        self._wish: Wish | None = None
-        self._drawn: Drawn | None = None
-        self._volumes: OrderedDict[Region, Volume] = OrderedDict()
-        self._measured: Region | None = None  # of the newest volume
-        self._asked: dict[str, Job] = {}
-        self._found: dict[str, Sphere | Box | None] = {}
-        self._going: tuple[viser.ClientHandle | None] | None = None
-        self._trouble = ""
+        self._asked: dict[str, compute.Inside] = {}  # balls and boxes in that workspace
+        self._going: tuple[Client] | None = None
         self._preparing: Process | None = None
 
-    @property
-    def late(self) -> bool:
-        return self._late
-
-    def start(self) -> None:
-        self._cuts.start()
-        self._measures.start()
-
     def stop(self) -> None:
-        self._cuts.stop()
-        self._measures.stop()
+        super().stop()
         if self._preparing is not None:
             self._preparing.kill()
+
+    def prepare(self) -> None:
+        kind = self.stage.view.review.design.mechanism
+        threading.Thread(target=self._make_ready, args=(kind,), daemon=True).start()
+        self._plane.prepare(self.stage.view.drawing.size)
+        self._inside.prepare()
 
     def _make_ready(self, kind: str) -> None:
         """What takes long the first time on a machine, where it is in nobody's way."""
@@ -96,114 +61,45 @@ class Slicing:
             self._preparing.run(None, compute.prepare, kind)
         self._preparing.kill()
 
-    def cancel(self, lane: LaneName) -> None:
-        (self._cuts if lane == "sections" else self._measures).cancel()
-
-    def prepare(self) -> None:
-        kind = self._stage.view.review.design.mechanism
-        threading.Thread(target=self._make_ready, args=(kind,), daemon=True).start()
-        self._plane.prepare(self._stage.view.drawing.size)
-        self._inside.prepare()
-        self._drawn = None
-
     # --- what is wanted
 
-    def follow(self) -> None:
-        review = self._stage.view.review
-        spec = review.machine.section_spec
-        if spec is None:
-            self._region = None
-            return
-        region = compute.region(review)
+    def wished(self, view: View) -> Iterable[Asked[Any, Any]]:
+        review = view.review
+        has = review.machine.section_spec is not None
+        region = compute.region(review) if has else None
         if region != self._region:
             self._region = region
             self._asked.clear()
-            self._found.clear()
             self._going = None
-            if region in self._volumes:
-                self._measured = region
-            self._measure()
-        wish = compute.wish(review) if review[Cut].on else None
-        if wish != self._wish:
-            self._wish = wish
-            job = None if wish is None else Job(wish, "the section", compute.draw, (wish,))
-            self._cuts.want(() if job is None else (job,))
-        self._place()
-        self._late = True
+        if region is None:
+            return
+        if review[Cut].on:
+            yield SECTION(compute.wish(review))
+        yield VOLUME(region)
+        for what, request in self._asked.items():
+            yield QUESTIONS[what](request, *request)
 
-    def _measure(self) -> None:
-        """Ask for what is to be known of the present workspace."""
-        jobs = list(self._asked.values())
-        region = self._region
-        if region is not None and region not in self._volumes:
-            jobs.insert(0, Job(region, "the exact volume", compute.measure, (region,), REST))
-        self._measures.want(jobs)
+    def follow(self) -> None:
+        super().follow()
+        self._place()
 
     def _place(self) -> None:
-        view = self._stage.view
-        review = view.review
-        self._plane.place(
-            required(review.machine.sections, "exact sections").frame(review.pose),
-            review[Cut].at,
-            None if self._drawn is None else self._drawn.extent,
-            on=review[Cut].on,
-            dragging=bool(self._dragging),
-        )
+        """Put the plane where it belongs, and what is drawn of a workspace before where it did."""
+        view = self.stage.view
+        review, drawn = view.review, self.answers[SECTION].shown
+        if self._region is None:
+            self._plane.hide()
+            return
+        of = self._region if drawn is None else drawn.wish.region
+        frame = required(machine_of(of.design).sections, "exact sections").frame(of.pose)
+        extent = None if drawn is None else drawn.extent
+        on, held = review[Cut].on, bool(self._dragging)
+        self._plane.place(frame, review[Cut].at, extent, on=on, dragging=held)
 
-    def applied(self, change: Change, before: Review, note: str) -> None:
-        pass
+    # --- what a person asks for
 
-    # --- what comes
-
-    def take(self, item: object) -> bool:
-        match item:
-            case Done(_, Drawn() as drawn):  # perhaps not the newest wish, but the newest there is
-                self._drawn, self._trouble, self._late = drawn, "", True
-            case Done(Job(Region() as region), Volume() as volume):
-                self._keep(region, volume)
-            case Done(job, result):
-                return self._inscribed_came(job, result)
-            case Lost(job, text):
-                self._lost(job, text)
-            case Dragged(phase, client_id, at):
-                return self._drag(phase, client_id, at)
-            case Inscribe(what, here):
-                self._inscribe(what, here)
-            case Forget():
-                self._asked.clear()
-                self._found.clear()
-                self._measure()
-                self._late = True
-            case GoToBall(client):
-                self._going = (client,)
-                if "ball" in self._found:
-                    return self._go()
-                self._inscribe("ball", here=False)
-            case SaveSection(kind, client):
-                self._save(kind, client)
-        return False
-
-    def _keep(self, region: Region, volume: Volume) -> None:
-        self._measured, self._trouble, self._late = region, "", True
-        self._volumes[region] = volume
-        while len(self._volumes) > CACHE:
-            self._volumes.popitem(last=False)
-
-    def _lost(self, job: Job, text: str) -> None:
-        if job.key in (self._wish, self._region):
-            self._trouble, self._late = text, True
-        elif job in self._asked.values():
-            self._late = True
-            self._asked = {what: asked for what, asked in self._asked.items() if asked is not job}
-            self._going = None
-            if text:
-                self._stage.complain(text)
-
-    def _moved(self, phase: str, client_id: int | None, at: float) -> None:
-        """Called on the event loop."""
-        self._stage.put(Dragged(phase, client_id, at))
-
-    def _drag(self, phase: str, client_id: int | None, at: float) -> bool:
+    def drag(self, phase: str, client_id: int | None, at: float) -> bool:
+        """A hand holds the plane in the scene, or lets it go."""
         who = -1 if client_id is None else client_id
         if phase == "end":
             self._dragging.discard(who)
@@ -212,100 +108,105 @@ class Slicing:
         if not self._dragging:
             self._grips += 1
         self._dragging.add(who)
-        return self._stage.apply(MoveCut(round(at, DIGITS), held=self._grips), None)
+        return self.stage.apply(MoveCut(round(at, DIGITS), held=self._grips), None)
 
-    # --- ball and box
-
-    def _inscribe(self, what: str, here: bool) -> None:
-        region = self._region
-        if region is None:
+    def inscribe(self, what: str, here: bool) -> None:
+        """Find the largest ball or box in the workspace, about the platform or anywhere."""
+        if self._region is None:
             return
-        position = self._stage.view.platform[:3, 3]
+        position = self.stage.view.platform[:3, 3]
         center = tuple(float(v) for v in position) if here else None
-        function = compute.sphere if what == "ball" else compute.box
-        self._found.pop(what, None)
-        self._asked[what] = Job(
-            (what, region, center), NAMES[what], function, (region, center), slow=True
-        )
-        self._measure()
-        self._late = True
+        self.answers.forget(QUESTIONS[what])
+        self._asked[what] = self._region, center
+        self.follow()
 
-    def _inscribed_came(self, job: Job, result: Sphere | Box | None) -> bool:
-        what = next((name for name, asked in self._asked.items() if asked is job), None)
-        if what is None:
-            return False
-        self._found[what] = result
-        self._late = True
-        if result is None:
-            self._stage.complain(
-                f"There is no {'ball' if what == 'ball' else 'box'}: nothing of the workspace is "
-                f"there."
-            )
-        return self._go() if what == "ball" and self._going is not None else False
+    def forget_inscribed(self) -> None:
+        """Take the ball and the box off display."""
+        self._asked.clear()
+        self.follow()
+
+    def go_to_ball(self, client: Client = None) -> bool:
+        """Put the platform into the middle of the largest ball, at its present orientation.
+
+        The working mode changes if the present one does not get there.
+        """
+        self._going = (client,)
+        if self.answers[BALL].now is not None:
+            return self._go()
+        self.inscribe("ball", here=False)
+        return False
 
     def _go(self) -> bool:
-        """Put the platform where a person asked to go, once the ball is there."""
-        ball = self._found.get("ball")
-        going, self._going = self._going, None
-        if not isinstance(ball, Sphere) or going is None:
+        balls, going, self._going = self.answers[BALL].now, self._going, None
+        if not balls or going is None:
             return False
-        review = self._stage.view.review
-        transform = self._stage.view.platform.copy()
-        transform[:3, 3] = ball.center
+        review = self.stage.review
+        transform = self.stage.view.platform.copy()
+        transform[:3, 3] = balls[0].center
         pose = review.machine.pose_from_transform(transform, review.mode)
         # The ball is of all the chosen working modes; the machine's own may not get there.
         mode = reaching_mode(review, pose) or review.mode
-        return self._stage.apply(Visit(pose, mode), going[0])
+        return self.stage.apply(Visit(pose, mode), going[0])
+
+    # --- what comes
+
+    def came(self, asked: Asked[Any, Any], answer: Any) -> bool:
+        for what, question in QUESTIONS.items():
+            if asked.question is question and not answer:
+                self.stage.complain(f"There is no {what}: nothing of the workspace is there.")
+        return asked.question is BALL and self._going is not None and self._go()
+
+    def lost(self, asked: Asked[Any, Any], text: str) -> None:
+        if asked.question in QUESTIONS.values():
+            self._asked = {
+                what: request
+                for what, request in self._asked.items()
+                if QUESTIONS[what] is not asked.question
+            }
+            self._going = None
+            if text:
+                self.stage.complain(text)
 
     # --- what is shown
 
-    def catch_up(self) -> None:
-        if not self._late:
-            return
-        self._late = False
-        if self._region is None:
-            return
-        sheet = self._stage.sheet()
-        found = self._sections()
-        with self._stage.server.atomic():
-            if self._drawn is not None and sheet.view.review[Cut].on:
-                self._plane.fill(self._drawn)
-            self._place()
-            self._inside.show(found.ball, found.box)
-            for panel in self._stage.panels:
-                panel.draw_sections(sheet, found)
-        self._stage.server.flush()
-
-    def _sections(self) -> Sections:
-        assert self._region is not None
-        ball, box = self._found.get("ball"), self._found.get("box")
-        return Sections(
-            self._region,
-            self._drawn,
-            None if self._measured is None else self._volumes.get(self._measured),
-            self._measured,
-            ball if isinstance(ball, Sphere) else None,
-            box if isinstance(box, Box) else None,
-            self._trouble,
+    def show(self, sheet: Sheet) -> None:
+        section, volume = self.answers[SECTION], self.answers[VOLUME]
+        found = Sections(
+            section.shown,
+            section.stale,
+            volume.now,
+            volume.old,
+            next(iter(self.answers[BALL].now or ()), None),
+            next(iter(self.answers[BOX].now or ()), None),
+            section.trouble or volume.trouble,
         )
+        if found.drawn is not None:
+            self._plane.fill(found.drawn)
+        self._place()
+        self._inside.show(found.ball, found.box)
+        if self._region is not None:
+            self.stage.tell(found)
 
-    def _save(self, kind: str, client: viser.ClientHandle | None) -> None:
-        drawn = self._drawn
-        if drawn is None or drawn.wish.region != self._region:
-            self._stage.complain("There is no section to save; show it first.", client)
+    def save_section(self, kind: str, client: Client) -> None:
+        """Save the section as a file of this kind."""
+        drawn = self.answers[SECTION].now
+        if drawn is None:
+            self.stage.complain("There is no section to save; show it first.", client)
             return
-        self._stage.apart(client, lambda: self._stage.download(section_file(drawn, kind), client))
+        self.save(partial(section_file, drawn, kind), client)
+
+
+PARTS = (SectionPart,)
 
 
 def section_file(drawn: Drawn, kind: str) -> ExportedFile:
     """A section as a file."""
     of = drawn.wish.region
-    kinematics = machine_of(of.design)
-    spec = kinematics.section_spec
+    machine = machine_of(of.design)
+    spec = machine.section_spec
     assert spec is not None
-    angles = tuple(
-        (c, v) for c, v in zip(kinematics.coordinates, of.pose, strict=True) if c.unit == "rad"
-    )
+    axes = zip(machine.coordinates, of.pose, strict=True)
+    angles = tuple((c, v) for c, v in axes if c.unit == "rad")
     name = f"{solid_name(of.design, 'section', angles, of.modes)}_at{drawn.section.at:.6g}"
     title = of.design.title or of.design.name
     data = section_bytes(drawn.section, spec, kind, title=title)

@@ -9,13 +9,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from html import escape
-from math import atan2, ceil, cos, floor, hypot, isfinite, log10, pi, sin
+from math import atan2, ceil, cos, hypot, isfinite, pi, sin
 
 import numpy as np
 from numpy.typing import NDArray
 
 from app.scene.painting import Scale
 from app.scene.palette import BEYOND, INK, INK_DARK, WORKSPACE, limb_color
+from app.widgets.axes import Axes, scales, ticks
 from kinematics.answers.sections import BOUNDS, Construction, EdgeBound, Section, SectionSpec
 from kinematics.arrays import Array
 
@@ -32,6 +33,7 @@ DASHES: dict[EdgeBound, str] = {"rho_max": "", "rho_min": "6 4", "link": "1.5 3"
 
 _PARALLEL = BOUNDS.index("parallel")
 PAPER, PAPER_DARK = "#FFFFFF", "#1A1D21"
+LEFT = 58.0  # px
 FONT = 11.0  # px; a letter is about 0.56 of it wide
 MARGIN = 0.06  # of the region's size, left free around it
 LARGEST_TURN = 2.0  # rad; longer arcs are several, as SVG's flags are unsure near half a turn
@@ -47,29 +49,6 @@ class Shade:
     bounds: Bounds
     steps: Scale
     part: Section | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class _Frame:
-    """From mm to px: equal scale, the second axis upwards, the whole panel used."""
-
-    left: float
-    top: float
-    width: float
-    height: float
-    center: tuple[float, float]
-    scale: float
-
-    def px(self, point: Sequence[float]) -> tuple[float, float]:
-        return (
-            self.left + self.width / 2 + (point[0] - self.center[0]) * self.scale,
-            self.top + self.height / 2 - (point[1] - self.center[1]) * self.scale,
-        )
-
-    def seen(self, axis: int) -> tuple[float, float]:
-        """From and to of an axis, mm."""
-        half = (self.width, self.height)[axis] / self.scale / 2
-        return self.center[axis] - half, self.center[axis] + half
 
 
 def section_svg(
@@ -107,16 +86,9 @@ def section_svg(
     # An edge where control is lost, or a curve of it: in its own colour, if there is any.
     lost = bool(len(curves) or len(beyond)) or bool((section.bound == _PARALLEL).any())
     legend, legend_height = _legend(limbs, width, height, ink, spec.joint, lost=lost)
-    left, right, bottom = 58.0, 14.0, 44.0 + legend_height
     top = 32.0 if title else 14.0
-    frame = _frame(
-        bounds or section_bounds(section),
-        left,
-        top,
-        max(width - left - right, 20.0),
-        max(height - top - bottom, 20.0),
-    )
-    inner = [_grid(frame, ink)]
+    frame = _axes(bounds or section_bounds(section), width, height, top, 44.0 + legend_height)
+    inner = [_grid(frame)]
     if section.loops and shade is not None:
         inner.append(_shaded(section, frame, shade, dark))
     elif section.loops:
@@ -130,24 +102,20 @@ def section_svg(
     inner += [_curve(run, frame, faint=True) for run in beyond]
     inner += [_curve(run, frame) for run in curves]
     if mark is not None:
-        inner.append(_cross(frame.px(mark), ink))
-    box = f'x="{left:g}" y="{top:g}" width="{frame.width:g}" height="{frame.height:g}"'
-    view = f"{left:g} {top:g} {frame.width:g} {frame.height:g}"
+        inner.append(_cross(frame.px(*mark), ink))
+    wide, high = frame.inner
+    first, second = (f"{axis} (mm)" for axis in spec.axes)
     name = escape(title or f"{spec.title} = {section.at:g} mm")
     background = f'<rect width="100%" height="100%" fill="{PAPER_DARK if dark else PAPER}"/>'
     parts = [
         '<?xml version="1.0" encoding="UTF-8"?>' if standalone else "",
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:g}" height="{height:g}" '
-        f'viewBox="0 0 {width:g} {height:g}" role="img" aria-label="{name}" '
+        f'viewBox="0 0 {width:g} {height:g}" role="img" aria-label="{name}" color="{ink}" '
         f'font-family="system-ui, Segoe UI, Helvetica, Arial, sans-serif" font-size="{FONT:g}">',
         background if standalone else "",
-        _text((left, 20.0), title, ink, size=13, weight=600) if title else "",
-        # A nested picture clips what it holds and needs no id that might clash on a page.
-        f'<svg {box} viewBox="{view}">',
-        *inner,
-        "</svg>",
-        f'<rect {box} fill="none" stroke="{ink}" stroke-opacity="0.55"/>',
-        *_axes(frame, spec, ink),
+        _text((LEFT, 20.0), title, ink, size=13, weight=600) if title else "",
+        frame.clipped("".join(inner)),
+        scales(frame, first, second, _ticks(frame.x, wide), _ticks(frame.y, high)),
         "" if section.loops else _nothing(frame, ink),
         *legend,
         "</svg>",
@@ -174,65 +142,43 @@ def section_bounds(section: Section) -> Bounds:
     return (float(low[0]), float(high[0])), (float(low[1]), float(high[1]))
 
 
-# --- frame, axes, legend -------------------------------------------------------------------
+# --- axes, legend --------------------------------------------------------------------------
 
 
-def _frame(bounds: Bounds, left: float, top: float, width: float, height: float) -> _Frame:
+def _axes(bounds: Bounds, width: float, height: float, top: float, bottom: float) -> Axes:
+    """Equal scale both ways, the second axis upwards, the whole panel used."""
     (u0, u1), (v0, v1) = bounds
-    room = 1.0 - 2 * MARGIN
+    right = 14.0
+    wide, high = max(width - LEFT - right, 20.0), max(height - top - bottom, 20.0)
     across, up = max(u1 - u0, 1e-6), max(v1 - v0, 1e-6)
-    scale = room * min(width / across, height / up)
-    return _Frame(left, top, width, height, ((u0 + u1) / 2, (v0 + v1) / 2), scale)
-
-
-def _ticks(low: float, high: float, pixels: float) -> tuple[list[float], int]:
-    """Round numbers about 60 px apart, and how many decimals they need."""
-    raw = (high - low) * 60.0 / pixels
-    power = 10.0 ** floor(log10(raw))
-    step = next(m * power for m in (1, 2, 5, 10) if m * power >= raw * (1 - 1e-9))
-    first, last = ceil(low / step - 1e-9), floor(high / step + 1e-9)
-    decimals = max(0, -floor(log10(step) + 1e-9))
-    return [n * step for n in range(first, last + 1)], decimals
-
-
-def _each_tick(frame: _Frame) -> Iterator[tuple[int, tuple[float, float], str]]:
-    """Axis, place on the frame's left or lower side (px) and label of every tick."""
-    for axis in (0, 1):
-        ticks, decimals = _ticks(*frame.seen(axis), (frame.width, frame.height)[axis])
-        for value in ticks:
-            x, y = frame.px((value, value))
-            place = (x, frame.top + frame.height) if axis == 0 else (frame.left, y)
-            yield axis, place, f"{value + 0.0:.{decimals}f}".replace("-", "−")
-
-
-def _grid(frame: _Frame, ink: str) -> str:
-    steps = [
-        f"M{x:.2f} {y:.2f}V{frame.top:.2f}"
-        if axis == 0
-        else f"M{x:.2f} {y:.2f}H{frame.left + frame.width:.2f}"
-        for axis, (x, y), _ in _each_tick(frame)
-    ]
-    return f'<path d="{"".join(steps)}" fill="none" stroke="{ink}" stroke-opacity="0.1"/>'
-
-
-def _axes(frame: _Frame, spec: SectionSpec, ink: str) -> Iterator[str]:
-    for axis, (x, y), label in _each_tick(frame):
-        if axis == 0:
-            yield f'<path d="M{x:.2f} {y:.2f}v4" stroke="{ink}" stroke-opacity="0.55"/>'
-            yield _text((x, y + 16), label, ink, anchor="middle")
-        else:
-            yield f'<path d="M{x:.2f} {y:.2f}h-4" stroke="{ink}" stroke-opacity="0.55"/>'
-            yield _text((x - 7, y + 0.35 * FONT), label, ink, anchor="end")
-    first, second = (f"{axis} (mm)" for axis in spec.axes)
-    yield _text(
-        (frame.left + frame.width / 2, frame.top + frame.height + 34), first, ink, anchor="middle"
+    scale = (1.0 - 2 * MARGIN) * min(wide / across, high / up)
+    x, y = (
+        (0.5 * (low + high_) - 0.5 * size / scale, 0.5 * (low + high_) + 0.5 * size / scale)
+        for (low, high_), size in zip(bounds, (wide, high), strict=True)
     )
-    x, y = 14.0, frame.top + frame.height / 2
-    yield _text((x, y), second, ink, anchor="middle", extra=f' transform="rotate(-90 {x:g} {y:g})"')
+    return Axes(LEFT + wide + right, top + high + bottom, LEFT, top, right, bottom, x, y)
 
 
-def _nothing(frame: _Frame, ink: str) -> str:
-    place = frame.left + frame.width / 2, frame.top + 24
+def _scale(axes: Axes) -> float:
+    """px a mm."""
+    return axes.inner[0] / (axes.x[1] - axes.x[0])
+
+
+def _ticks(span: tuple[float, float], pixels: float) -> list[float]:
+    """Round numbers about 60 px apart."""
+    return ticks(*span, max(int(pixels / 60.0), 1))
+
+
+def _grid(axes: Axes) -> str:
+    wide, high = axes.inner
+    lines = [
+        f"M{axes.px(x, 0.0)[0]:.2f} {axes.top:.2f}v{high:.2f}" for x in _ticks(axes.x, wide)
+    ] + [f"M{axes.left:.2f} {axes.px(0.0, y)[1]:.2f}h{wide:.2f}" for y in _ticks(axes.y, high)]
+    return f'<path d="{"".join(lines)}" fill="none" stroke="currentColor" stroke-opacity="0.1"/>'
+
+
+def _nothing(frame: Axes, ink: str) -> str:
+    place = frame.left + frame.inner[0] / 2, frame.top + 24
     return _text(place, "The section is empty here.", ink, anchor="middle", size=13)
 
 
@@ -295,7 +241,7 @@ def _text(
 # --- the section itself --------------------------------------------------------------------
 
 
-def _region(section: Section, frame: _Frame) -> str:
+def _region(section: Section, frame: Axes) -> str:
     """All loops as one path; holes are left out by the even-odd rule."""
     path: list[str] = []
     for loop in range(section.loops):
@@ -306,14 +252,14 @@ def _region(section: Section, frame: _Frame) -> str:
     return "".join(path)
 
 
-def _shaded(section: Section, frame: _Frame, shade: Shade, dark: bool) -> str:
+def _shaded(section: Section, frame: Axes, shade: Shade, dark: bool) -> str:
     """The measure's cells in steps of colour, and over all that does not have it paper, or what
     the region is else drawn with.
     """
     (u0, u1), (v0, v1) = shade.bounds
     rows, columns = shade.values.shape
-    left, low = frame.px((u0, v0))
-    right, top = frame.px((u1, v1))
+    left, low = frame.px(u0, v0)
+    right, top = frame.px(u1, v1)
     wide, high = (right - left) / columns, (low - top) / rows
     step = np.searchsorted(shade.steps.edges[1:-1], np.nan_to_num(shade.values, nan=0.0))
     step[~np.isfinite(shade.values)] = -1
@@ -328,8 +274,8 @@ def _shaded(section: Section, frame: _Frame, shade: Shade, dark: bool) -> str:
             parts.append(f'<path class="shade" d="{path}" fill="{shade.steps.color(n)}"/>')
     part = section if shade.part is None else shade.part
     paper = PAPER_DARK if dark else PAPER
-    outside = f"M{frame.left - 1:g} {frame.top - 1:g}h{frame.width + 2:g}v{frame.height + 2:g}"
-    outside += f"h{-frame.width - 2:g}z"
+    across, up = frame.inner
+    outside = f"M{frame.left - 1:g} {frame.top - 1:g}h{across + 2:g}v{up + 2:g}h{-across - 2:g}z"
     parts.append(
         f'<path class="paper" d="{outside}{_region(part, frame)}" fill="{paper}" '
         'fill-rule="evenodd" stroke="none"/>'
@@ -351,15 +297,15 @@ def _runs(cells: NDArray[np.bool_]) -> Iterator[tuple[int, int, int]]:
     yield from zip(rows.tolist(), first.tolist(), (behind - first).tolist(), strict=True)
 
 
-def _curve(points: Array, frame: _Frame, *, faint: bool = False) -> str:
+def _curve(points: Array, frame: Axes, *, faint: bool = False) -> str:
     """One of the curves where control is lost."""
-    line = "L".join("{:.2f} {:.2f}".format(*frame.px(p)) for p in points.tolist())
+    line = "L".join("{:.2f} {:.2f}".format(*frame.px(*p)) for p in points.tolist())
     how = 'stroke-width="1.2" stroke-opacity="0.45"' if faint else 'stroke-width="2.2"'
     name = "lost-beyond" if faint else "lost"
     return f'<path class="{name}" d="M{line}" fill="none" stroke="{BEYOND}" {how}/>'
 
 
-def _strong(section: Section, frame: _Frame) -> Iterator[str]:
+def _strong(section: Section, frame: Axes) -> Iterator[str]:
     """The kept edges, one path for each limb and bound; neighbours run on without a break."""
     for limb in np.unique(section.limb).tolist():
         for n, bound in enumerate(BOUNDS):
@@ -377,7 +323,7 @@ def _strong(section: Section, frame: _Frame) -> Iterator[str]:
             )
 
 
-def _faint(made: Construction, frame: _Frame) -> Iterator[str]:
+def _faint(made: Construction, frame: Axes) -> Iterator[str]:
     """The curves that made the section, where they can be seen."""
     look = 'fill="none" stroke-width="1" stroke-opacity="0.45"'
     for center, radius, limb, n in zip(
@@ -394,21 +340,21 @@ def _faint(made: Construction, frame: _Frame) -> Iterator[str]:
             for path in _visible_circle(center, radius, frame)
         )
     for (start, end), limb in zip(made.line.tolist(), made.line_limb.tolist(), strict=True):
-        (x0, y0), (x1, y1) = frame.px(start), frame.px(end)
+        (x0, y0), (x1, y1) = frame.px(*start), frame.px(*end)
         yield (
             f'<path class="made limb{limb} link" {look} stroke="{limb_color(limb)}" '
             f'd="M{x0:.2f} {y0:.2f}L{x1:.2f} {y1:.2f}"{_dashed(DASHES["link"])}/>'
         )
 
 
-def _visible_circle(center: Sequence[float], radius: float, frame: _Frame) -> Iterator[str]:
+def _visible_circle(center: Sequence[float], radius: float, frame: Axes) -> Iterator[str]:
     """A circle as a path, none if it cannot be seen; of a huge one only the part that can.
 
     Renderers are unsure about circles of very many pixels.
     """
-    away = frame.center[0] - center[0], frame.center[1] - center[1]
+    away = [0.5 * sum(span) - c for span, c in zip((frame.x, frame.y), center, strict=True)]
     distance = hypot(*away)
-    reach = hypot(frame.width, frame.height) / frame.scale / 2
+    reach = hypot(*frame.inner) / _scale(frame) / 2
     if abs(distance - radius) > reach or not isfinite(radius):
         return
     start, turn = 0.0, 2 * pi
@@ -419,28 +365,28 @@ def _visible_circle(center: Sequence[float], radius: float, frame: _Frame) -> It
     yield _move(frame, first) + _arc(center, radius, start, turn, frame)
 
 
-def _move(frame: _Frame, point: Sequence[float]) -> str:
-    x, y = frame.px(point)
+def _move(frame: Axes, point: Sequence[float]) -> str:
+    x, y = frame.px(*point)
     return f"M{x:.3f} {y:.3f}"
 
 
-def _to(section: Section, edge: int, frame: _Frame) -> str:
+def _to(section: Section, edge: int, frame: Axes) -> str:
     """The path's next part: along an edge to its end."""
     radius = float(section.radius[edge])
     if not isfinite(radius):
-        x, y = frame.px(section.end[edge].tolist())
+        x, y = frame.px(*section.end[edge].tolist())
         return f"L{x:.3f} {y:.3f}"
     center = section.center[edge].tolist()
     across, up = (section.start[edge] - section.center[edge]).tolist()
     return _arc(center, radius, atan2(up, across), float(section.sweep[edge]), frame)
 
 
-def _arc(center: Sequence[float], radius: float, start: float, turn: float, frame: _Frame) -> str:
+def _arc(center: Sequence[float], radius: float, start: float, turn: float, frame: Axes) -> str:
     parts = max(1, ceil(abs(turn) / LARGEST_TURN))
-    r = radius * frame.scale
+    r = radius * _scale(frame)
     flag = 0 if turn > 0 else 1  # upwards on the plane is downwards in pixels
     angles = (start + turn * n / parts for n in range(1, parts + 1))
-    ends = (frame.px((center[0] + radius * cos(a), center[1] + radius * sin(a))) for a in angles)
+    ends = (frame.px(center[0] + radius * cos(a), center[1] + radius * sin(a)) for a in angles)
     return "".join(f"A{r:.3f} {r:.3f} 0 0 {flag} {x:.3f} {y:.3f}" for x, y in ends)
 
 

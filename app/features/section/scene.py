@@ -14,46 +14,35 @@ import numpy as np
 
 from app.features.section.compute import Drawn, Extent
 from app.scene import palette
-from app.scene.edges import NO_LINE, Edges
-from app.scene.machine import Scene, fresh, wxyz
+from app.scene.edges import Edges
+from app.scene.nodes import NO_LINE, Nodes, triple
+from kinematics.answers.sections import Box, Sphere
 from kinematics.arrays import Array
 
 ROOM = 0.06  # of the region's size around it in the outline of the plane
+INSIDE = palette.mixed(palette.WORKSPACE, -0.2)
 
 
 class Plane:
     """Scene nodes of the section; made once for a mechanism, then only brought up to date."""
 
-    def __init__(self, scene: Scene, moved: Callable[[str, int | None, float], None]) -> None:
-        self._scene = scene
+    def __init__(self, nodes: Nodes, moved: Callable[[str, int | None, float], None]) -> None:
+        self._nodes = nodes
         self._moved = moved
         self._frame: Any = None
         self._hatch: Any = None
         self._outline: Any = None
         self._edges: Edges | None = None
         self._handle: Any = None
-        self._drawn: Drawn | None = None
-        self._placed: object = None
 
     def prepare(self, size: float) -> None:
         """Make the nodes, with nothing to see."""
-        scene = self._scene.server.scene
-        self._frame = fresh(scene.add_frame("/section", show_axes=False, visible=False))
-        self._hatch = scene.add_line_segments(
-            "/section/hatch",
-            NO_LINE,
-            palette.rgb(palette.mixed(palette.WORKSPACE, -0.15)),
-            thickness=1.2,
-            thickness_units="screen",
-        )
-        self._outline = scene.add_line_segments(
-            "/section/outline",
-            NO_LINE,
-            palette.rgb(palette.WORKSPACE),
-            thickness=1.5,
-            thickness_units="screen",
-        )
-        self._edges = Edges(self._scene, "/section", 3.0)
+        scene, nodes = self._nodes.server.scene, self._nodes
+        self._frame = scene.add_frame("/section", show_axes=False, visible=False)
+        grey = palette.mixed(palette.WORKSPACE, -0.15)
+        self._hatch = nodes.lines("/section/hatch", grey, 1.2)
+        self._outline = nodes.lines("/section/outline", palette.WORKSPACE, 1.5)
+        self._edges = Edges(nodes, "/section", 3.0)
         self._handle = scene.add_transform_controls(
             "/section/handle",
             scale=0.3 * size,
@@ -65,52 +54,116 @@ class Plane:
             depth_test=False,
             opacity=0.85,
         )
-        self._drawn = self._placed = None
 
         async def dragged(event: Any) -> None:
             self._moved(event.phase, event.client_id, float(event.target.position[0]))
 
         self._handle.on_update(dragged)
 
+    def hide(self) -> None:
+        """Show nothing of it."""
+        self._nodes.set(self._frame, visible=False)
+
     def place(
         self, frame: Array, at: float, extent: Extent | None, *, on: bool, dragging: bool
     ) -> None:
-        """Put plane and handle where the review has them; what fills it comes by `fill`."""
-        placed = (frame.tobytes(), at, id(extent), on, dragging)
-        if placed == self._placed:
-            return
-        self._placed = placed
-        if self._frame.visible != on:
-            self._frame.visible = on
+        """Put plane and handle where they belong; what fills it comes by `fill`."""
+        self._nodes.set(self._frame, visible=on)
         if not on:
             return
-        self._frame.wxyz = wxyz(frame[:3, :3])
-        self._frame.position = frame[:3, 3]
-        across = None if extent is None else extent.across
-        if across is None:
-            self._outline.points = NO_LINE
-            corner = (0.0, 0.0)
-        else:
-            low, high = np.array(across).T
+        self._nodes.pose(self._frame, frame)
+        ring, corner = NO_LINE[:0], (0.0, 0.0)
+        if extent is not None and extent.across is not None:
+            low, high = np.array(extent.across).T
             room = ROOM * float((high - low).max())
             low, high = low - room, high + room
             flat = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
-            ring = np.column_stack([np.full(4, at), flat])
-            self._outline.points = np.stack([ring, np.roll(ring, -1, axis=0)], axis=1).astype(
-                np.float32
-            )
+            corners = np.column_stack([np.full(4, at), flat])
+            ring = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
             corner = (float(low[0]), float(high[1]))
-        if not dragging:  # the hand that holds it decides where it is
-            self._handle.position = (at, *corner)
+        self._nodes.points(self._outline, ring)
+        if dragging:  # the hand that holds it decides where it is
+            self._nodes.forget("/section/handle")
+        else:
+            self._nodes.set(self._handle, position=(at, *corner))
 
     def fill(self, drawn: Drawn) -> None:
         """Show a section in the plane."""
-        if drawn is self._drawn:
-            return
         assert self._edges is not None
-        before, self._drawn = self._drawn, drawn
-        self._edges.show_locus(drawn.locus)
-        if before is not None and before.section is drawn.section:
-            return
-        self._hatch.points = drawn.hatch.astype(np.float32) if len(drawn.hatch) else NO_LINE
-        self._edges.show(drawn.lines, drawn.line_limb)
+        self._nodes.points(self._hatch, drawn.hatch)
+        self._edges.show(drawn.lines, drawn.line_limb, drawn.locus)
+
+
+class Ball:
+    """A ball in the scene, with its radius beside it."""
+
+    def __init__(self, nodes: Nodes, name: str, color: str) -> None:
+        self._nodes = nodes
+        self._name = name
+        self._color = color
+        self._node: Any = None
+        self._label: Any = None
+
+    def prepare(self) -> None:
+        """Make the nodes, with nothing to see."""
+        self._node = self._nodes.mesh(f"{self._name}/ball", self._color, None)
+        self._node.vertices, self._node.faces = _BALL
+        self._label = self._nodes.label(f"/labels{self._name} ball")
+
+    def show(self, ball: Sphere | None) -> None:
+        """Bring it to this one; None hides it."""
+        self._nodes.set(self._node, visible=ball is not None)
+        text, top = "", None
+        if ball is not None:
+            self._nodes.set(self._node, position=triple(ball.center), scale=ball.radius)
+            text = f"radius {ball.radius:.1f} mm"
+            top = ball.center + np.array([0.0, 0.0, ball.radius])
+        self._nodes.text(self._label, text, top)
+
+
+class Inside:
+    """Scene nodes of the largest ball and of the largest box."""
+
+    def __init__(self, nodes: Nodes) -> None:
+        self._nodes = nodes
+        self._ball = Ball(nodes, "/inside", INSIDE)
+        self._box: Any = None
+        self._label: Any = None
+
+    def prepare(self) -> None:
+        """Make the nodes, with nothing to see."""
+        self._ball.prepare()
+        self._box = self._nodes.lines("/inside/box", palette.mixed(INSIDE, -0.4), 3.0)
+        self._label = self._nodes.label("/labels/largest box")
+
+    def show(self, ball: Sphere | None, box: Box | None) -> None:
+        """Bring them to these; None hides one."""
+        self._ball.show(ball)
+        edges, text, top = NO_LINE[:0], "", None
+        if box is not None:
+            edges = np.where(_CORNERS, box.high, box.low)[_BOX_EDGES]
+            text = " × ".join(f"{side:.1f}" for side in box.high - box.low) + " mm"
+            top = np.array([*0.5 * (box.low + box.high)[:2], box.high[2]])
+        self._nodes.points(self._box, edges)
+        self._nodes.text(self._label, text, top)
+
+
+def _sphere(rings: int = 24, sides: int = 48) -> tuple[np.ndarray, np.ndarray]:
+    """A unit sphere: vertices (V, 3) and faces (F, 3) turned outwards."""
+    polar, around = np.meshgrid(
+        np.pi * np.arange(rings + 1) / rings,
+        2 * np.pi * np.arange(sides) / sides,
+        indexing="ij",
+    )
+    vertices = np.stack(
+        [np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar)], axis=-1
+    ).reshape(-1, 3)
+    ring, side = np.meshgrid(np.arange(rings), np.arange(sides), indexing="ij")
+    a, b = ring * sides + side, ring * sides + (side + 1) % sides
+    faces = np.stack([a, a + sides, b, b, a + sides, b + sides], axis=-1).reshape(-1, 3)
+    return vertices.astype(np.float32), faces.astype(np.uint32)
+
+
+_BALL = _sphere()
+_CORNERS = np.array([[n & 1, n >> 1 & 1, n >> 2 & 1] for n in range(8)], dtype=bool)
+_BOX_EDGES = np.array([[n, n | 1 << k] for n in range(8) for k in range(3) if not n >> k & 1])

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
 from app.review import content as session
-from app.review.changes import Change, Taken
+from app.review.changes import Change, SetOne, Taken
 from app.review.state import Review, Slice
 from app.review.units import within
 from kinematics.errors import InputError
@@ -45,13 +45,10 @@ SLICES = (Cut,)
 
 
 @dataclass(frozen=True)
-class ShowCut(Change):
-    """Show or hide the section."""
+class SetCut(SetOne):
+    """Set one thing of the section, as whether it is on display."""
 
-    on: bool
-
-    def apply(self, review: Review) -> Taken:
-        return review.having(replace(review[Cut], on=self.on)), ""
+    kind = Cut
 
 
 @dataclass(frozen=True)

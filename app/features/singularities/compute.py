@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.features.singularities.state import Control
+from app.jobs.answers import Question
 from app.review.state import Review
 from app.review.view import Beside, joint_rows
 from kinematics.answers.circles import OrientationCircle, Profile
@@ -111,6 +112,25 @@ class Here:
         return next((c for c in self.clearances if c.kind in kinds), None)
 
 
+def spot_of(review: Review) -> Place:
+    """Where the machine stands, with its load."""
+    control = review[Control]
+    return Place(
+        review.design,
+        review.pose,
+        review.mode,
+        control.load,
+        control.rates,
+        control.accelerations,
+    )
+
+
+def counterpart(review: Review) -> Place | None:
+    """The counterpart at the same coordinates, where it is to be compared with."""
+    others = review.machine.counterparts if review[Control].compare else ()
+    return next((replace(spot_of(review), design=other) for other in others), None)
+
+
 def look(place: Place) -> Here:
     """What is known of control at a place."""
     machine, posture = place.machine, place.posture
@@ -151,14 +171,17 @@ def _value(place: Place, measure: Measure) -> float:
     return float(np.asarray(value))
 
 
-def ball(place: Place, here: bool) -> Sphere | None:
-    """The largest ball without a singularity, about the place or anywhere."""
+def ball(place: Place, here: bool) -> tuple[Sphere, ...]:
+    """The largest ball without a singularity, about the place or anywhere; none in an empty
+    workspace.
+    """
     machine = place.machine
     position = machine.transform(place.pose, place.mode)[:3, 3]
     center = tuple(position.tolist()) if here else None
     if machine.sections is None:
-        return None
-    return machine.sections.singularity_free_ball(place.pose, place.mode, center)
+        return ()
+    found = machine.sections.singularity_free_ball(place.pose, place.mode, center)
+    return () if found is None else (found,)
 
 
 def curves(place: Place, chart: str) -> LocusCurves:
@@ -271,3 +294,87 @@ def beside(review: Review) -> Beside | None:
         tuple(replace(row, limb=row.limb + OTHER) for row in rows),
         offset,
     )
+
+
+# --- what is asked, and all that an answer depends on ----------------------------------------
+
+REST = 0.2  # s for which a place must stay before curves are traced about it
+HERE: Question[Place, Here] = Question("what holds the platform", "control", look)
+PASSED: Question[tuple[Place, tuple[float, ...]], tuple[Event, ...]] = Question(
+    "the way here", "control", passed, kept=0
+)
+BESIDE: Question[Place, Here] = Question("the counterpart", "control", look)
+CURVES: Question[tuple[object, ...], LocusCurves] = Question(
+    "the singular curves", "loci", curves, REST
+)
+CURVES_BESIDE: Question[tuple[object, ...], LocusCurves] = Question(
+    "the counterpart's curves", "loci", curves, REST
+)
+PROFILES: Question[tuple[object, ...], tuple[tuple[Design, Profile], ...]] = Question(
+    "the profile", "loci", profiles, REST
+)
+FREE: Question[tuple[object, ...], tuple[Sphere, ...]] = Question(
+    "the largest ball without a singularity", "loci", ball, slow=True
+)
+
+
+def same_branch(one: Place, other: Place) -> bool:
+    """Whether both are of one machine in one mode."""
+    return one.design == other.design and one.mode == other.mode
+
+
+def orientation(review: Review) -> tuple[object, ...]:
+    """All of a review on which balls depend, but for the position."""
+    return review.design, review.mode, *_held(review, ("x", "y", "z"))
+
+
+def chart_key(review: Review) -> tuple[object, ...]:
+    """All that the curves of the chosen chart depend on: its own two coordinates are free."""
+    chart = review[Control].chart
+    spec = next(s for s in review.machine.singularities.loci if s.key == chart)
+    return chart, review.design, review.mode, *_held(review, spec.axes)
+
+
+def _held(review: Review, free: tuple[str, ...]) -> tuple[float, ...]:
+    axes = review.machine.coordinates
+    return tuple(
+        v
+        for c, v in zip(axes, review.pose, strict=True)
+        if c.key not in free and c.symbol not in free
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Logged:
+    """Something that happened on the way: when (s since the epoch), in words, and of which kind."""
+
+    at: float
+    text: str
+    kind: str
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Controlled:
+    """What is known of control, as panels draw it.
+
+    Attributes:
+        here: of the present place, or while ``stale`` of one shortly before.
+        curves: of the chosen chart, or while ``curves_stale`` of it at a place before.
+        profiles: of the machine and of its counterparts, each with its design.
+        beside, curves_beside: the counterpart's, where it is compared with.
+        ball: the largest one without a singularity, if a person asked for it; ``seeking`` it.
+        log: what happened on the way, the newest first.
+        trouble: what could not be computed.
+    """
+
+    here: Here | None
+    stale: bool = False
+    curves: LocusCurves | None = None
+    curves_stale: bool = False
+    profiles: tuple[tuple[Design, Profile], ...] = ()
+    beside: Here | None = None
+    curves_beside: LocusCurves | None = None
+    ball: Sphere | None = None
+    seeking: bool = False
+    log: tuple[Logged, ...] = ()
+    trouble: str = ""

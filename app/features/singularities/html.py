@@ -7,20 +7,20 @@ import time
 
 import numpy as np
 
-from app.features.singularities.compute import Here
-from app.features.workspace.state import Workspace
-from app.jobs.worker import Built
-from app.review.units import how_far
+from app.features.singularities.compute import Controlled, Here, Logged
+from app.features.workspace.compute import Solids
+from app.features.workspace.state import ASPECTS
+from app.review.state import Review
+from app.review.units import how_far, in_page_units, minus, page_unit, plural, volume_text
 from app.review.view import short_title
 from app.scene import painting, palette
-from app.widgets.desk import Controlled, Logged, Sheet, box, chip, esc, red, tone, volume_text
+from app.widgets.texts import NUMERIC, aged, bar, box, chip, esc, quiet, red, table, tone
 from kinematics.answers.bounds import named
 from kinematics.answers.clearances import Clearance, Remedy
+from kinematics.answers.loci import LocusCurves, LocusSpec
 from kinematics.answers.singularities import AT, Measure, Singularity
 from kinematics.machine import required
 
-ASPECTS = "aspects"
-"""The key of the solid that is parted by singular surfaces."""
 LISTED = 8  # pieces that the page lists
 TOLD = 9  # clearances
 LINES = 20  # of the log
@@ -29,7 +29,19 @@ WAYS = 5
 ROUNDING = 1e-9  # of a measure in its unit: less is nothing
 
 
+def held_text(here: Here | None) -> str:
+    """How far it is to where control is lost; "" where nothing is known of it."""
+    if here is None:
+        return ""
+    kinds = {s.kind: None for s in here.singular if s.measure <= AT}
+    if kinds:
+        return f"singular ({', '.join(kinds)})"
+    nearest = here.nearest("parallel", "constraint")
+    return "" if nearest is None else f"{how_far(nearest)} to a singularity"
+
+
 def here_html(controlled: Controlled) -> str:
+    """Whether the platform is held, and how well."""
     here = controlled.here
     if controlled.trouble:
         return red(controlled.trouble)
@@ -45,11 +57,10 @@ def here_html(controlled: Controlled) -> str:
             f'<div style="border-left:4px solid {tone("good")};padding-left:.6em">'
             "<b>The platform is held</b>: the wrenches are independent here.</div>"
         )
-    rows = "".join(_measure(m, v) for m, v in here.measures if math.isfinite(v))
+    rows = [_measure(m, v) for m, v in here.measures if math.isfinite(v)]
     if rows:
-        parts.append(
-            f'<table style="width:100%;border-spacing:0 2px;margin-top:.4em">{rows}</table>'
-        )
+        columns = ("", f"{NUMERIC};padding:0 .6em", "width:36%")
+        parts.append(table(rows, columns, "border-spacing:0 2px;margin-top:.4em"))
     return box("".join(parts))
 
 
@@ -63,24 +74,14 @@ def _card(singular: Singularity) -> str:
     )
 
 
-def _measure(measure: Measure, value: float) -> str:
+def _measure(measure: Measure, value: float) -> tuple[str, str, str]:
     unit = f" {measure.unit}" if measure.unit else ""
     value = value if abs(value) >= ROUNDING else 0.0
-    bar = ""
     low, high = measure.limits
+    share = ""
     if low is not None and high is not None:
-        share = 100.0 * min(max((value - low) / (high - low), 0.0), 1.0)
-        bar = (
-            '<div style="height:.5em;border-radius:3px;background:rgba(128,138,150,.25)">'
-            f'<div style="height:100%;width:{share:.1f}%;border-radius:3px;'
-            f'background:{palette.WORKSPACE}"></div></div>'
-        )
-    return (
-        f"<tr><td>{esc(measure.title)}</td>"
-        f'<td style="text-align:right;padding:0 .6em;white-space:nowrap;'
-        f'font-variant-numeric:tabular-nums">{value:.3g}{esc(unit)}</td>'
-        f'<td style="width:36%">{bar}</td></tr>'
-    )
+        share = bar((value - low) / (high - low), palette.WORKSPACE)
+    return esc(measure.title), f"{value:.3g}{esc(unit)}", share
 
 
 _WHAT = {
@@ -140,48 +141,49 @@ def forces_html(here: Here | None) -> str:
         color = palette.limb_color(name.limb) if name.limb else palette.STEEL
         half = 50.0 * abs(value) / max(largest, 1e-12)
         left = 50.0 if value >= 0 else 50.0 - half
-        shown = f"{value:.4g}".replace("-", "−")
+        shown = minus(f"{value:.4g}")
         rows.append(
-            f"<tr><td>{chip(color)}{esc(name.symbol)}</td>"
-            f'<td style="text-align:right;padding:0 .6em;white-space:nowrap;'
-            f'font-variant-numeric:tabular-nums">{shown} {unit}</td>'
-            f'<td style="width:45%"><div style="position:relative;height:.55em;'
-            'background:rgba(128,138,150,.18);border-radius:3px">'
-            f'<div style="position:absolute;left:{left:.1f}%;width:{half:.1f}%;top:0;bottom:0;'
-            f'background:{color}"></div><div style="position:absolute;left:50%;top:-2px;'
-            'bottom:-2px;width:1px;background:currentColor"></div></div></td></tr>'
+            (
+                f"{chip(color)}{esc(name.symbol)}",
+                f"{shown} {unit}",
+                '<div style="position:relative;height:.55em;background:rgba(128,138,150,.18);'
+                f'border-radius:3px"><div style="position:absolute;left:{left:.1f}%;'
+                f'width:{half:.1f}%;top:0;bottom:0;background:{color}"></div>'
+                '<div style="position:absolute;left:50%;top:-2px;bottom:-2px;width:1px;'
+                'background:currentColor"></div></div>',
+            )
         )
-    return box(
-        f'<table style="width:100%;border-spacing:0 2px">{"".join(rows)}</table>'
-        f'<span style="opacity:.75">positive: {_POSITIVE[units[0]]}</span>'
-    )
+    forces = table(rows, ("", f"{NUMERIC};padding:0 .6em", "width:45%"), "border-spacing:0 2px")
+    return box(f'{forces}<span style="opacity:.75">positive: {_POSITIVE[units[0]]}</span>')
 
 
 _POSITIVE = {"N": "the limb pushes the platform", "N·mm": "the actuator turns its joint forwards"}
 
 
-def pieces_html(sheet: Sheet) -> str:
-    built: Built | None = sheet.built.get(ASPECTS)
-    if sheet.view.review[Workspace].shown(ASPECTS) is None or built is None:
+def pieces_html(review: Review, solids: Solids) -> str:
+    """The aspects, and in which of them the machine is."""
+    built = solids.built.get(ASPECTS) or solids.old.get(ASPECTS)
+    if built is None:
         return ""
     solid = built.solid
     if not solid.pieces:
         return box("The workspace of this mode is empty at this orientation.")
-    review = sheet.view.review
-    at = required(review.machine.solids, "solids").point(ASPECTS, review.pose, review.mode)
-    point = np.linalg.inv(built.wish.placement) @ np.append(at, 1.0)
-    here = solid.piece_at(point[:3])
+    here = None
+    if ASPECTS in solids.built:
+        at = required(review.machine.solids, "solids").point(ASPECTS, review.pose, review.mode)
+        here = solid.piece_at((np.linalg.inv(built.wish.placement) @ np.append(at, 1.0))[:3])
     colors = painting.piece_colors([piece.sign for piece in solid.pieces])
-    rows = []
-    for n, (piece, color) in enumerate(zip(solid.pieces, colors, strict=True)):
-        if n >= LISTED and n != here:
-            continue
-        you = " <b>you are in this one</b>" if n == here else ""
-        sign = {1: "det &gt; 0", -1: "det &lt; 0", 0: ""}[piece.sign]
-        rows.append(
-            f"<tr><td>{chip(color)}{n + 1}</td><td>{volume_text(piece.volume)}</td>"
-            f'<td style="opacity:.75">{sign}</td><td>{you}</td></tr>'
+    signs = {1: "det &gt; 0", -1: "det &lt; 0", 0: ""}
+    rows = [
+        (
+            f"{chip(color)}{n + 1}",
+            volume_text(piece.volume),
+            signs[piece.sign],
+            " <b>you are in this one</b>" if n == here else "",
         )
+        for n, (piece, color) in enumerate(zip(solid.pieces, colors, strict=True))
+        if n < LISTED or n == here
+    ]
     more = len(solid.pieces) - len(rows)
     tail = f"<br>and {more} smaller ones" if more > 0 else ""
     exact = (
@@ -191,11 +193,12 @@ def pieces_html(sheet: Sheet) -> str:
         else ""
     )
     thin = f"At {built.resolution} resolution; pieces thinner than a cell may be missed. "
-    return box(
-        f'<table style="width:100%">{"".join(rows)}</table>{tail}'
+    told = (
+        f"{table(rows, ('', '', 'opacity:.75'))}{tail}"
         f'<div style="opacity:.75">together {volume_text(solid.volume, solid.volume_error)}'
         f"{exact}. {thin}Slices at this orientation: pieces may be joined through others.</div>"
     )
+    return box(aged(told, ASPECTS in solids.old))
 
 
 def circles_html(here: Here | None) -> str:
@@ -266,3 +269,45 @@ def log_html(lines: tuple[Logged, ...]) -> str:
         at = time.strftime("%H:%M:%S", time.localtime(line.at))
         rows.append(f'<div><span style="opacity:.6">{at}</span> {esc(line.text)}</div>')
     return box("".join(rows))
+
+
+def motion_html(here: Here | None) -> str:
+    """What the rates asked for ask of the actuators, and which of them is another one."""
+    if here is None or here.motion is None:
+        return ""
+    motion, machine = here.motion, here.place.machine
+    axes, joints = machine.coordinates, machine.joints
+    rates, accelerations = np.asarray(motion.joint_rates), np.asarray(motion.joint_accelerations)
+    rows = [
+        (
+            f"{chip(palette.limb_color(c.limb or n + 1))}{esc(c.symbol)}",
+            f"{_finite(in_page_units(c, float(v)))} {page_unit(c)}/s",
+            f"{_finite(in_page_units(c, float(a)))} {page_unit(c)}/s²",
+        )
+        for n, (c, v, a) in enumerate(zip(joints, rates, accelerations, strict=True))
+    ]
+    speed, gain = (
+        float(np.linalg.norm(np.asarray(t)[3:])) for t in (motion.twist, motion.twist_rate)
+    )
+    rows.append((f"{chip(palette.VELOCITY)}O′", f"{_finite(speed)} mm/s", f"{_finite(gain)} mm/s²"))
+    # Which rate is not the one that was typed, as it follows from the others.
+    followed = [
+        f"{c.symbol} follows: {_finite(in_page_units(c, float(v)))} {page_unit(c)}/s"
+        for c, v, typed in zip(axes, np.asarray(motion.pose_rates), here.place.rates, strict=False)
+        if abs(float(v) - typed) > 1e-9 * max(1.0, abs(typed))
+    ]
+    told = box(table(rows, ("", NUMERIC, NUMERIC)))
+    return told + (quiet("; ".join(followed)) if followed else "")
+
+
+def _finite(value: float) -> str:
+    return minus(f"{value:.4g}") if np.isfinite(value) else "none"
+
+
+def exactness(spec: LocusSpec, curves: LocusCurves) -> str:
+    """How many curves a chart has, and how exact they are."""
+    if not curves.kinds:
+        return "No singularity in this chart."
+    worst = float(curves.residual.max(initial=0.0))
+    size = f"{math.degrees(worst):.0e}°" if spec.units[0] == "rad" else f"{worst:.0e} mm"
+    return f"{plural(len(curves.kinds), 'curve')}, every point exact to {size}"

@@ -2,42 +2,48 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
-import viser
-
-from app.features.singularities.aspects_panel import AspectsFolder
 from app.features.singularities.charts_panel import ChartFolder, ProfileFolder, specs
+from app.features.singularities.compute import Controlled
 from app.features.singularities.html import (
-    ASPECTS,
     WAYS,
     clearances_html,
     forces_html,
     here_html,
+    legend_html,
     log_html,
+    motion_html,
+    pieces_html,
     ways_html,
 )
-from app.features.singularities.rates_panel import MotionFolder
+from app.features.singularities.part import ControlPart
 from app.features.singularities.state import Control, SetControl
-from app.features.solutions.atlas import pose_text
-from app.review.requests import ChangeDesign, ClearLog, Escape, Swing
+from app.features.workspace.compute import Solids
+from app.features.workspace.state import ASPECTS, Fade, Show, Workspace
+from app.review.state import Review
+from app.review.units import page_unit, pose_text, sentence
+from app.review.view import Moment
+from app.scene.painting import Scale
+from app.widgets.boxes import RatesBox
 from app.widgets.desk import (
-    Controlled,
-    Desk,
+    Client,
+    Command,
     Elsewhere,
-    Moment,
+    Group,
     Panel,
     Sheet,
     answer,
-    box,
-    button,
-    esc,
     explain,
     put,
     put_prop,
 )
+from app.widgets.texts import box, esc
 from kinematics.answers.clearances import Remedy
 from kinematics.machine import Machine
+
+NOTHING = "Nothing"
 
 HELP = """
 **Clearance** is how far the platform may move at its present orientation until it meets a
@@ -59,114 +65,219 @@ them to put the machine there.
 class SingularitiesPanel(Panel):
     """Control at the present place, around it, and all over the workspace of the mode."""
 
-    def __init__(self, desk: Desk, sheet: Sheet) -> None:
-        gui, review = desk.gui, sheet.view.review
-        machine = review.machine
-        self._desk = desk
-        self._sheet = sheet
-        self._elsewhere = Elsewhere(gui)
-        self._here = gui.add_html(box("Looking …"))
-        self._swing = button(desk, "Show the free motion", lambda _: desk.ask(Swing(0)))
-        self._swing.visible = False
-        self._wrenches = self._switch("Wrench lines", "wrenches", "What holds the platform")
-        self._ways = self._switch("Nearest limits", "clearances", "Lines to them in the scene")
-        self._clearances = gui.add_html("")
-        self._out = gui.add_folder("The ways out", visible=False)
-        with self._out:
-            self._remedy = gui.add_html("")
-            self._escape = button(desk, "Go to that pose", lambda client: desk.ask(Escape(client)))
-            self._offers = gui.add_html("")
-            self._way = gui.add_dropdown("Change", ("none",), hint="Which of these")
-            self._change = button(desk, "Change the design so", self._change_design)
-        has_aspects = any(spec.key == ASPECTS for spec in machine.solid_specs)
-        self._aspects = AspectsFolder(desk, sheet) if has_aspects else None
-        self._chart = ChartFolder(desk, sheet) if specs(sheet) else None
-        self._profile = ProfileFolder(desk, sheet) if machine.circles is not None else None
-        load = review[Control].load
-        with gui.add_folder("Load on the platform", expand_by_default=False):
-            self._force = gui.add_vector3(
-                "Force (N)", (load[0], load[1], load[2]), step=1.0, hint="At O′, base frame"
-            )
-            self._moment = gui.add_vector3("Moment (N·mm)", (load[3], load[4], load[5]), step=100.0)
-            for handle in (self._force, self._moment):
-                answer(desk, handle, self._set_load)
-            self._arrow = self._switch("Arrow to drag", "arrow", "The force, in the scene")
-            self._on_limbs = self._switch("Forces on the limbs", "forces", "Push or pull, in N")
-            self._forces = gui.add_html("")
-        self._motion = MotionFolder(desk, sheet)
-        with gui.add_folder("What happened on the way", expand_by_default=False):
-            self._log = gui.add_html(log_html(()))
-            button(desk, "Clear", lambda _: desk.ask(ClearLog()))
-        explain(gui, machine.text("singularities"), HELP)
+    TITLE = "Singularities"
 
     @staticmethod
     def serves(machine: Machine[Any]) -> bool:
         return bool(machine.measures.specs)
 
-    def draw(self, sheet: Sheet) -> None:
-        self._sheet = sheet
-        control = sheet.view.review[Control]
-        put(self._desk, self._wrenches, control.wrenches)
-        put(self._desk, self._ways, control.clearances)
-        put(self._desk, self._force, control.load[:3])
-        put(self._desk, self._moment, control.load[3:])
-        put(self._desk, self._arrow, control.arrow)
-        put(self._desk, self._on_limbs, control.forces)
-        self._motion.draw(sheet)
-        for folder in (self._aspects, self._chart, self._profile):
-            if folder is not None:
-                folder.draw(sheet)
+    def build(self, review: Review) -> None:
+        gui, desk, sheet, machine = self.gui, self.desk, self.sheet, review.machine
+        part = self._part = desk.part(ControlPart)
+        self._elsewhere = Elsewhere(gui)
+        self._here = gui.add_html("")
+        self._swing = self.button(
+            "Show the free motion", lambda _: desk.ask(part.swing, 0), visible=False
+        )
+        self.switch("Wrench lines", Control, "wrenches", SetControl, "What holds the platform")
+        self.switch(
+            "Nearest limits", Control, "clearances", SetControl, "Lines to them in the scene"
+        )
+        self._clearances = gui.add_html("")
+        self._out = gui.add_folder("The ways out", visible=False)
+        with self._out:
+            self._remedy = gui.add_html("")
+            self._escape = self.button(
+                "Go to that pose", lambda client: desk.ask(part.escape, client)
+            )
+            self._offers = gui.add_html("")
+            self._way = gui.add_dropdown("Change", ("none",), hint="Which of these")
+            self._change = self.button("Change the design so", self._change_design)
+        self._aspects = any(spec.key == ASPECTS for spec in machine.solid_specs)
+        if self._aspects:
+            self.groups.append(AspectsFolder(desk, sheet))
+        if specs(machine):
+            self.groups.append(ChartFolder(desk, sheet))
+        if machine.circles is not None:
+            self.groups.append(ProfileFolder(desk, sheet))
+        self.groups += [LoadFolder(desk, sheet), MotionFolder(desk, sheet)]
+        with gui.add_folder("What happened on the way", expand_by_default=False):
+            self._log = gui.add_html(log_html(()))
+            self.button("Clear", lambda _: desk.ask(part.clear_log))
+        explain(gui, machine.text("singularities"), HELP)
 
-    def draw_solids(self, sheet: Sheet) -> None:
-        if self._aspects is not None:
-            self._aspects.draw_solids(sheet)
+    def commands(self) -> tuple[Command, ...]:
+        def toggle() -> None:
+            self.desk.send(Show(ASPECTS, self.review[Workspace].shown(ASPECTS) is None))
 
-    def draw_moment(self, sheet: Sheet, moment: Moment) -> None:
-        self._elsewhere.draw(moment)
+        text = "Show or hide the aspects of the present mode"
+        return (Command("Aspects", text, "A", toggle),) if self._aspects else ()
 
-    def draw_control(self, sheet: Sheet, controlled: Controlled) -> None:
-        self._sheet = sheet
-        here = controlled.here
-        put_prop(self._here, "content", here_html(controlled))
-        swings = here is not None and any(s.motion is not None for s in here.singular)
-        put_prop(self._swing, "visible", swings)
-        put_prop(self._clearances, "content", clearances_html(here))
-        put_prop(self._forces, "content", forces_html(here))
-        self._motion.draw_control(controlled)
-        self._draw_remedy(None if here is None else here.remedy)
-        for folder in (self._aspects, self._chart, self._profile):
-            if folder is not None:
-                folder.draw_control(controlled)
-        put_prop(self._log, "content", log_html(controlled.log))
+    def told(self, sheet: Sheet, news: Any) -> None:
+        super().told(sheet, news)
+        match news:
+            case Moment(away=away):
+                self._elsewhere.draw(away)
+            case Controlled(here=here, stale=stale):
+                self.say(self._here, here_html(news), stale)
+                swings = here is not None and any(s.motion is not None for s in here.singular)
+                put_prop(self._swing, "visible", swings)
+                self.say(self._clearances, clearances_html(here), stale)
+                self._draw_remedy(None if here is None else here.remedy)
+                self.say(self._log, log_html(news.log))
 
     def _draw_remedy(self, remedy: Remedy | None) -> None:
         put_prop(self._out, "visible", remedy is not None)
         if remedy is None:
             return
-        lines = [esc(remedy.text[:1].upper() + remedy.text[1:])]
+        lines = [esc(sentence(remedy.text))]
         if remedy.nearest is not None:
-            lines.append(esc(pose_text(self._sheet.view.review, remedy.nearest.pose)))
-        put_prop(self._remedy, "content", box("<br>".join(lines)))
+            lines.append(esc(pose_text(self.review.machine.coordinates, remedy.nearest.pose)))
+        self.say(self._remedy, box("<br>".join(lines)))
         put_prop(self._escape, "visible", remedy.nearest is not None)
         ways = tuple(f"{n + 1}" for n in range(min(len(remedy.changes), WAYS)))
-        put_prop(self._offers, "content", ways_html(remedy))
+        self.say(self._offers, ways_html(remedy))
         put_prop(self._way, "visible", bool(ways))
         put_prop(self._change, "visible", bool(ways))
         if ways and tuple(self._way.options) != ways:
             self._way.options = ways
 
-    def _switch(self, label: str, name: str, hint: str) -> viser.GuiInputHandle[bool]:
-        made = self._desk.gui.add_checkbox(
-            label, getattr(self._sheet.view.review[Control], name), hint=hint
-        )
-        answer(self._desk, made, lambda on, client: self._desk.send(SetControl(name, on), client))
-        return made
-
-    def _change_design(self, client: viser.ClientHandle | None) -> None:
+    def _change_design(self, client: Client) -> None:
         options = tuple(self._way.options)
         if self._way.value in options:
-            self._desk.ask(ChangeDesign(options.index(self._way.value), client))
+            self.desk.ask(self._part.change_design, options.index(self._way.value), client)
 
-    def _set_load(self, _: object, client: viser.ClientHandle | None) -> None:
+
+class AspectsFolder(Group):
+    """Whether and how aspects are shown, what they are, and the largest ball within them."""
+
+    def build(self, review: Review) -> None:
+        gui, desk = self.gui, self.desk
+        part = desk.part(ControlPart)
+        measures = {m.title: m.key for m in review.machine.measures.specs}
+        with gui.add_folder("Aspects of the present mode"):
+            self.bind(
+                gui.add_checkbox("Show", False, hint="Hotkey A"),
+                lambda review: review[Workspace].shown(ASPECTS) is not None,
+                partial(Show, ASPECTS),
+            )
+            self.switch("Singular surface", Control, "locus", SetControl, "Where control is lost")
+            self._opacity = gui.add_slider("Opacity", 0.05, 1.0, 0.05, 0.5)
+            answer(
+                desk,
+                self._opacity,
+                lambda value, client: desk.send(Fade((ASPECTS,), value), client),
+            )
+            self.choice(
+                "Colour by",
+                {NOTHING: ""} | measures,
+                lambda review: review[Control].shade,
+                partial(SetControl, "shade"),
+                hint="Of the present mode, on the aspects and on the workspace",
+            )
+            self._legend = gui.add_html("")
+            self._pieces = gui.add_html("")
+        # A ball is one of places.
+        axes = {c.key for c in review.machine.coordinates}
+        with gui.add_folder("Largest ball without a singularity", visible={"x", "y", "z"} <= axes):
+            about = gui.add_checkbox(
+                "About the platform", True, hint="Otherwise wherever the most room is"
+            )
+            self.button("Find the ball", lambda _: desk.ask(part.find_free, about.value))
+            self._ball = gui.add_html("")
+            self._go = self.button(
+                "Platform to its centre",
+                lambda client: desk.ask(part.go_to_free, client),
+                visible=False,
+            )
+            self._hide = self.button("Hide it", lambda _: desk.ask(part.forget_free), visible=False)
+        self._solids = Solids((), {}, {}, None)
+
+    def draw(self, sheet: Sheet) -> None:
+        super().draw(sheet)
+        shown = self.review[Workspace].shown(ASPECTS)
+        if shown is not None:
+            put(self.desk, self._opacity, shown.opacity)
+        self.say(self._pieces, pieces_html(self.review, self._solids))
+
+    def told(self, sheet: Sheet, news: Any) -> None:
+        match news:
+            case Solids(scale=scale):
+                self._solids = news
+                self.say(self._pieces, pieces_html(self.review, news))
+                self.say(self._legend, self._scale(scale))
+            case Controlled(ball=ball, seeking=seeking):
+                text = "Seeking …" if seeking else ""
+                if ball is not None:
+                    x, y, z = (f"{v:.1f}".replace("-", "−") for v in ball.center)
+                    text = f"Radius <b>{ball.radius:.2f} mm</b> about {x}, {y}, {z} mm"
+                self.say(self._ball, box(text) if text else "")
+                put_prop(self._go, "visible", ball is not None)
+                put_prop(self._hide, "visible", ball is not None)
+
+    def _scale(self, scale: Scale | None) -> str:
+        shade = self.review[Control].shade
+        specs = self.review.machine.measures.specs
+        measure = next((m for m in specs if m.key == shade), None)
+        if measure is None:
+            return ""
+        if scale is None:
+            return box(f"{esc(measure.title)}: shown when aspects or workspace are on display")
+        return box(legend_html(measure, scale))
+
+
+class LoadFolder(Group):
+    """The load on the platform, and what the limbs push and pull under it."""
+
+    def build(self, review: Review) -> None:
+        gui = self.gui
+        zero = (0.0, 0.0, 0.0)
+        with gui.add_folder("Load on the platform", expand_by_default=False):
+            self._force = gui.add_vector3("Force (N)", zero, step=1.0, hint="At O′, base frame")
+            self._moment = gui.add_vector3("Moment (N·mm)", zero, step=100.0)
+            self.bind(self._force, lambda review: review[Control].load[:3], self._load)
+            self.bind(self._moment, lambda review: review[Control].load[3:], self._load)
+            self.switch("Arrow to drag", Control, "arrow", SetControl, "The force, in the scene")
+            self.switch("Forces on the limbs", Control, "forces", SetControl, "Push or pull, in N")
+            self._forces = gui.add_html("")
+
+    def _load(self, _: object) -> SetControl:
         load = (*self._force.value, *self._moment.value)
-        self._desk.send(SetControl("load", tuple(float(v) for v in load)), client)
+        return SetControl("load", tuple(float(v) for v in load))
+
+    def told(self, sheet: Sheet, news: Any) -> None:
+        if isinstance(news, Controlled):
+            self.say(self._forces, forces_html(news.here), news.stale)
+
+
+class MotionFolder(Group):
+    """Rates and accelerations of the pose coordinates, and what they ask of the actuators."""
+
+    def build(self, review: Review) -> None:
+        gui, axes = self.gui, review.machine.coordinates
+        units = ", ".join(f"{c.symbol} ({page_unit(c)}/s)" for c in axes)
+        self._boxes: dict[str, RatesBox] = {}
+        with gui.add_folder("Velocity and acceleration", expand_by_default=False):
+            for label, name, hint in (
+                ("Rates", "rates", f"{units}, with commas"),
+                ("Accelerations", "accelerations", "Likewise, by s²; empty for none"),
+            ):
+                typed = RatesBox(self.desk, gui.add_text(label, "", hint=hint), axes, name)
+                answer(self.desk, typed.handle, partial(self._set, name, typed))
+                self._boxes[name] = typed
+            self._told = gui.add_html("")
+
+    def draw(self, sheet: Sheet) -> None:
+        super().draw(sheet)
+        for name, typed in self._boxes.items():
+            typed.draw(getattr(self.review[Control], name))
+
+    def told(self, sheet: Sheet, news: Any) -> None:
+        if isinstance(news, Controlled):
+            self.say(self._told, motion_html(news.here), news.stale)
+
+    def _set(self, name: str, typed: RatesBox, _: str, client: Client) -> None:
+        self.desk.send(SetControl(name, typed.read()), client)
+
+
+PANELS = (SingularitiesPanel,)

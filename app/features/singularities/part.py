@@ -3,147 +3,97 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
-
-import numpy as np
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Any
 
 from app.features.design.state import EditDesign
 from app.features.move.state import GoHome, Move, Place, Visit
 from app.features.review.files import ExportedFile, solid_name
 from app.features.singularities import compute
-from app.features.singularities.compute import Here
-from app.features.singularities.compute import Place as Spot
+from app.features.singularities.compute import (
+    BESIDE,
+    CURVES,
+    CURVES_BESIDE,
+    FREE,
+    HERE,
+    PASSED,
+    PROFILES,
+    Controlled,
+    Here,
+    Logged,
+    counterpart,
+    same_branch,
+    spot_of,
+)
 from app.features.singularities.files import locus_bytes
-from app.features.singularities.loads_scene import Loads
-from app.features.singularities.painter import Painter
-from app.features.singularities.scene import Held
+from app.features.singularities.html import held_text
+from app.features.singularities.scene import Held, Loads
 from app.features.singularities.state import Control, SetControl
-from app.features.workspace.compute import SolidWish
-from app.jobs.lane import Done, Job, Lane, Lost
-from app.jobs.parts import Stage
-from app.jobs.worker import Built, LaneName
+from app.jobs.answers import Asked, Key
+from app.jobs.lane import Done, Job, Lost
+from app.jobs.parts import Client, Part, Stage
 from app.review.changes import Change
-from app.review.requests import ChangeDesign, ClearLog, Escape, FindFree, GoToFree, SaveLoci, Swing
 from app.review.state import Review
-from app.review.view import View
-from app.scene.painting import Coat
-from app.widgets.desk import Controlled, Logged
-from kinematics.answers.circles import Profile
-from kinematics.answers.loci import LocusCurves
-from kinematics.answers.sections import Sphere
+from app.review.view import Clear, View
+from app.scene.machine import machine_bounds
+from app.widgets.desk import Sheet
+from kinematics.arrays import Array
 from kinematics.machine import required
-from kinematics.mechanism import Design
 
-if TYPE_CHECKING:
-    import viser
-
-REST = 0.2  # s for which a place must stay before curves are traced about it
 KEPT = 60  # lines of the log
+FRAME = 0.03  # s between two pictures of a free motion
 MEDIA_TYPES = {"svg": "image/svg+xml", "csv": "text/csv"}
 
 
-@dataclass(frozen=True, slots=True)
-class Pulled:
-    """A hand holds the tip of the load's arrow (mm, base frame), or lets it go."""
-
-    phase: str
-    client_id: int | None
-    tip: tuple[float, ...]
-
-
-class Controlling:
+class ControlPart(Part):
     """Keeps what is told of control true to the machine."""
 
-    lanes: tuple[LaneName, ...] = ("control", "loci")
+    LANES = ("control", "loci")
 
     def __init__(self, stage: Stage) -> None:
-        self._stage = stage
-        self._quick = Lane("control", stage.put)
-        self._slow = Lane("loci", stage.put)
+        super().__init__(stage)
         self._held = Held(stage.scene)
-        self._loads = Loads(stage.scene, self._pulled)
+        self._loads = Loads(stage.scene, lambda *what: stage.ask(self.pull, *what))
         self._pulling: set[int] = set()
-        self._late = False
-        self._here: Here | None = None
-        self._curves: tuple[object, LocusCurves] | None = None
-        self._profiles: tuple[object, tuple[tuple[Design, Profile], ...]] | None = None
-        self._beside: tuple[Here | None, LocusCurves | None] = (None, None)
-        self._beside_of: tuple[object, ...] = ()
-        self._asked: Job | None = None  # for a ball
-        self._ball: Sphere | None = None
-        self._ball_of: object = None
-        self._painter = Painter()
+        self._free: Asked[Any, Any] | None = None  # a ball that a person asked for
         self._swing: tuple[float, tuple[float, ...]] | None = None
-        self._watched: Spot | None = None
+        self._watched: compute.Place | None = None
         self._log: tuple[Logged, ...] = ()
-        self._trouble = ""
-
-    @property
-    def late(self) -> bool:
-        return self._late or self._swing is not None
-
-    def start(self) -> None:
-        self._quick.start()
-        self._slow.start()
-
-    def stop(self) -> None:
-        self._quick.stop()
-        self._slow.stop()
-
-    def cancel(self, lane: LaneName) -> None:
-        (self._quick if lane == "control" else self._slow).cancel()
 
     def prepare(self) -> None:
-        self._painter = Painter()  # the last machine's solids are none of this one's
-        self._held.prepare(self._stage.view.drawing.size)
-        self._loads.prepare(self._stage.view.drawing.size)
+        size = self.stage.view.drawing.size
+        self._held.prepare(size)
+        self._loads.prepare(size)
+        self._swing = None
 
     # --- what is wanted
 
-    def follow(self) -> None:
-        view = self._stage.view
+    def wished(self, view: View) -> Iterable[Asked[Any, Any]]:
         review, spot = view.review, spot_of(view.review)
-        if self._watched is None or not _same_branch(self._watched, spot):
+        machine, control, other = review.machine, review[Control], counterpart(view.review)
+        yield HERE(spot)
+        if self._watched is None or not same_branch(self._watched, spot):
             self._watched = spot
-        quick = [Job(("here", spot), "what holds the platform", compute.look, (spot,))]
         if self._watched.pose != spot.pose:
             way = self._watched, spot.pose
-            quick.append(Job(("passed", *way), "the way here", compute.passed, way))
-        other = counterpart(review)
+            yield PASSED(way, *way)
         if other is not None:
-            quick.append(Job(("beside", other), "the counterpart", compute.look, (other,)))
-        self._quick.want(quick)
-        if self._ball_of is not None and self._ball_of != _orientation(review):
-            self._ball = self._ball_of = self._asked = None
-        self._ask_slowly()
-        self._late = True
-
-    def _ask_slowly(self) -> None:
-        review, spot = self._stage.view.review, spot_of(self._stage.view.review)
-        jobs = [] if self._asked is None else [self._asked]
-        if review[Control].chart:
-            key = ("curves", *_chart_key(review))
-            arguments = spot, review[Control].chart
-            jobs.append(Job(key, "the singular curves", compute.curves, arguments, REST))
-            other = counterpart(review)
+            yield BESIDE(other)
+        if self._free is not None and self._free.request[0] != compute.orientation(review):
+            self._free = None
+        if self._free is not None:
+            yield self._free
+        if control.chart:
+            key = compute.chart_key(review)
+            yield CURVES(key, spot, control.chart)
             if other is not None:
-                key = ("curves beside", *_chart_key(review))
-                arguments = other, review[Control].chart
-                jobs.append(Job(key, "the counterpart's curves", compute.curves, arguments, REST))
-        if review.machine.circles is not None:
-            jobs.append(
-                Job(
-                    ("profiles", *_profile_key(review)),
-                    "the profile",
-                    compute.profiles,
-                    (spot, review[Control].ratios),
-                    REST,
-                )
-            )
-        if review[Control].shade:
-            jobs += self._painter.jobs(review, spot)
-        self._slow.want(jobs)
+                yield CURVES_BESIDE(key, other, control.chart)
+        if machine.circles is not None:
+            yield PROFILES((review.design, control.ratios), spot, control.ratios)
+
+    def seen(self, view: View) -> View:
+        return replace(view, beside=compute.beside(view.review))
 
     def applied(self, change: Change, before: Review, note: str) -> None:
         if note:
@@ -159,278 +109,184 @@ class Controlling:
             self._log = (replace(self._log[0], at=time.time()), *self._log[1:])
         else:
             self._log = (Logged(time.time(), text, kind), *self._log)[:KEPT]
-        self._late = True
+        self.late = True
 
     # --- what comes
 
-    def take(self, item: object) -> bool:
-        match item:
-            case Done(Job(("here", _)), Here() as here):
-                self._here, self._trouble, self._late = here, "", True
-            case Done(Job(("passed", Spot() as before, tuple(pose))), events):
-                for event in events:
-                    self._note(event.text, event.kind)
+    def take(self, event: Done | Lost) -> bool:
+        match event:
+            case Done(Job(Key(question, (before, pose))), events) if (
+                question is PASSED and before == self._watched
+            ):
+                # The hand may have moved on: then the next way begins where this one ends.
+                for each in events:
+                    self._note(each.text, each.kind)
                 self._watched = replace(before, pose=pose)
-            case Done(Job(("curves", *_) as key), LocusCurves() as curves):
-                self._curves, self._late = (key, curves), True
-            case Done(Job(("beside", _)), Here() as here):
-                self._beside, self._late = (here, self._beside[1]), True
-            case Done(Job(("curves beside", *key)), LocusCurves() as curves):
-                self._beside, self._late = (self._beside[0], curves), True
-                self._beside_of = tuple(key)
-            case Done(Job(("profiles", *_) as key), tuple(profiles)):
-                self._profiles, self._late = (key, profiles), True
-            case Done(Job(("field", *_) as key), np.ndarray() as values):
-                self._painter.take(key, values)
-                return True
-            case Done(job, result) if job is self._asked:
-                return self._ball_came(result)
-            case Lost(job, text):
-                self._lost(job, text)
-            case Pulled(phase, client_id, tip):
-                return self._pull(phase, client_id, tip)
-            case FindFree(here, client):
-                self._find(here, client)
-            case GoToFree(client):
-                return self._go_to_ball(client)
-            case Escape(client):
-                return self._escape(client)
-            case ChangeDesign(way, client):
-                return self._change_design(way, client)
-            case Swing(which):
-                self._begin_swing(which)
-            case SaveLoci(kind, client):
-                self._save(kind, client)
-            case ClearLog():
-                self._log, self._late = (), True
+        return super().take(event)
+
+    def came(self, asked: Asked[Any, Any], answer: Any) -> bool:
+        if asked.question is FREE and not answer:
+            self.stage.complain("There is no such ball: nothing of the workspace is there.")
         return False
 
-    def _lost(self, job: Job, text: str) -> None:
-        match job.key:
-            case ("here", _):
-                self._trouble, self._late = text, True
-            case ("curves" | "field", *_):
-                if text:
-                    self._stage.complain(text)
-            case _ if job is self._asked:
-                self._asked, self._late = None, True
-                if text:
-                    self._stage.complain(text)
+    def lost(self, asked: Asked[Any, Any], text: str) -> None:
+        if asked.question is FREE:
+            self._free = None
+        if asked.question in (FREE, CURVES) and text:
+            self.stage.complain(text)
 
-    # --- the load's arrow
+    # --- what a person asks for
 
-    def _pulled(self, phase: str, client_id: int | None, tip: tuple[float, ...]) -> None:
-        """Called on the event loop."""
-        self._stage.put(Pulled(phase, client_id, tip))
-
-    def _pull(self, phase: str, client_id: int | None, tip: tuple[float, ...]) -> bool:
-        """The arrow's tip is dragged: the force follows it, the moment stays."""
+    def pull(self, phase: str, client_id: int | None, tip: tuple[float, ...]) -> bool:
+        """A hand holds the tip of the load's arrow (mm, base frame): the force follows it, the
+        moment stays.
+        """
         who = -1 if client_id is None else client_id
         if phase == "end":
             self._pulling.discard(who)
-            self._loads.pulled = False
-            self._late = True
+        else:
+            self._pulling.add(who)
+        self._loads.pulled = bool(self._pulling)
+        if phase == "end":
+            self.late = True
             return False
-        self._pulling.add(who)
-        self._loads.pulled = True
-        view = self._stage.view
-        force = self._loads.force_of(view, tip)
-        load = (*force, *view.review[Control].load[3:])
-        return self._stage.apply(SetControl("load", load), None)
+        force = self._loads.force_of(self.stage.view, tip)
+        load = (*force, *self.stage.review[Control].load[3:])
+        return self.stage.apply(SetControl("load", load), None)
 
-    # --- the ball
+    def find_free(self, here: bool) -> None:
+        """Find the largest ball without a singularity, about the platform or anywhere."""
+        review = self.stage.view.review
+        spot = spot_of(review)
+        request = (compute.orientation(review), spot.pose if here else None)
+        self._free = FREE(request, spot, here)
+        self.follow()
 
-    def _find(self, here: bool | None, client: viser.ClientHandle | None) -> None:
-        review = self._stage.view.review
-        self._ball, self._asked = None, None
-        self._ball_of = _orientation(review)
-        if here is not None:
-            spot = spot_of(review)
-            title = "the largest ball without a singularity"
-            self._asked = Job(("free", spot, here), title, compute.ball, (spot, here), slow=True)
-        self._ask_slowly()
-        self._late = True
+    def forget_free(self) -> None:
+        """Take that ball off display."""
+        self._free = None
+        self.follow()
 
-    def _ball_came(self, result: Sphere | None) -> bool:
-        self._asked, self._ball, self._late = None, result, True
-        if result is None:
-            self._stage.complain("There is no such ball: nothing of the workspace is there.")
-        return False
-
-    def _go_to_ball(self, client: viser.ClientHandle | None) -> bool:
-        if self._ball is None:
+    def go_to_free(self, client: Client = None) -> bool:
+        """Put the platform into the middle of that ball."""
+        balls, review = self.answers[FREE].now, self.stage.review
+        if not balls:
             return False
-        review = self._stage.view.review
-        pose = compute.placed(review.machine, review.pose, self._ball.center[None])[0]
-        return self._stage.apply(Place(tuple(float(v) for v in pose), gesture=""), client)
+        pose = compute.placed(review.machine, review.pose, balls[0].center[None])[0]
+        return self.stage.apply(Place(tuple(float(v) for v in pose), gesture=""), client)
 
-    # --- ways out
-
-    def _escape(self, client: viser.ClientHandle | None) -> bool:
-        here = self._current()
+    def escape(self, client: Client = None) -> bool:
+        """Go to the nearest posture that can be held."""
+        here = self.answers[HERE].now
         if here is None or here.remedy is None or here.remedy.nearest is None:
-            self._stage.complain("No reachable pose is known from here.", client)
+            self.stage.complain("No reachable pose is known from here.", client)
             return False
         nearest = here.remedy.nearest
         way: Change = Visit(nearest.pose, nearest.mode)
-        if nearest.mode == self._stage.view.review.mode:
+        if nearest.mode == self.stage.review.mode:
             way = Place(nearest.pose, gesture="")
-        return self._stage.apply(way, client)
+        return self.stage.apply(way, client)
 
-    def _change_design(self, way: int, client: viser.ClientHandle | None) -> bool:
-        here = self._current()
+    def change_design(self, way: int, client: Client = None) -> bool:
+        """Change the design so that the pose can be held, in the way of this number."""
+        here = self.answers[HERE].now
         ways = () if here is None or here.remedy is None else here.remedy.changes
         if way >= len(ways):
             return False
         edits = tuple((change.path, change.after) for change in ways[way])
-        return self._stage.apply(EditDesign(edits), client)
+        return self.stage.apply(EditDesign(edits), client)
 
-    def _current(self) -> Here | None:
-        """What is known of the present place; None while that is of another."""
-        spot = spot_of(self._stage.view.review)
-        return self._here if self._here is not None and self._here.place == spot else None
-
-    # --- free motion
-
-    def _begin_swing(self, which: int) -> None:
-        here = self._current()
+    def swing(self, which: int) -> None:
+        """Show the free motion of the singularity of this number."""
+        here = self.answers[HERE].now
         if here is not None and which < len(here.singular):
             motion = here.singular[which].motion
             self._swing = None if motion is None else (time.monotonic(), motion)
 
+    def clear_log(self) -> None:
+        """Forget what happened on the way."""
+        self._log, self.late = (), True
+
+    def save_curves(self, kind: str, client: Client) -> None:
+        """Save the chart's curves as a file of this kind."""
+        review, curves = self.stage.view.review, self.answers[CURVES].now
+        if curves is None:
+            self.stage.complain("There are no curves to save yet.", client)
+            return
+        chart = review[Control].chart
+        spec = next(s for s in review.machine.singularities.loci if s.key == chart)
+        name = solid_name(review.design, f"singularities-{spec.key}", (), (review.mode,))
+        title = review.design.title or review.design.name
+
+        def make() -> ExportedFile:
+            data = locus_bytes(curves, spec, kind, title=title)
+            return ExportedFile(f"{name}.{kind}", data, MEDIA_TYPES[kind])
+
+        self.save(make, client)
+
     # --- what is shown
+
+    @property
+    def due(self) -> float | None:
+        return super().due if self._swing is None else FRAME
+
+    @property
+    def bounds(self) -> tuple[Array, Array] | None:
+        other = self.stage.view.beside
+        return None if other is None else machine_bounds(other.drawing)
 
     def catch_up(self) -> None:
         if self._swing is not None:
-            self._show_swing()
-        if not self._late:
-            return
-        self._late = False
-        sheet, controlled = self._stage.sheet(), self.controlled()
-        current = self._current()
-        with self._stage.server.atomic():
-            self._held.show(sheet.view, current or self._nearly(), self._ball)
-            self._loads.show(sheet.view, current or self._nearly())
-            for panel in self._stage.panels:
-                panel.draw_control(sheet, controlled)
-        self._stage.server.flush()
+            begun, motion = self._swing
+            with self.stage.server.atomic():
+                if self.answers[HERE].now is None or not self._held.swing(
+                    self.stage.view, motion, time.monotonic() - begun
+                ):
+                    self._swing = None
+                    self._held.still()
+            self.stage.server.flush()
+        super().catch_up()
 
-    def _show_swing(self) -> None:
-        assert self._swing is not None
-        begun, motion = self._swing
-        with self._stage.server.atomic():
-            if self._current() is None or not self._held.swing(
-                self._stage.view, motion, time.monotonic() - begun
-            ):
-                self._swing = None
-                self._held.still()
-        self._stage.server.flush()
+    def show(self, sheet: Sheet) -> None:
+        controlled = self.controlled()
+        here = controlled.here
+        self._held.show(sheet.view, here, controlled.ball)
+        self._loads.show(sheet.view, here)
+        self.stage.tell(controlled)
+        self.stage.tell(Clear(held_text(here), controlled.stale))
 
-    def _nearly(self) -> Here | None:
-        """What was known last, while the hand moves and the newest is on its way."""
-        here, spot = self._here, spot_of(self._stage.view.review)
-        return here if here is not None and _same_branch(here.place, spot) else None
+    def _nearly(self, question: Any, spot: compute.Place | None) -> tuple[Here | None, bool]:
+        """What is known of a place, or was last while the hand moves; whether it is of before."""
+        told = self.answers[question]
+        if told.stale and (spot is None or not same_branch(told.old_of, spot)):
+            return None, True
+        return told.shown, told.now is None
 
     def controlled(self) -> Controlled:
         """What panels draw of it."""
-        review = self._stage.view.review
-        curves = None
-        if self._curves is not None and review[Control].chart:
-            key = ("curves", *_chart_key(review))
-            curves = self._curves[1] if self._curves[0] == key else None
-        profiles: tuple[tuple[Design, Profile], ...] = ()
-        if self._profiles is not None and self._profiles[0] == ("profiles", *_profile_key(review)):
-            at = required(review.machine.circles, "circles of orientations").profile_place(
-                review.pose
-            )
-            profiles = tuple((each, replace(p, at=at)) for each, p in self._profiles[1])
+        review = self.stage.view.review
+        here, stale = self._nearly(HERE, spot_of(review))
+        curves, chart = self.answers[CURVES], review[Control].chart
+        of_chart = not curves.stale or curves.old_of[0] == chart
+        profiles = self.answers[PROFILES].now or ()
+        if profiles:
+            circles = required(review.machine.circles, "circles of orientations")
+            at = circles.profile_place(review.pose)
+            profiles = tuple((each, replace(p, at=at)) for each, p in profiles)
+        free = self.answers[FREE]
         return Controlled(
-            self._nearly(),
-            self._current() is None,
-            curves,
+            here,
+            stale,
+            curves.shown if of_chart else None,
+            curves.stale,
             profiles,
-            *self._known_beside(review),
-            self._ball,
-            self._asked is not None,
+            self._nearly(BESIDE, counterpart(review))[0],
+            self.answers[CURVES_BESIDE].now,
+            next(iter(free.now or ()), None),
+            self._free is not None and free.now is None,
             self._log,
-            self._painter.scale(review),
-            self._trouble,
+            self.answers[HERE].trouble,
         )
 
-    def _known_beside(self, review: Review) -> tuple[Here | None, LocusCurves | None]:
-        """What is known of the counterpart, and its curves; nothing of another one's."""
-        other, (here, curves) = counterpart(review), self._beside
-        if other is None:
-            return None, None
-        if here is not None and not _same_branch(here.place, other):
-            here = None
-        if not review[Control].chart or self._beside_of != _chart_key(review):
-            curves = None
-        return here, curves
 
-    def coats(self, view: View, wish: SolidWish, built: Built) -> tuple[Coat, ...]:
-        """How a solid is painted."""
-        coats = self._painter.coats(view.review, wish, built)
-        if self._painter.wants:
-            self._ask_slowly()
-        return coats
-
-    def _save(self, kind: str, client: viser.ClientHandle | None) -> None:
-        review = self._stage.view.review
-        curves = self.controlled().curves
-        if curves is None:
-            self._stage.complain("There are no curves to save yet.", client)
-            return
-        spec = next(s for s in review.machine.singularities.loci if s.key == review[Control].chart)
-        name = solid_name(review.design, f"singularities-{spec.key}", (), (review.mode,))
-        data = locus_bytes(curves, spec, kind, title=review.design.title or review.design.name)
-        file = ExportedFile(f"{name}.{kind}", data, MEDIA_TYPES[kind])
-        self._stage.apart(client, lambda: self._stage.download(file, client))
-
-
-def spot_of(review: Review) -> Spot:
-    """Where the machine stands, with its load."""
-    control = review[Control]
-    return Spot(
-        review.design,
-        review.pose,
-        review.mode,
-        control.load,
-        control.rates,
-        control.accelerations,
-    )
-
-
-def counterpart(review: Review) -> Spot | None:
-    """The counterpart at the same coordinates, where it is to be compared with."""
-    others = review.machine.counterparts if review[Control].compare else ()
-    return next((replace(spot_of(review), design=other) for other in others), None)
-
-
-def _profile_key(review: Review) -> tuple[object, ...]:
-    return review.design, review[Control].ratios
-
-
-def _same_branch(one: Spot, other: Spot) -> bool:
-    return one.design == other.design and one.mode == other.mode
-
-
-def _orientation(review: Review) -> tuple[object, ...]:
-    """All of a review on which balls depend, but for the position."""
-    return review.design, review.mode, *_held(review, ("x", "y", "z"))
-
-
-def _held(review: Review, free: tuple[str, ...]) -> tuple[float, ...]:
-    axes = review.machine.coordinates
-    return tuple(
-        v
-        for c, v in zip(axes, review.pose, strict=True)
-        if c.key not in free and c.symbol not in free
-    )
-
-
-def _chart_key(review: Review) -> tuple[object, ...]:
-    """All that the curves of the chosen chart depend on: its own two coordinates are free."""
-    chart = review[Control].chart
-    spec = next(s for s in review.machine.singularities.loci if s.key == chart)
-    return chart, review.design, review.mode, *_held(review, spec.axes)
+PARTS = (ControlPart,)

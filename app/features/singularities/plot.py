@@ -7,9 +7,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from app.review.units import number
 from app.scene import palette
-from app.widgets.desk import esc
-from app.widgets.plots import STEPS, TURN, Axes, Figure, number, scales, ticks
+from app.widgets.axes import STEPS, TURN, Axes, Figure, cross, scales, ticks
+from app.widgets.texts import esc
 from kinematics.answers.circles import OrientationCircle, Profile
 from kinematics.answers.loci import LocusCurves, LocusSpec
 from kinematics.arrays import Array
@@ -78,7 +79,7 @@ def figure(
     steps = [TURN if unit == "rad" else STEPS for unit in spec.units]
     across, up = (steps[0], steps[0]) if spec.polar else steps
     box = scales(axes, *titles, ticks(*axes.x, 6, across), ticks(*axes.y, 6, up))
-    clip = _clip(axes, "".join(content))
+    clip = axes.clipped("".join(content))
     return Figure(
         axes,
         clip + box,
@@ -93,14 +94,7 @@ def figure(
 def mark(spec: LocusSpec, axes: Axes, at: Sequence[float]) -> str:
     """A cross where the machine stands; nothing outside of the chart."""
     x, y = in_units(spec, np.array([at]))[0].tolist()
-    if not (axes.x[0] <= x <= axes.x[1] and axes.y[0] <= y <= axes.y[1]):
-        return ""
-    u, v = axes.px(x, y)
-    path = f"M{u - 7:.1f} {v:.1f}h14M{u:.1f} {v - 7:.1f}v14"
-    return (
-        f'<path d="{path}" stroke="#FFFFFF" stroke-width="4" stroke-opacity=".8"/>'
-        f'<path d="{path}" stroke="{palette.INK}" stroke-width="1.8"/>'
-    )
+    return cross(axes, x, y)
 
 
 def _paths(spec: LocusSpec, curves: LocusCurves, axes: Axes) -> list[str]:
@@ -110,12 +104,12 @@ def _paths(spec: LocusSpec, curves: LocusCurves, axes: Axes) -> list[str]:
     for c, kind in enumerate(curves.kinds):
         run = points[curves.start[c] : curves.start[c + 1]]
         kept = np.unique(np.append(np.arange(0, len(run), step), len(run) - 1))
-        line = "L".join("{:.1f} {:.1f}".format(*axes.px(*p)) for p in run[kept].tolist())
+        line = axes.path(run[kept].tolist())
         limb = int(curves.limb[c])
         color = palette.limb_color(limb) if limb else palette.BEYOND
         width = 1.4 if kind == "serial" else 2.2
         paths.append(
-            f'<path class="locus {kind}" d="M{line}" fill="none" stroke="{color}" '
+            f'<path class="locus {kind}" d="{line}" fill="none" stroke="{color}" '
             f'stroke-width="{width}"{_DASH.get(kind, "")}/>'
         )
     return paths
@@ -149,11 +143,11 @@ def profile_figure(profiles: Sequence[tuple[str, Profile]]) -> Figure:
     for n, (name, profile) in enumerate(profiles):
         for curve in profile.curves:
             points = np.stack([profile.x, np.degrees(curve.radius)], axis=1).tolist()
-            line = "L".join("{:.1f} {:.1f}".format(*axes.px(*p)) for p in points)
+            line = axes.path(points)
             dash = DASHES[modes.index(curve.mode) % len(DASHES)]
             color = MACHINES[n % len(MACHINES)]
             content.append(
-                f'<path d="M{line}" fill="none" stroke="{color}" '
+                f'<path d="{line}" fill="none" stroke="{color}" '
                 f'stroke-opacity="{1 if curve.own else 0.4}" '
                 f'stroke-width="{2 if curve.own else 1.2}"{dash}>'
                 f"<title>{esc(name)}, mode {esc(curve.mode)}, {esc(curve.title)}</title></path>"
@@ -171,7 +165,7 @@ def profile_figure(profiles: Sequence[tuple[str, Profile]]) -> Figure:
     box = scales(axes, first.across, f"{first.up} (°)", ticks(*axes.x, 6), ticks(*axes.y, 5, TURN))
     return Figure(
         axes,
-        _clip(axes, "".join(content)) + box,
+        axes.clipped("".join(content)) + box,
         columns,
         ("",),
         [""] * CELLS,
@@ -210,13 +204,6 @@ def _rings(spec: LocusSpec, axes: Axes) -> str:
         f'<g fill="none" stroke="currentColor" stroke-opacity=".16">{circles}<path d="{rays}"/></g>'
         f"{labels}"
     )
-
-
-def _clip(axes: Axes, content: str) -> str:
-    """A nested picture clips what it holds and needs no id that might clash on a page."""
-    wide, high = axes.inner
-    place = f'x="{axes.left:g}" y="{axes.top:g}" width="{wide:g}" height="{high:g}"'
-    return f'<svg {place} viewBox="{axes.left:g} {axes.top:g} {wide:g} {high:g}">{content}</svg>'
 
 
 def _told(spec: LocusSpec, axes: Axes) -> tuple[list[str], list[str]]:

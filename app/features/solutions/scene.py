@@ -15,13 +15,14 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation
 
-from app.features.solutions.atlas import Listed, joint_text
-from app.features.solutions.folds import Ahead
+from app.features.solutions.compute import Ahead, Listed
 from app.features.solutions.state import Atlas
 from app.review.state import Options
+from app.review.units import joint_text
 from app.review.view import View
 from app.scene import palette
-from app.scene.machine import Scene, cylinder, turns_z_to
+from app.scene.nodes import Nodes
+from app.scene.shapes import cylinder, turns_z_to
 from kinematics.answers.drawings import Body
 from kinematics.arrays import Array
 
@@ -39,13 +40,13 @@ _TRIANGLE = (
 class Ghosts:
     """Scene nodes of the solutions; made once, then only their arrays change."""
 
-    def __init__(self, scene: Scene, visit: Callable[[int], None]) -> None:
-        self._scene = scene
+    def __init__(self, nodes: Nodes, visit: Callable[[int], None]) -> None:
+        self._nodes = nodes
         self._visit = visit
-        self._edges = _Batch(scene, "/ghosts/edges", cylinder(6), None)
-        self._faces = _Batch(scene, "/ghosts/faces", _TRIANGLE, FAINT)
-        self._fold_edges = _Batch(scene, "/fold/edges", cylinder(6), None)
-        self._fold_faces = _Batch(scene, "/fold/faces", _TRIANGLE, FULL)
+        self._edges = _Batch(nodes, "/ghosts/edges", cylinder(6), None)
+        self._faces = _Batch(nodes, "/ghosts/faces", _TRIANGLE, FAINT)
+        self._fold_edges = _Batch(nodes, "/fold/edges", cylinder(6), None)
+        self._fold_faces = _Batch(nodes, "/fold/faces", _TRIANGLE, FULL)
         self._label: Any = None
 
     def prepare(self) -> None:
@@ -54,9 +55,7 @@ class Ghosts:
             batch.make(CAPACITY)
         for batch in (self._fold_faces, self._fold_edges):
             batch.make(16)
-        self._label = self._scene.server.scene.add_label(
-            "/labels/fold", "", anchor="bottom-center", visible=False
-        )
+        self._label = self._nodes.label("/labels/fold")
         for batch in (self._faces, self._edges):
             batch.on_click(self._visit)
 
@@ -79,14 +78,13 @@ class Ghosts:
 
         ahead = fold if wanted and fold is not None and fold.fold is not None else None
         review = view.review
-        at = np.empty((0, 4, 4))
+        at, text = np.empty((0, 4, 4)), ""
         if ahead is not None and ahead.fold is not None:
             there = ahead.fold
             at = review.machine.transform(there.pose, there.mode)[None]
             axis = review.machine.joints[ahead.index]
-            self._label.text = f"fold at {axis.symbol} = {joint_text(axis, ahead.goal)}"
-            self._label.position = tuple(float(v) for v in at[0, :3, 3])
-        self._label.visible = ahead is not None
+            text = f"fold at {axis.symbol} = {joint_text(axis, ahead.goal)}"
+        self._nodes.text(self._label, text, at[0, :3, 3] if len(at) else None)
         red = np.tile(np.array(palette.linear(palette.BEYOND), np.uint8), (len(at), 1))
         self._fold_edges.show(*_sticks(edges, at, np.full(len(at), THICK * size)), red, [0])
         self._fold_faces.show(*_faces(edges, at), red, [0])
@@ -97,12 +95,12 @@ class _Batch:
 
     def __init__(
         self,
-        scene: Scene,
+        nodes: Nodes,
         name: str,
         shape: tuple[np.ndarray, np.ndarray],
         opacity: float | None,
     ) -> None:
-        self._scene = scene
+        self._nodes = nodes
         self._name = name
         self._shape = shape
         self._opacity = opacity
@@ -114,7 +112,7 @@ class _Batch:
     def make(self, capacity: int) -> None:
         """Make the mesh for so many copies, with none to see."""
         vertices, faces = self._shape
-        self._mesh = self._scene.server.scene.add_batched_meshes_simple(
+        self._mesh = self._nodes.server.scene.add_batched_meshes_simple(
             self._name,
             vertices,
             faces,
@@ -148,8 +146,7 @@ class _Batch:
     ) -> None:
         """Copies (N K, ·) of N owners, K for each; colours (N, 3) in linear light."""
         count = len(places)
-        if self._mesh.visible != bool(count):
-            self._mesh.visible = bool(count)
+        self._nodes.set(self._mesh, visible=bool(count))
         if not count:
             return
         self._owners, self._each = owners, max(count // max(len(owners), 1), 1)
@@ -158,7 +155,8 @@ class _Batch:
             while capacity < count:
                 capacity *= 2
             self.make(capacity)
-            self._mesh.visible = True
+            self._nodes.forget(self._name)
+            self._nodes.set(self._mesh, visible=True)
         arrays: dict[str, np.ndarray] = {
             "batched_wxyzs": np.tile(np.array([1, 0, 0, 0], np.float32), (capacity, 1)),
             "batched_positions": np.zeros((capacity, 3), np.float32),
@@ -170,8 +168,7 @@ class _Batch:
             arrays.items(), (turns, places, scales, copies), strict=True
         ):
             array[:count] = values[:count]
-            if not np.array_equal(getattr(self._mesh, key), array):
-                setattr(self._mesh, key, array)
+            self._nodes.set(self._mesh, **{key: array})
 
 
 def _sticks(edges: Array, placements: Array, radius: Array) -> tuple[Array, Array, Array]:

@@ -22,6 +22,7 @@ from app.features.trajectory.state import (
     path_of,
     plane_of,
 )
+from app.jobs.answers import Question
 from app.review.state import Review
 from kinematics.arrays import Array
 from kinematics.errors import InputError
@@ -44,6 +45,7 @@ from kinematics.trajectories.sampling import NEAR
 
 PART = 6  # distances that are found in one go
 MOST_KNOTS = 60  # way points that are marked
+ReachKey = tuple[Design, tuple[float, ...], str, tuple[int, int], int | None]
 CELLS, COARSE = 160, 64  # of the reach in the plane of a stroke, along each side
 ROOM = 0.05  # of the reach's size, left free around it
 
@@ -278,6 +280,31 @@ def _marks(of: Asked, events: Sequence[Event]) -> Array:
     return marks
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class Moved:
+    """The trajectory as panels draw it.
+
+    Attributes:
+        computed: the newest; ``stale`` while another one is wanted.
+        missing: what a person has to do until there is a path.
+        share: of the distances to singularities that are known; ``measuring`` the others.
+        fits: polynomials of the wanted degree; None while there are none.
+        fit_trouble: why there are none.
+        reach: where a stroke can run; None while it is not known.
+        trouble: what could not be computed.
+    """
+
+    computed: Computed | None
+    stale: bool
+    missing: str
+    share: float
+    measuring: bool
+    fits: Fits | None
+    fit_trouble: str
+    reach: Reach | None
+    trouble: str
+
+
 # --- in which order distances are found ----------------------------------------------------
 
 
@@ -297,3 +324,20 @@ def parts(samples: int) -> list[tuple[int, ...]]:
 def drawn_axes(review: Review) -> tuple[int, int]:
     """The two coordinates in whose plane a stroke is drawn."""
     return plane_of(review[Plan], review.machine.coordinates)
+
+
+def reach_key(review: Review) -> ReachKey:
+    """All that the reach in the plane of a stroke depends on."""
+    plane = drawn_axes(review)
+    held = tuple(0.0 if n in plane else v for n, v in enumerate(review.pose))
+    return review.design, held, review.mode, plane, review.dependent
+
+
+REST = 0.2  # s for which a trajectory must stay asked for before it is computed
+TRAJECTORY: Question[Asked, Computed] = Question("the trajectory", "trajectory", compute, REST)
+DISTANCES: Question[tuple[Computed, tuple[int, ...]], Array] = Question(
+    "", "trajectory", distances, kept=500
+)
+JUDGED: Question[Computed, Computed] = Question("", "trajectory", judged)
+FITS: Question[tuple[Computed, int], Fits] = Question("the polynomials", "trajectory", fitted, REST)
+REACH: Question[ReachKey, Reach] = Question("the reach", "trajectory", reach)

@@ -7,10 +7,11 @@ from math import degrees, isfinite
 
 import numpy as np
 
-from app.features.trajectory.compute import Computed
+from app.features.trajectory.compute import Computed, Moved
 from app.features.trajectory.text import LOST, polynomial
+from app.review.units import minus, sentence
 from app.scene import palette
-from app.widgets.desk import Moved, box, chip, esc, red, tone
+from app.widgets.texts import aged, box, chip, esc, red, tone
 from kinematics.mechanism import Coordinate
 from kinematics.trajectories import Event, Fits
 
@@ -28,7 +29,7 @@ def summary_html(moved: Moved) -> str:
     if moved.missing:
         return box(esc(moved.missing))
     if moved.trouble:
-        return red(moved.trouble[:1].upper() + moved.trouble[1:])
+        return red(sentence(moved.trouble))
     computed = moved.computed
     if computed is None:
         return box("Computing …")
@@ -37,8 +38,8 @@ def summary_html(moved: Moved) -> str:
         f"{found.length:.1f} mm in {computed.law.duration:.4g} s, {LAWS[computed.law.kind]}, "
         f"{len(found.times)} samples{_moving(found.moving_ends)}"
     )
-    faint = ' style="opacity:.5"' if moved.stale else ""
-    return box(f"<div{faint}>{head}{_nearest(computed)}</div>{_events(moved, found.events)}")
+    told = f"<div>{head}{_nearest(computed)}</div>{_events(moved, found.events)}"
+    return box(aged(told, moved.stale))
 
 
 def _moving(ends: tuple[bool, bool]) -> str:
@@ -67,7 +68,7 @@ def _events(moved: Moved, events: Sequence[Event]) -> str:
     rows = []
     for event in events[:MOST]:
         color = palette.PLATFORM if event.kind == "near" else palette.BEYOND
-        text = event.text[:1].upper() + event.text[1:]
+        text = sentence(event.text)
         rows.append(f'<div style="margin-top:.3em">{chip(color)}{esc(text)}.</div>')
     if len(events) > MOST:
         rows.append(f"<div>… and {len(events) - MOST} more</div>")
@@ -79,7 +80,7 @@ def fits_html(
 ) -> str:
     """The polynomials with their coefficients, and the true error of the machine that follows."""
     if trouble:
-        return red(trouble[:1].upper() + trouble[1:])
+        return red(sentence(trouble))
     if fits is None:
         return box("Computing …")
     lines = []
@@ -112,12 +113,12 @@ def fits_html(
 
 
 def _size(value: float) -> str:
-    return f"{value:.3g}".replace("-", "−") if isfinite(value) else "–"
+    return minus(f"{value:.3g}") if isfinite(value) else "–"
 
 
 def _superscripts(text: str) -> str:
     words = []
-    for word in esc(text).replace("-", "−").split(" "):
+    for word in minus(esc(text)).split(" "):
         base, power, exponent = word.partition("^")
         words.append(f"{base}<sup>{exponent}</sup>" if power else word)
     return " ".join(words)

@@ -4,245 +4,204 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Iterable
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from app.features.review.files import ExportedFile, solid_name
 from app.features.trajectory import compute
-from app.features.trajectory.compute import Asked, Computed, Reach
+from app.features.trajectory.compute import (
+    DISTANCES,
+    FITS,
+    JUDGED,
+    REACH,
+    TRAJECTORY,
+    Computed,
+    Moved,
+    reach_key,
+)
 from app.features.trajectory.files import trajectory_csv
 from app.features.trajectory.playing import Playing
 from app.features.trajectory.plot import plots_svg
 from app.features.trajectory.scene import Trail
 from app.features.trajectory.state import STROKE, Plan, SetPlan, missing
-from app.jobs.lane import Done, Job, Lane, Lost
-from app.jobs.parts import Stage
-from app.jobs.worker import LaneName
+from app.jobs import answers
+from app.jobs.parts import Client, Part, Stage
 from app.review.changes import Change
-from app.review.requests import Distances, SaveTrajectory, Shortest
 from app.review.state import Review
-from app.review.view import View
-from app.widgets.desk import Moment, Moved
+from app.review.view import Moment, View
+from app.widgets.desk import Sheet
 from kinematics.arrays import Array
 from kinematics.errors import InputError
-from kinematics.trajectories import Fits, duration_within
+from kinematics.trajectories import duration_within
 
-if TYPE_CHECKING:
-    import viser
-
-REST = 0.2  # s for which a trajectory must stay asked for before it is computed
 OPENED = 0.7  # s in which a browser has opened or closed the plots, and says how wide it is
 FRAME = 1 / 31  # s between two pictures
 MEDIA_TYPES = {"csv": "text/csv", "svg": "image/svg+xml"}
-QUIET = ""  # the title of work that has a progress bar of its own
 
 
-class Moving:
+class TrajectoryPart(Part):
     """Keeps the trajectory true to the review, and plays it."""
 
-    lanes: tuple[LaneName, ...] = ("trajectory",)
+    LANES = ("trajectory",)
 
     def __init__(self, stage: Stage) -> None:
-        self._stage = stage
-        self._lane = Lane("trajectory", stage.put)
+        super().__init__(stage)
         self._trail = Trail(stage.scene)
-        self._late = False
-        self._asked: Asked | None = None
-        self._computed: Computed | None = None
-        self._trouble = ""
-        self._distance = np.empty(0)
-        self._parts: list[tuple[int, ...]] = []  # that are still to come
-        self._given_up = False
-        self._fits: Fits | None = None
-        self._fits_of: object = None
-        self._fit_trouble = ""
-        self._reach: tuple[object, Reach] | None = None
+        self._asked: compute.Asked | None = None
+        self._given_up = False  # its distances to singularities
         self.playing = Playing(stage)
         self._framed_at = 0.0
         self._fit_at: float | None = None
         self._told: Moment | None = None
-
-    @property
-    def late(self) -> bool:
-        return self._late or self.playing.waits or self._fit_at is not None
-
-    @property
-    def due(self) -> float | None:
-        """s until the next picture; None while nothing plays."""
-        if not self.playing.player.playing:
-            return None
-        return max(self._framed_at + FRAME - time.monotonic(), 0.002)
-
-    @property
-    def bounds(self) -> tuple[Array, Array] | None:
-        """The box around the way of O′, mm; None while there is none."""
-        spots = None if self._computed is None else self._computed.spots
-        return None if spots is None else (spots.min(axis=0), spots.max(axis=0))
-
-    def start(self) -> None:
-        self._lane.start()
-
-    def stop(self) -> None:
-        self._lane.stop()
-
-    def cancel(self, lane: LaneName) -> None:
-        self._lane.cancel()
+        self._known: tuple[object, Computed | None] = (None, None)
+        self._shown: Moved | None = None
+        self._before: Computed | None = None
 
     def prepare(self) -> None:
-        self._trail.prepare(self._stage.view.drawing.size)
-        self._computed = self._reach = self._told = None
+        self._trail.prepare(self.stage.view.drawing.size)
+        self._told = self._before = None
         self.playing.forget()
-        if self._stage.view.review[Plan].on:  # its window has been closed and is opened again
+        if self.stage.view.review[Plan].on:  # its window has been closed and is opened again
             self._fit_at = time.monotonic() + OPENED
 
     # --- what is wanted
 
-    def follow(self) -> None:
-        review = self._stage.view.review
-        asked = compute.asked(review)
-        if asked != self._asked:
-            self._asked, self._trouble, self._given_up = asked, "", False
-            if asked is None:
-                self._computed = None
-        self.playing.follow(review, self._computed if self._current else None)
-        self._want()
-        self._late = True
-
-    @property
-    def _current(self) -> bool:
-        """What is known is what is asked for."""
-        return self._computed is not None and self._computed.asked == self._asked
-
-    def _want(self) -> None:
-        review = self._stage.view.review
-        jobs: list[Job] = []
-        of = self._asked
-        if of is not None and not self._current:
-            job = Job(("trajectory", of), "the trajectory", compute.compute, (of,), REST)
-            jobs.append(job)
-        elif of is not None:
-            jobs += self._further(of, review)
+    def wished(self, view: View) -> Iterable[answers.Asked[Any, Any]]:
+        review = view.review
+        of = compute.asked(review)
+        if of != self._asked:
+            self._asked, self._given_up = of, False
+        if of is not None:
+            yield TRAJECTORY(of)
+            computed = self.answers.kept(TRAJECTORY(of))
+            if computed is not None:
+                yield from self._further(of, computed, review[Plan].degree)
         if review[Plan].on and review[Plan].way == STROKE:
-            plane = _reach_key(review)
-            jobs.append(Job(("reach", plane), "the reach", compute.reach, plane))
-        self._lane.want(jobs)
+            key = reach_key(review)
+            yield REACH(key, *key)
 
-    def _further(self, of: Asked, review: Review) -> list[Job]:
+    def _further(
+        self, of: compute.Asked, computed: Computed, degree: int
+    ) -> Iterable[answers.Asked[Any, Any]]:
         """What is asked once the trajectory is there."""
-        computed = self._computed
-        assert computed is not None
-        jobs: list[Job] = []
-        degree = review[Plan].degree
-        if degree and self._fits_of != (of, degree):
-            key = ("fit", of, degree)
-            jobs.append(Job(key, "the polynomials", compute.fitted, (computed, degree), REST))
-        if not self._given_up:
-            for part in self._parts:
-                poses = computed.found.poses[list(part)]
-                arguments = (of, poses)
-                jobs.append(Job(("distances", of, part), QUIET, compute.distances, arguments))
-            if not self._parts and not np.array_equal(
-                self._distance, computed.found.distance, equal_nan=True
-            ):
-                known = replace(computed, found=replace(computed.found, distance=self._distance))
-                jobs.append(Job(("judged", of), QUIET, compute.judged, (known,)))
-        return jobs
+        if degree:
+            yield FITS((computed, degree), computed, degree)
+        whole = True
+        for part in compute.parts(len(computed.found.times)):
+            each = DISTANCES((computed, part), of, computed.found.poses[list(part)])
+            known = self.answers.kept(each) is not None
+            whole &= known
+            if known or not self._given_up:
+                yield each
+        if whole:
+            yield JUDGED(computed, self._measured(computed)[0])
+
+    def _measured(self, computed: Computed) -> tuple[Computed, float]:
+        """A trajectory with the distances that are known, and the share of these."""
+        distance = np.full(len(computed.found.times), np.nan)
+        left = 0
+        for part in compute.parts(len(distance)):
+            values = self.answers.kept(DISTANCES((computed, part)))
+            if values is None:
+                left += len(part)
+            else:
+                distance[list(part)] = values
+        found = replace(computed.found, distance=distance)
+        return replace(computed, found=found), 1.0 - left / max(len(distance), 1)
 
     def applied(self, change: Change, before: Review, note: str) -> None:
         if isinstance(change, SetPlan) and ("on", not before[Plan].on) in change.values:
             self._fit_at = time.monotonic() + OPENED  # the scene has another width then
 
+    def follow(self) -> None:
+        super().follow()
+        self.playing.follow(self.stage.view.review, self.current)
+
     # --- what comes
 
-    def take(self, item: object) -> bool:
-        match item:
-            case Done(Job(("trajectory", Asked() as of)), Computed() as computed):
-                if of == self._asked:
-                    self._came(computed)
-            case Done(Job(("distances", Asked() as of, tuple(part))), np.ndarray() as values):
-                if of == self._asked:
-                    self._measured(part, values)
-            case Done(Job(("judged", Asked() as of)), Computed() as computed):
-                if of == self._asked:
-                    self._computed, self._late = computed, True
-                    self.playing.follow(self._stage.view.review, computed)
-                    self._want()
-            case Done(Job(("fit", Asked() as of, degree)), Fits() as fits):
-                self._fits, self._fits_of, self._fit_trouble = fits, (of, degree), ""
-                self._late = True
-            case Done(Job(("reach", key)), Reach() as reach):
-                self._reach, self._late = (key, reach), True
-            case Lost(job, text):
-                self._lost(job, text)
-            case Distances(on):
-                self._given_up = not on
-                if not on:
-                    self._lane.cancel()
-                self._want()
-                self._late = True
-            case SaveTrajectory(kind, client):
-                self._save(kind, client)
-            case Shortest(client):
-                return self._shorten(client)
-            case _:
-                return self.playing.take(item)
+    @property
+    def current(self) -> Computed | None:
+        """The trajectory that is asked for, once it is known."""
+        return self.answers[JUDGED].now or self.answers[TRAJECTORY].now
+
+    def came(self, asked: answers.Asked[Any, Any], answer: Any) -> bool:
+        self.playing.follow(self.stage.view.review, self.current)
         return False
 
-    def _came(self, computed: Computed) -> None:
-        self._computed, self._trouble, self._late = computed, "", True
-        count = len(computed.found.times)
-        self._distance = np.full(count, np.nan)
-        self._parts = compute.parts(count)
-        self.playing.follow(self._stage.view.review, computed)
-        self._want()
+    def lost(self, asked: answers.Asked[Any, Any], text: str) -> None:
+        if asked.question in (DISTANCES, JUDGED):
+            self._given_up = True
+            if text:
+                self.stage.complain(text)
 
-    def _measured(self, part: tuple[int, ...], values: Array) -> None:
-        self._distance = self._distance.copy()
-        self._distance[list(part)] = values
-        self._parts = [each for each in self._parts if each != part]
-        self._late = True
-        if not self._parts:
-            self._want()
+    # --- what a person asks for
 
-    def _lost(self, job: Job, text: str) -> None:
-        match job.key:
-            case ("trajectory", of) if of == self._asked:
-                self._computed, self._late = None, True
-                self._trouble = text or "It was given up; change something to try again."
-            case ("fit", of, degree):
-                self._fits, self._fits_of, self._late = None, (of, degree), True
-                self._fit_trouble = text or "It was given up."
-            case ("distances" | "judged", of, *_) if of == self._asked:
-                self._given_up, self._late = True, True
-                if text:
-                    self._stage.complain(text)
-                self._want()
+    def measure(self, on: bool) -> None:
+        """Find the distances to singularities, or give that up."""
+        self._given_up = not on
+        if not on:
+            self.cancel("trajectory")
+        self.follow()
 
-    # --- the person's hand on it
-
-    def _shorten(self, client: viser.ClientHandle | None) -> bool:
-        computed, plan = self._computed, self._stage.view.review[Plan]
-        if computed is None or not self._current:
+    def shorten(self, client: Client = None) -> bool:
+        """Choose the shortest duration that keeps the limits of rates and accelerations."""
+        computed, plan = self.current, self.stage.view.review[Plan]
+        if computed is None:
             return False
         if not (plan.rates or plan.accelerations):
-            self._stage.complain("Give limits of rates or accelerations first.", client)
+            self.stage.complain("Give limits of rates or accelerations first.", client)
             return False
         try:
             duration = rounded_up(duration_within(computed.found, plan.limits))
         except InputError as error:
-            self._stage.complain(str(error), client)
+            self.stage.complain(str(error), client)
             return False
-        machine = computed.law.kind
-        values: tuple[tuple[str, object], ...] = (("duration", duration), ("law", machine))
+        values: dict[str, object] = {"duration": duration, "law": computed.law.kind}
         if plan.law == "trapezoidal":
-            length, old = computed.path.length, computed.law
-            top = length / duration / (1.0 - old.ramp)
-            values = (("speed", top), ("acceleration", top / (old.ramp * duration)))
-        return self._stage.apply(SetPlan(values), client)
+            ramp = computed.law.ramp
+            top = computed.path.length / duration / (1.0 - ramp)
+            values = {"speed": top, "acceleration": top / (ramp * duration)}
+        return self.stage.apply(SetPlan(tuple(values.items())), client)
+
+    def save_trajectory(self, kind: str, client: Client = None) -> None:
+        """Save the trajectory as CSV, or its plots as SVG."""
+        computed, plot = self._moved().computed, self.stage.view.review[Plan].plot
+        if computed is None or self.current is None:
+            self.stage.complain("There is no trajectory to save yet.", client)
+            return
+        of = computed.asked
+        name = solid_name(of.design, "trajectory", (), (of.mode,) if of.mode else None)
+
+        def make() -> ExportedFile:
+            if kind == "csv":
+                data = trajectory_csv(computed.found, of.machine.coordinates, of.machine.joints)
+            else:
+                data = plots_svg(computed, plot, of.design.title or of.design.name)
+            return ExportedFile(f"{name}.{kind}", data.encode(), MEDIA_TYPES[kind])
+
+        self.save(make, client)
 
     # --- what is shown
+
+    @property
+    def due(self) -> float | None:
+        playing = self.playing
+        if self.late or playing.late:
+            return 0.0
+        if playing.player.playing:
+            return max(self._framed_at + FRAME - time.monotonic(), 0.0)
+        return FRAME if playing.waits or self._fit_at is not None else super().due
+
+    @property
+    def bounds(self) -> tuple[Array, Array] | None:
+        """The box around the way of O′, mm; None while there is none."""
+        computed = self.answers[TRAJECTORY].shown
+        return (
+            None if computed is None else (computed.spots.min(axis=0), computed.spots.max(axis=0))
+        )
 
     def shown(self, view: View) -> View:
         """The view with the machine where it is on its trajectory; the same if it is not."""
@@ -253,86 +212,83 @@ class Moving:
         self.playing.catch_up(now)
         if self._fit_at is not None and now >= self._fit_at:
             self._fit_at = None
-            self._stage.put("fit")
-        playing = self.playing.player.playing and now - self._framed_at >= FRAME
-        if self._late or self.playing.late or playing:
-            self._show(now)
+            self.stage.fit_view()
+        if self.late or self.playing.late:
+            self.playing.late = False
+            self.late = True
+            self._framed_at = now
+            super().catch_up()
+        elif self.playing.player.playing and now - self._framed_at >= FRAME:
+            self._framed_at = now
+            with self.stage.server.atomic():
+                self._show_moment()
+            self.stage.server.flush()
 
-    def _show(self, now: float) -> None:
-        late = self._late or self.playing.late
-        self._late = self.playing.late = False
-        self._framed_at = now
-        computed, away = self._computed, self.playing.away
-        view = self.shown(self._stage.view)
-        sheet = replace(self._stage.sheet(), view=view)
-        at = self.playing.player.at(now)
+    def show(self, sheet: Sheet) -> None:
+        moved = self._shown = self._moved()
+        told = self.answers[TRAJECTORY]
+        self._trail.show(None if self.aged(told) else moved.computed)
+        self.stage.tell(moved)
+        self._show_moment()
+
+    def _show_moment(self) -> None:
+        away, player = self.playing.away, self.playing.player
+        at = player.at(time.monotonic())
+        self.stage.scene.veil(away)
+        if away:
+            self.stage.show_machine()
         there = away or self.playing.stands_at(at)
-        playing = self.playing.player.playing
-        moment = Moment(at, playing, away, self._nearest(at), there)
-        with self._stage.server.atomic():
-            self._stage.scene.veil(away)
-            if away:
-                self._stage.scene.show(view, dragging=False)
-            if late:
-                self._trail.show(computed)
-                for panel in self._stage.panels:
-                    panel.draw_trajectory(sheet, self._moved())
-            for panel in self._stage.panels:
-                panel.draw_moment(sheet, moment)
-        self._stage.server.flush()
+        moment = Moment(at, player.playing, away, self._nearest(at), there)
+        self.stage.tell(moment, self.stage.shown())
         if self._told is not None and self._told.away and not away:
-            self._stage.put("redraw")  # the machine is where the review has it again
+            self.stage.put("redraw")  # the machine is where the review has it again
         self._told = moment
 
     def _nearest(self, at: float) -> float:
         """mm to a singularity at a time, between the samples that are known."""
-        computed = self._computed
-        if computed is None or not self._current or not len(self._distance):
+        computed = None if self._shown is None else self._shown.computed
+        if computed is None or self.current is None:
             return float("nan")
-        found = replace(computed.found, distance=self._distance)
-        times, distances = compute.known_distances(found)
+        times, distances = compute.known_distances(computed.found)
         return float(np.interp(at, times, distances)) if len(times) else float("nan")
 
     def _moved(self) -> Moved:
-        review, computed = self._stage.view.review, self._computed
-        if computed is not None and self._current:
-            found = replace(computed.found, distance=self._distance)
-            computed = replace(computed, found=found)
-        count = max(len(self._distance), 1)
-        left = sum(map(len, self._parts))
-        wanted = (self._asked, review[Plan].degree)
-        reach = None
-        if self._reach is not None and self._reach[0] == _reach_key(review):
-            reach = self._reach[1]
+        review, told = self.stage.view.review, self.answers[TRAJECTORY]
+        # While another one is wanted, the one that was there last stays.
+        computed, share = (self._before if told.stale else None), 0.0
+        if told.now is not None:
+            self._before = told.now
+            computed, share = self._measured(told.now)
+            judged = self.answers[JUDGED].now
+            computed = self._same(judged or computed, told.now, share)
+        fits, reach = self.answers[FITS], self.answers[REACH]
+        trouble = told.trouble
+        if told.given_up and not trouble:
+            trouble = "It was given up; change something to try again."
+        fit_trouble = fits.trouble
+        if fits.given_up and not fit_trouble:
+            fit_trouble = "It was given up."
         return Moved(
             computed,
-            not self._current,
+            told.now is None,
             missing(review[Plan]),
-            1.0 - left / count,
-            not self._given_up and bool(left),
-            self._fits if self._fits_of == wanted else None,
-            self._fit_trouble if self._fits_of == wanted else "",
-            reach,
-            self._trouble,
+            share,
+            not self._given_up and share < 1.0,
+            fits.now,
+            fit_trouble,
+            reach.now,
+            trouble,
         )
 
-    def _save(self, kind: str, client: viser.ClientHandle | None) -> None:
-        computed = self._computed
-        if computed is None or not self._current:
-            self._stage.complain("There is no trajectory to save yet.", client)
-            return
-        of, review = computed.asked, self._stage.view.review
-        axes = of.machine.coordinates
-        joints = of.machine.joints
-        found = replace(computed.found, distance=self._distance)
-        if kind == "csv":
-            data = trajectory_csv(found, axes, joints)
-        else:
-            title = of.design.title or of.design.name
-            data = plots_svg(replace(computed, found=found), review[Plan].plot, title)
-        name = solid_name(of.design, "trajectory", (), (of.mode,) if of.mode else None)
-        file = ExportedFile(f"{name}.{kind}", data.encode(), MEDIA_TYPES[kind])
-        self._stage.apart(client, lambda: self._stage.download(file, client))
+    def _same(self, measured: Computed, of: Computed, share: float) -> Computed:
+        """The same object for the same trajectory and distances, so that nothing is drawn twice."""
+        key = of, share, self.answers[JUDGED].now
+        if self._known[0] != key:
+            self._known = key, measured
+        return self._known[1] or measured
+
+
+PARTS = (TrajectoryPart,)
 
 
 def rounded_up(value: float) -> float:
@@ -341,12 +297,3 @@ def rounded_up(value: float) -> float:
     """
     digit = 10.0 ** (math.floor(math.log10(value)) - 5)
     return float(f"{math.ceil(value * (1.0 + 1e-9) / digit) * digit:.6g}")
-
-
-def _reach_key(
-    review: Review,
-) -> tuple[object, tuple[float, ...], str, tuple[int, int], int | None]:
-    """All that the reach in the plane of a stroke depends on."""
-    plane = compute.drawn_axes(review)
-    held = tuple(0.0 if n in plane else v for n, v in enumerate(review.pose))
-    return review.design, held, review.mode, plane, review.dependent

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
 import viser
 
+from app.features.trajectory.compute import Moved
 from app.features.trajectory.files import LARGEST, read_points
+from app.features.trajectory.sketch import Sketch, sketch_figure, sketch_mark
 from app.features.trajectory.state import (
     FILE,
     OWN,
@@ -18,57 +21,51 @@ from app.features.trajectory.state import (
     Pose,
     SetPlan,
     plane_of,
+    set_plan,
+    step_plan,
     trimmed,
 )
+from app.review.state import Review
+from app.review.units import from_page_units
+from app.widgets.boxes import PoseBox, PosesBox, Typing, units
 from app.widgets.desk import (
     QUIET,
-    Desk,
-    Moved,
+    Client,
+    Group,
     Sheet,
     answer,
-    box,
     clicked,
-    esc,
     put,
     put_prop,
-    red,
-    safely,
+    uploaded,
 )
-from app.widgets.pose_boxes import PoseBox, PosesBox, units
-from app.widgets.sketch import Sketch, sketch_figure, sketch_mark
+from app.widgets.texts import box, esc
 from kinematics.arrays import Array
 from kinematics.errors import InputError
 
 OWN_TITLES = {
-    STRAIGHT: "Straight from pose to pose",
-    POINTS: "Through way points",
-    FILE: "Points from a CSV file",
-    STROKE: "Drawn with the mouse",
+    "Straight from pose to pose": STRAIGHT,
+    "Through way points": POINTS,
+    "Points from a CSV file": FILE,
+    "Drawn with the mouse": STROKE,
 }
 THROUGH = {"Smooth curve": "spline", "Straight lines": "lines"}
 ENDS = ("From here", "To here")
 LIST = ("Add here", "Remove last", "Clear")
+BY_ITS_LAW = {"law": "", "duration": 0.0}
 
 
-class WayFolder:
+class WayFolder(Group):
     """The choice of a way, and what each kind of it needs."""
 
-    def __init__(self, desk: Desk, sheet: Sheet) -> None:
-        gui, review = desk.gui, sheet.view.review
-        self._desk = desk
-        self._sheet = sheet
+    def build(self, review: Review) -> None:
+        gui, desk = self.gui, self.desk
         self._axes = axes = review.machine.coordinates
-        named = review.machine.paths.named()
-        self._named = {each.name: each for each in named}
-        self._titles = {**{t.title: name for name, t in self._named.items()}} | {
-            title: way for way, title in OWN_TITLES.items()
-        }
-        plan, hint = review[Plan], units(axes)
+        self._named = {each.name: each for each in review.machine.paths.named()}
+        titles = {each.title: name for name, each in self._named.items()} | OWN_TITLES
+        hint, symbols = units(axes), tuple(c.symbol for c in axes)
         with gui.add_folder("Path"):
-            self._way = gui.add_dropdown(
-                "It runs", tuple(self._titles), initial_value=self._title(plan.way)
-            )
-            answer(desk, self._way, self._choose)
+            self.choice("It runs", titles, lambda r: r[Plan].way, _chosen)
             self._source = gui.add_html("")
             self._start = PoseBox(desk, gui.add_text("From", "", hint=hint), axes, "From")
             self._end = PoseBox(desk, gui.add_text("To", "", hint=hint), axes, "To")
@@ -79,187 +76,126 @@ class WayFolder:
             # A button for uploads does not hide itself; what it stands in does.
             self._files = gui.add_folder("File", visible=False)
             with self._files:
-                self._file = gui.add_upload_button(
+                file = gui.add_upload_button(
                     "Open a CSV file",
                     mime_type=".csv,text/csv",
                     color=QUIET,
                     icon=viser.Icon.UPLOAD,
                     hint="Its first line names the pose coordinates, and t if points have times",
                 )
-            self._file.on_upload(self._uploaded)
-            symbols = tuple(c.symbol for c in axes)
-            self._across = gui.add_dropdown("To the right", symbols)
-            self._up = gui.add_dropdown("Upwards", symbols)
+            self._plane = [gui.add_dropdown(t, symbols) for t in ("To the right", "Upwards")]
             self._sketch = Sketch(desk, self._stroked)
-            self._smooth = gui.add_number("Smoothing (mm)", plan.smooth, min=0.0, step=0.5)
-            self._through = gui.add_dropdown("Joined by", tuple(THROUGH))
-            self._blend = gui.add_number(
-                "Rounded corners (mm)", plan.blend, min=0.0, step=1.0, hint="From this far on"
+            smooth = gui.add_number("Smoothing (mm)", 0.0, min=0.0, step=0.5)
+            self._smooth = self.field(smooth, Plan, "smooth", step_plan)
+            self._through = self.choice(
+                "Joined by", THROUGH, lambda r: r[Plan].through, partial(step_plan, "through")
             )
-            self._wrong = gui.add_html("")
-        for typed, name in ((self._start, "start"), (self._end, "end"), (self._points, "points")):
-            answer(desk, typed.handle, self._typing(typed, name))
+            blend = gui.add_number(
+                "Rounded corners (mm)", 0.0, min=0.0, step=1.0, hint="From this far on"
+            )
+            self._blend = self.field(blend, Plan, "blend", step_plan)
+            self._typing = Typing(desk)
+        self._typed = {"start": self._start, "end": self._end, "points": self._points}
+        for name, typed in self._typed.items():
+            self._typing.watch(typed, partial(self._take, name))
         clicked(desk, self._ends, self._take_end)
         clicked(desk, self._list, self._edit_list)
-        for plane in (self._across, self._up):
-            answer(desk, plane, self._turn)
-        answer(desk, self._smooth, lambda v, client: self._set(client, smooth=float(v)))
-        answer(desk, self._blend, lambda v, client: self._set(client, blend=float(v)))
-        answer(desk, self._through, lambda v, client: self._set(client, through=THROUGH[v]))
-        self._sketched: object = None
-        self._trouble = ""
-
-    def _title(self, way: str) -> str:
-        return next(title for title, known in self._titles.items() if known == way)
-
-    def _set(self, client: viser.ClientHandle | None, **values: Any) -> None:
-        self._desk.send(SetPlan(tuple(values.items()), gesture=f"plan {[*values]}"), client)
-
-    def _do(self, client: viser.ClientHandle | None, **values: Any) -> None:
-        """A step of its own for undo."""
-        self._desk.send(SetPlan(tuple(values.items())), client)
+        uploaded(desk, file, self._open)
+        for menu in self._plane:
+            answer(desk, menu, self._turn)
 
     # --- what a person does
 
-    def _choose(self, title: str, client: viser.ClientHandle | None) -> None:
-        way = self._titles[title]
-        # A way with a law of its own runs by that one, until another is chosen.
-        own = {} if way in OWN else {"law": "", "duration": 0.0}
-        self._do(client, way=way, **own)
+    def _take(self, name: str, value: Any, client: Client) -> None:
+        self.desk.send(step_plan(name, value), client)
 
-    def _typing(self, typed: PoseBox | PosesBox, name: str) -> Any:
-        """Take what is typed as soon as it can be used; until then say what is wrong with it."""
+    def _take_end(self, client: Client) -> None:
+        name = "start" if self._ends.value == ENDS[0] else "end"
+        self.desk.send(set_plan(name, self.review.pose), client)
 
-        def changed(_: str, client: viser.ClientHandle | None) -> None:
-            try:
-                value = typed.read()
-            except InputError as error:
-                self._trouble = str(error)
-            else:
-                self._trouble = ""
-                self._set(client, **{name: value})
-            put_prop(self._wrong, "content", red(self._trouble) if self._trouble else "")
-
-        return changed
-
-    def _take_end(self, client: viser.ClientHandle | None) -> None:
-        pose = self._sheet.view.review.pose
-        self._do(client, **{"start" if self._ends.value == ENDS[0] else "end": pose})
-
-    def _edit_list(self, client: viser.ClientHandle | None) -> None:
-        review = self._sheet.view.review
-        points = review[Plan].points
+    def _edit_list(self, client: Client) -> None:
+        pose, points = self.review.pose, self.review[Plan].points
         if self._list.value == LIST[0]:
-            if points and points[-1] == review.pose:
+            if points and points[-1] == pose:
                 raise InputError("this pose is the last way point already; move the machine on")
-            points = (*points, review.pose)
+            points = (*points, pose)
         else:
             points = points[:-1] if self._list.value == LIST[1] else ()
-        self._do(client, points=points)
+        self.desk.send(set_plan("points", points), client)
 
-    async def _uploaded(self, event: viser.GuiEvent[Any]) -> None:
-        file = event.target.value
+    def _open(self, file: Any, client: Client) -> None:
+        if len(file.content) > LARGEST:
+            raise InputError(f"{file.name}: longer than 16 MB, which no path is")
+        try:
+            text = file.content.decode("utf-8")
+        except UnicodeDecodeError:
+            raise InputError(
+                f"{file.name}: not a text file in UTF-8, so not a list of points"
+            ) from None
+        machine, mode = self.review.machine, self.review.mode
+        points = read_points(text, self._axes, origin=file.name, dependent=machine.dependent)
+        poses, left = points.poses, points.dependent
+        if left is not None:
+            poses = tuple(machine.complete_pose(pose, mode) for pose in poses)
+        values: dict[str, Any] = {
+            "way": FILE,
+            "file": poses,
+            "file_name": file.name[:200],
+            "times": points.times or (),
+            "file_open": "" if left is None else self._axes[left].key,
+        }
+        if points.times:
+            values |= BY_ITS_LAW
+        self.desk.send(SetPlan(tuple(values.items())), client)
 
-        def take() -> None:
-            if len(file.content) > LARGEST:
-                raise InputError(f"{file.name}: longer than 16 MB, which no path is")
-            try:
-                text = file.content.decode("utf-8")
-            except UnicodeDecodeError:
-                raise InputError(
-                    f"{file.name}: not a text file in UTF-8, so not a list of points"
-                ) from None
-            review = self._sheet.view.review
-            machine = review.machine
-            points = read_points(
-                text,
-                self._axes,
-                origin=file.name,
-                dependent=machine.dependent,
-            )
-            poses, left = points.poses, points.dependent
-            if left is not None:
-                poses = tuple(machine.complete_pose(pose, review.mode) for pose in poses)
-            self._do(
-                event.client,
-                way=FILE,
-                file=poses,
-                file_name=file.name[:200],
-                times=points.times or (),
-                **({"law": "", "duration": 0.0} if points.times else {}),
-                file_open="" if left is None else self._axes[left].key,
-            )
-
-        safely(self._desk, event.client, take)
-
-    def _turn(self, _: str, client: viser.ClientHandle | None) -> None:
+    def _turn(self, _: str, client: Client) -> None:
         """Choose the plane of a stroke; of two equal coordinates the other gives way."""
         keys = {c.symbol: c.key for c in self._axes}
-        chosen = keys[self._across.value], keys[self._up.value]
+        chosen = tuple(keys[menu.value] for menu in self._plane)
         if chosen[0] == chosen[1]:
-            plan = self._sheet.view.review[Plan]
-            before = [self._axes[n].key for n in plane_of(plan, self._axes)]
-            chosen = (before[1], before[0])
-        self._do(client, plane=chosen)
+            first, second = plane_of(self.review[Plan], self._axes)
+            chosen = self._axes[second].key, self._axes[first].key
+        self.desk.send(set_plan("plane", chosen), client)
 
-    def _stroked(self, stroke: Array, client: viser.ClientHandle | None) -> None:
-        review = self._sheet.view.review
-        plane = plane_of(review[Plan], self._axes)
-        poses = np.tile(np.asarray(review.pose), (len(stroke), 1))
-        for n, values in zip(plane, stroke.T, strict=True):
-            turn = np.pi / 180.0 if self._axes[n].unit == "rad" else 1.0
-            poses[:, n] = values * turn
+    def _stroked(self, stroke: Array, client: Client) -> None:
+        poses = np.tile(np.asarray(self.review.pose), (len(stroke), 1))
+        for n, values in zip(plane_of(self.review[Plan], self._axes), stroke.T, strict=True):
+            poses[:, n] = [from_page_units(self._axes[n], v) for v in values.tolist()]
         made: list[Pose] = [tuple(pose) for pose in poses.tolist()]
-        self._do(client, stroke=trimmed(made))
+        self.desk.send(set_plan("stroke", trimmed(made)), client)
 
     # --- what is drawn
 
     def draw(self, sheet: Sheet) -> None:
-        """Bring the widgets to the review."""
-        self._sheet = sheet
-        desk, plan = self._desk, sheet.view.review[Plan]
-        put(desk, self._way, self._title(plan.way))
-        if not self._trouble:  # what is being typed stays until it can be used
-            self._start.draw(plan.start)
-            self._end.draw(plan.end)
-            self._points.draw(plan.points)
-        first, second = plane_of(plan, self._axes)
-        put(desk, self._across, self._axes[first].symbol)
-        put(desk, self._up, self._axes[second].symbol)
-        put(desk, self._smooth, plan.smooth)
-        put(desk, self._blend, plan.blend)
-        put(desk, self._through, next(t for t, way in THROUGH.items() if way == plan.through))
+        super().draw(sheet)
+        plan = self.review[Plan]
+        for name, typed in self._typed.items():
+            self._typing.draw(typed, getattr(plan, name))
+        for menu, n in zip(self._plane, plane_of(plan, self._axes), strict=True):
+            put(self.desk, menu, self._axes[n].symbol)
         way = plan.way
         joined = way == POINTS or (way == FILE and not plan.times)
-        for handle, seen in (
-            (self._start.handle, way == STRAIGHT),
-            (self._end.handle, way == STRAIGHT),
-            (self._ends, way == STRAIGHT),
-            (self._points.handle, way == POINTS),
-            (self._list, way == POINTS),
-            (self._files, way == FILE),
-            (self._across, way == STROKE and len(self._axes) > 2),
-            (self._up, way == STROKE and len(self._axes) > 2),
-            (self._smooth, way == STROKE),
-            (self._through, joined),
-            (self._blend, joined and plan.through == "lines"),
+        for seen, handles in (
+            (way == STRAIGHT, (self._start.handle, self._end.handle, self._ends)),
+            (way == POINTS, (self._points.handle, self._list)),
+            (way == FILE, (self._files,)),
+            (way == STROKE and len(self._axes) > 2, self._plane),
+            (way == STROKE, (self._smooth,)),
+            (joined, (self._through,)),
+            (joined and plan.through == "lines", (self._blend,)),
         ):
-            put_prop(handle, "visible", seen)
-        put_prop(self._source, "content", self._said())
-        if way != STROKE:
-            self._sketched = None
-            self._sketch.draw(None)
-            self._sketch.mark("")
+            for handle in handles:
+                put_prop(handle, "visible", seen)
+        self.say(self._source, self._said())
 
     def _said(self) -> str:
-        plan = self._sheet.view.review[Plan]
-        named = self._named.get(plan.way)
+        review = self.review
+        plan, named = review[Plan], self._named.get(review[Plan].way)
         if named is not None:
-            mode = self._sheet.view.review.mode
             other = (
-                f" Given for {self._sheet.view.review.machine.mode_noun} {esc(named.mode)}; "
-                "it runs in the present one."
-                if named.mode != mode
+                f" Given for {review.machine.mode_noun} {esc(named.mode)}; it runs in the present "
+                "one."
+                if named.mode != review.mode
                 else ""
             )
             return box(f"{esc(named.source)}.{other}") if named.source or other else ""
@@ -268,22 +204,28 @@ class WayFolder:
             return box(f"<b>{esc(plan.file_name)}</b>: {len(plan.file)} points{times}")
         return ""
 
-    def draw_trajectory(self, moved: Moved) -> None:
+    def told(self, sheet: Sheet, news: Any) -> None:
         """The plane of a stroke, with what was drawn in it."""
-        review = self._sheet.view.review
-        plan, reach = review[Plan], moved.reach
+        if not isinstance(news, Moved):
+            return
+        plan, reach = self.review[Plan], news.reach
         if plan.way != STROKE or reach is None:
+            self._sketch.draw(None)
+            self._sketch.mark("")
             return
         axes = [self._axes[n] for n in reach.plane]
-        if self._sketched is not reach:
-            self._sketched = reach
-            self._sketch.draw(sketch_figure(axes, reach))
+        self._sketch.draw(reach, partial(sketch_figure, axes, reach))
         figure = self._sketch.figure
         assert figure is not None
         path = np.empty((0, len(self._axes)))
         if plan.stroke:
             path = np.array(plan.stroke)
-            if moved.computed is not None and not moved.stale:
-                path = moved.computed.found.poses
-        here = [review.pose[n] for n in reach.plane]
+            if news.computed is not None and not news.stale:
+                path = news.computed.found.poses
+        here = [self.review.pose[n] for n in reach.plane]
         self._sketch.mark(sketch_mark(axes, figure.axes, path[:, list(reach.plane)], here))
+
+
+def _chosen(way: str) -> SetPlan:
+    """Another way; one with a law of its own runs by that, until another is chosen."""
+    return SetPlan(tuple(({"way": way} | ({} if way in OWN else BY_ITS_LAW)).items()))

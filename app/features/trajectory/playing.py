@@ -1,4 +1,5 @@
-"""Playing a trajectory on the page: where the machine is shown on its way, and who has it.
+"""Playing a trajectory: which time of it is shown when, where the machine is shown on its way, and
+who has it. Times in s.
 
 While it plays, only pictures of the machine change; the review stays where it is until a person
 stops the machine on its way.
@@ -8,33 +9,97 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from app.features.move.state import Place
 from app.features.trajectory.compute import Computed
-from app.features.trajectory.player import Player
 from app.features.trajectory.state import Plan
-from app.jobs.parts import Stage
+from app.jobs.parts import Client, Stage
 from app.review import view as compute
-from app.review.requests import LeaveWay, NextWarning, Play, Scrub, StopHere
 from app.review.state import Review
 from app.review.units import within
 from app.review.view import View
-
-if TYPE_CHECKING:
-    import viser
+from kinematics.answers.trajectories import Playback
 
 SETTLED = 0.5  # s for which a hand must rest on the scrub bar before the machine is put there
 SAME = 1e-6  # mm and rad: poses that are one
 
 
 @dataclass(frozen=True, slots=True)
-class _Rested:
-    """A hand has come to rest on the scrub bar."""
+class Player:
+    """A playback.
 
-    client: viser.ClientHandle | None
+    Attributes:
+        duration: of the trajectory.
+        playback: "once" stays at the end, "loop" begins again, "swing" runs to and fro.
+        pace: how much faster than in truth.
+        phase: what had been played of it at ``since``; of "swing" up to twice the duration.
+        since: when it was set going; None while it stands still.
+    """
+
+    duration: float
+    playback: Playback = "loop"
+    pace: float = 1.0
+    phase: float = 0.0
+    since: float | None = None
+
+    @property
+    def playing(self) -> bool:
+        """Whether time goes on."""
+        return self.since is not None
+
+    def _played(self, now: float) -> float:
+        return self.phase if self.since is None else self.phase + (now - self.since) * self.pace
+
+    def _phase(self, now: float) -> float:
+        """What is kept of what has been played: of "swing" also whether it is on its way back."""
+        return self._played(now) % (2.0 * self.duration) if self._swings else self.at(now)
+
+    @property
+    def _swings(self) -> bool:
+        return self.playback == "swing"
+
+    def at(self, now: float) -> float:
+        """The time on the trajectory that is to be shown, 0 to its duration."""
+        played = self._played(now)
+        if self._swings:
+            folded = self.duration - abs(self.duration - played % (2.0 * self.duration))
+        elif self.playback == "loop" and self.playing:
+            folded = played % self.duration
+        else:
+            folded = played
+        return min(max(folded, 0.0), self.duration)
+
+    def over(self, now: float) -> bool:
+        """It has run to its end, and stays there."""
+        return self.playing and self.playback == "once" and self._played(now) >= self.duration
+
+    def play(self, now: float) -> Player:
+        """Set going from where it stands, from the start if that is the end."""
+        again = self.at(now) >= self.duration * (1.0 - 1e-9) and not self._swings
+        return replace(self, phase=0.0 if again else self._phase(now), since=now)
+
+    def pause(self, now: float) -> Player:
+        """Stand still where it is."""
+        return replace(self, phase=self._phase(now), since=None)
+
+    def to(self, time: float) -> Player:
+        """Stand still at a time."""
+        return replace(self, phase=min(max(time, 0.0), self.duration), since=None)
+
+    def halted(self, time: float, now: float) -> Player:
+        """Stand still at a time that it has just passed, on its way back if it was."""
+        back = self._swings and self._phase(now) > self.duration
+        return replace(self, phase=2.0 * self.duration - time if back else time, since=None)
+
+    def paced(self, playback: Playback, pace: float, now: float) -> Player:
+        """The same place, played otherwise from now on."""
+        if (playback, pace) == (self.playback, self.pace):
+            return self
+        since = None if self.since is None else now
+        phase = self._phase(now) if playback == self.playback else self.at(now)
+        return replace(self, playback=playback, pace=pace, phase=phase, since=since)
 
 
 class Playing:
@@ -55,7 +120,7 @@ class Playing:
         self.late = False
         self._stands: tuple[object, ...] = ()
         self._settle_at: float | None = None
-        self._settler: viser.ClientHandle | None = None
+        self._settler: Client = None
         self._played_to = 0.0  # s of the trajectory, in the last picture
 
     @property
@@ -101,52 +166,48 @@ class Playing:
         there = np.subtract(computed.pose_at(at), review.pose)
         return computed.asked.mode == review.mode and bool(np.abs(there).max() <= SAME)
 
-    # --- the person's hand on it
+    # --- the person's hand on it; what returns True has the page brought to the review
 
-    def take(self, item: object) -> bool:
-        """Something a person asked for; true when the page has to be brought to it."""
+    def play(self, on: bool | None = None) -> None:
+        """Play, or pause; None for the other of the two."""
         now = time.monotonic()
-        match item:
-            case Play(on):
-                if self.current is None:
-                    self._stage.complain("There is no trajectory to play yet.")
-                    return False
-                on = not self.player.playing if on is None else on
-                self.player = self.player.play(now) if on else self.player.pause(now)
-                self._played_to = self.player.at(now)
-                self.away, self._settle_at, self.late = True, None, True
-            case Scrub(at, client):
-                self._scrub(at, client)
-            case NextWarning(client):
-                self._to_warning(now, client)
-            case StopHere(client):
-                return self._settle(client, asked=True)
-            case _Rested(client):
-                return self._settle(client, asked=False)
-            case LeaveWay():
-                self.leave()
-                self.late = True
-                return True
-        return False
+        if self.current is None:
+            self._stage.complain("There is no trajectory to play yet.")
+            return
+        on = not self.player.playing if on is None else on
+        self.player = self.player.play(now) if on else self.player.pause(now)
+        self._played_to = self.player.at(now)
+        self.away, self._settle_at, self.late = True, None, True
 
-    def _scrub(self, at: float, client: viser.ClientHandle | None) -> None:
+    def scrub(self, at: float, client: Client = None) -> None:
+        """Show the machine at this time, and put it there when the hand rests."""
         if self.current is None or not np.isfinite(at):
             return
         self.player = self.player.to(at)
         self.away, self.late = True, True
         self._settle_at, self._settler = time.monotonic() + SETTLED, client
 
-    def _to_warning(self, now: float, client: viser.ClientHandle | None) -> None:
-        computed = self.current
-        events = () if computed is None else computed.found.events
+    def to_warning(self, client: Client = None) -> None:
+        """Show the machine at the next place where something is wrong."""
+        events = () if self.current is None else self.current.found.events
         if not events:
             self._stage.complain("Nothing is wrong on the way, as far as it is known.", client)
             return
-        at = self.player.at(now)
+        at = self.player.at(time.monotonic())
         later = [e.start for e in events if e.start > at + 1e-9]
-        self._scrub(later[0] if later else events[0].start, client)
+        self.scrub(later[0] if later else events[0].start, client)
 
-    def _settle(self, client: viser.ClientHandle | None, *, asked: bool) -> bool:
+    def stop_here(self, client: Client = None) -> bool:
+        """Put the machine where it is shown."""
+        return self.settle(client, asked=True)
+
+    def go_back(self) -> bool:
+        """Show the machine where the review has it."""
+        self.leave()
+        self.late = True
+        return True
+
+    def settle(self, client: Client, *, asked: bool) -> bool:
         """Put the machine where it is shown; one step of undo.
 
         Not where its sliders do not reach: that is told if it was ``asked`` for.
@@ -175,7 +236,7 @@ class Playing:
         """What has become due."""
         if self._settle_at is not None and now >= self._settle_at:
             self._settle_at = None
-            self._stage.put(_Rested(self._settler))
+            self._stage.ask(self.settle, self._settler, asked=False)
         if self.player.over(now):
             self.player, self.late = self.player.to(self.player.duration), True
         self._halt(now)

@@ -9,9 +9,10 @@ from math import degrees, isfinite, nan
 import numpy as np
 
 from app.features.trajectory.compute import Computed, known_distances
+from app.review.units import minus, number
 from app.scene import palette
-from app.widgets.desk import esc
-from app.widgets.plots import Axes, Figure, number, ticks
+from app.widgets.axes import Axes, Figure, ticks
+from app.widgets.texts import esc
 from kinematics.arrays import Array
 from kinematics.mechanism import Coordinate
 from kinematics.trajectories import Event, Trajectory
@@ -196,7 +197,7 @@ def figure(
     for strip, axes in zip(shown, strip_axes(shown, whole), strict=True):
         content.append(_bands(found, axes))
         if not (measuring and _of_distance(strip)):
-            content += _strip(strip, axes, last=strip is shown[-1])
+            content.append(_strip(strip, axes, last=strip is shown[-1]))
         if legend:
             content.append(_symbols(strip, axes, None))
     places = np.linspace(0.0, found.duration, COLUMNS)
@@ -211,8 +212,8 @@ def figure(
     )
 
 
-def _strip(strip: Strip, axes: Axes, *, last: bool) -> list[str]:
-    return [*_curve_paths(strip, axes), _frame(strip, axes, last=last)]
+def _strip(strip: Strip, axes: Axes, *, last: bool) -> str:
+    return _curve_paths(strip, axes) + _frame(strip, axes, last=last)
 
 
 def _of_distance(strip: Strip) -> bool:
@@ -236,7 +237,7 @@ def mark(computed: Computed, plot: str, axes: Axes, at: float, *, measuring: boo
     if measuring:
         for strip, box in zip(shown, boxes, strict=True):
             if _of_distance(strip):
-                parts += _strip(strip, box, last=strip is shown[-1])
+                parts.append(_strip(strip, box, last=strip is shown[-1]))
     return "".join(parts)
 
 
@@ -278,17 +279,16 @@ def _value(value: float) -> str:
         return "–"
     size = abs(value)
     text = f"{value:.0f}" if size >= 1000 else f"{value:.1f}" if size >= 10 else f"{value:.2f}"
-    return text.removeprefix("-" if not float(text) else "").replace("-", "−")
+    return minus(text.removeprefix("-" if not float(text) else ""))
 
 
-def _curve_paths(strip: Strip, axes: Axes) -> list[str]:
+def _curve_paths(strip: Strip, axes: Axes) -> str:
     paths = []
     limits: dict[float, str] = {}
     for curve in strip.curves:
         count = len(curve.times)
         kept = np.unique(np.append(np.arange(0, count, max(1, count // MOST)), count - 1))
-        runs = _runs(curve.times[kept], curve.values[kept], axes)
-        path = "".join(f"M{'L'.join(run)}" for run in runs)
+        path = _runs(curve.times[kept], curve.values[kept], axes)
         paths.append(
             f'<path class="curve" d="{path}" fill="none" stroke="{curve.color}" '
             'stroke-width="1.7" stroke-linejoin="round"/>'
@@ -304,21 +304,19 @@ def _curve_paths(strip: Strip, axes: Axes) -> list[str]:
                     f'stroke="{color if len(limits) > 1 else palette.BEYOND}" '
                     'stroke-width="1.2" stroke-dasharray="5 3"/>'
                 )
-    return [_clipped(axes, "".join(paths))]
+    return axes.clipped("".join(paths))
 
 
-def _runs(times: Array, values: Array, axes: Axes) -> list[list[str]]:
-    """Places of a curve in px, in runs without gaps; far outside of the box they are cut."""
-    runs: list[list[str]] = [[]]
+def _runs(times: Array, values: Array, axes: Axes) -> str:
+    """A curve as a path, with its gaps; far outside of the box it is cut."""
     span = axes.y[1] - axes.y[0]
-    for t, value in zip(times.tolist(), values.tolist(), strict=True):
-        if not isfinite(value):
-            if runs[-1]:
-                runs.append([])
-            continue
-        near = min(max(value, axes.y[0] - span), axes.y[1] + span)
-        runs[-1].append("{:.1f} {:.1f}".format(*axes.px(t, near)))
-    return [run for run in runs if run]
+    near = np.clip(values, axes.y[0] - span, axes.y[1] + span)
+    known = np.isfinite(values)
+    edges = np.flatnonzero(np.diff(np.pad(known.astype(int), 1)))
+    return "".join(
+        axes.path(zip(times[a:b].tolist(), near[a:b].tolist(), strict=True))
+        for a, b in edges.reshape(-1, 2).tolist()
+    )
 
 
 def _bands(found: Trajectory, axes: Axes) -> str:
@@ -406,9 +404,3 @@ def _told(events: Sequence[Event], t: float, slack: float) -> str:
     }
     kinds = {e.kind: None for e in events if e.start - slack <= t <= e.end + slack}
     return "".join(f" · {names[kind]}" for kind in kinds)
-
-
-def _clipped(axes: Axes, content: str) -> str:
-    wide, high = axes.inner
-    place = f'x="{axes.left:g}" y="{axes.top:g}" width="{wide:g}" height="{high:g}"'
-    return f'<svg {place} viewBox="{axes.left:g} {axes.top:g} {wide:g} {high:g}">{content}</svg>'

@@ -10,13 +10,10 @@ from numpy.typing import NDArray
 
 from app.features.trajectory.compute import Computed
 from app.scene import palette
-from app.scene.machine import Scene
+from app.scene.nodes import Nodes, colors
 from kinematics.arrays import Array
 from kinematics.trajectories import Trajectory
 
-_NO_LINE = np.zeros((1, 2, 3), dtype=np.float32)
-_NO_ARROW = np.array([[[0, 0, 0], [0, 0, 1]]], dtype=np.float32)
-_NO_POINT = np.zeros((1, 3), dtype=np.float32)
 QUIET = "#4A5460"  # nothing is wrong there
 ARROWS = 4  # along the way
 HEAD = 0.1  # of the machine's size: an arrow's head
@@ -25,86 +22,64 @@ HEAD = 0.1  # of the machine's size: an arrow's head
 class Trail:
     """Scene nodes, made once for a mechanism, then only brought up to date."""
 
-    def __init__(self, scene: Scene) -> None:
-        self._scene = scene
+    def __init__(self, nodes: Nodes) -> None:
+        self._nodes = nodes
         self._lines: list[Any] = []  # where nothing is wrong, and where something is
         self._marks: Any = None
         self._knots: Any = None
         self._arrows: Any = None
         self._size = 1.0
-        self._shown: Computed | None = None
 
     def prepare(self, size: float) -> None:
         """Make the nodes, with nothing to see."""
-        scene = self._scene.server.scene
+        nodes, self._size = self._nodes, size
         self._lines = [
-            scene.add_line_segments(
-                f"/trajectory/{name}",
-                _NO_LINE,
-                palette.rgb(color),
-                thickness=3.5,
-                thickness_units="screen",
-                visible=False,
-            )
-            for name, color in (("line", QUIET), ("beyond", palette.BEYOND))
+            nodes.lines("/trajectory/line", QUIET, 3.5),
+            nodes.lines("/trajectory/beyond", palette.BEYOND, 3.5),
         ]
-
-        def dots(name: str, color: str, part: float) -> Any:
-            return scene.add_point_cloud(
+        self._marks, self._knots = (
+            nodes.server.scene.add_point_cloud(
                 f"/trajectory/{name}",
-                _NO_POINT,
+                np.zeros((1, 3), np.float32),
                 palette.rgb(color),
                 point_size=part * size,
                 point_shape="circle",
                 precision="float32",
                 visible=False,
             )
-
-        self._marks = dots("marks", palette.BEYOND, 0.045)
-        self._knots = dots("knots", QUIET, 0.03)
-        self._arrows = scene.add_arrows(
+            for name, color, part in (
+                ("marks", palette.BEYOND, 0.045),
+                ("knots", QUIET, 0.03),
+            )
+        )
+        self._arrows = nodes.server.scene.add_arrows(
             "/trajectory/arrows",
-            _NO_ARROW,
+            np.array([[[0, 0, 0], [0, 0, 1]]], np.float32),
             np.array(palette.rgb(QUIET), np.uint8),
             shaft_radius=0.06 * HEAD * size,
             head_radius=0.3 * HEAD * size,
             head_length=HEAD * size,
             visible=False,
         )
-        self._size = size
-        self._shown = None
 
     def show(self, computed: Computed | None) -> None:
         """Show the way of a trajectory, None for nothing."""
-        if computed is self._shown:
+        nodes = self._nodes
+        if computed is None:
+            for node in (*self._lines, self._marks, self._knots, self._arrows):
+                nodes.set(node, visible=False)
             return
-        self._shown = computed
-        seen = [False, False]
-        if computed is not None:
-            spots = computed.spots
-            pairs = np.stack([spots[:-1], spots[1:]], axis=1).astype(np.float32)
-            flags = wrong(computed.found)
-            for n, node in enumerate(self._lines):
-                own = pairs[flags == n]
-                seen[n] = bool(len(own))
-                if len(own):
-                    node.points = own
-            events = computed.found.events
-            if len(events):
-                self._marks.points = computed.marks.astype(np.float32)
-                colors = [QUIET if event.kind == "near" else palette.BEYOND for event in events]
-                self._marks.colors = np.array([palette.rgb(c) for c in colors], np.uint8)
-            self._knots.points = computed.knots.astype(np.float32)
-            arrows = along(spots, HEAD * self._size)
-            if len(arrows):
-                self._arrows.points = arrows
-        marked = computed is not None and bool(computed.found.events)
-        knots = computed is not None
-        nodes = (*self._lines, self._marks, self._knots, self._arrows)
-        pointed = computed is not None and bool(len(arrows))
-        for node, visible in zip(nodes, (*seen, marked, knots, pointed), strict=True):
-            if node.visible != visible:
-                node.visible = visible
+        spots, events = computed.spots, computed.found.events
+        pairs = np.stack([spots[:-1], spots[1:]], axis=1)
+        flags = wrong(computed.found)
+        for n, node in enumerate(self._lines):
+            nodes.points(node, pairs[flags == n])
+        codes = [QUIET if event.kind == "near" else palette.BEYOND for event in events]
+        if codes:
+            nodes.set(self._marks, colors=colors(codes))
+        nodes.points(self._marks, computed.marks)
+        nodes.points(self._knots, computed.knots)
+        nodes.points(self._arrows, along(spots, HEAD * self._size))
 
 
 def along(spots: Array, length: float) -> NDArray[np.float32]:

@@ -218,6 +218,16 @@ class SetPlan(Change):
         return review.having(replace(review[Plan], **dict(self.values)).checked(review)), ""
 
 
+def set_plan(name: str, value: Any) -> SetPlan:
+    """Set one thing of the trajectory."""
+    return SetPlan(((name, value),))
+
+
+def step_plan(name: str, value: Any) -> SetPlan:
+    """Set one thing of it, as a step of typing it."""
+    return SetPlan(((name, value),), gesture=f"plan {name}")
+
+
 def _written(pose: Pose, axes: Sequence[Coordinate]) -> str:
     return " ".join(repr(in_page_units(c, v)) for c, v in zip(axes, pose, strict=False))
 

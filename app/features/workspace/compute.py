@@ -1,21 +1,30 @@
-"""What is computed of workspaces that lie in a plane, in a process of its own."""
+"""What is computed of workspaces in processes of their own: solids, and regions of a plane."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from app.features.section.compute import edges, segments
+from app.features.singularities.compute import field
 from app.features.workspace.state import Flat, Workspace, solver_modes
+from app.jobs.answers import Asked, Question
 from app.review.state import Review
+from app.scene import painting, palette
+from app.scene.painting import Scale
 from kinematics.answers.loci import LocusCurves
 from kinematics.answers.sections import Region, RegionSpec, Section
 from kinematics.arrays import Array
 from kinematics.facets.solids import RESOLUTIONS, Resolution, SolidRequest, SolidSpec
 from kinematics.machine import machine_of, required
 from kinematics.mechanism import Design
+
+if TYPE_CHECKING:
+    from kinematics.solids.csg import BuiltSolid
 
 STEP = 4.0  # mm, the longest chord of an arc in the scene
 
@@ -74,6 +83,71 @@ class SolidWish:
     def what(self) -> tuple[object, ...]:
         """Equal while the same solid is wished, at whatever resolution."""
         return self.requests["preview"].arguments
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Built:
+    """A solid that was wished for, ready to be shown."""
+
+    wish: SolidWish
+    resolution: Resolution
+    solid: BuiltSolid
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Solids:
+    """The solids as panels draw them.
+
+    Attributes:
+        wishes: what is on display.
+        built: of those what is there.
+        old: what is shown instead of others, of before.
+        scale: the steps of the measure that colours show.
+    """
+
+    wishes: tuple[SolidWish, ...]
+    built: Mapping[str, Built]
+    old: Mapping[str, Built]
+    scale: Scale | None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Laying:
+    """The plane regions as panels draw them; ``stale`` while others are laid out, ``trouble`` says
+    why there are none.
+    """
+
+    laid: Laid | None
+    stale: bool
+    trouble: str
+
+
+def build(request: SolidRequest) -> BuiltSolid:
+    """Build a solid."""
+    from kinematics.facets.solids import build_solid
+
+    return build_solid(request)
+
+
+REST_NORMAL = 0.15  # s for which a hand must rest before the normal solid is begun
+REST_FINE = 0.7  # s before the fine one
+_Solid = Question["SolidRequest", "BuiltSolid"]
+# Coarse first, finer when the hand rests; the coarse lane is always free for the next preview, and
+# too quick to be worth a bar.
+SOLIDS: dict[Resolution, _Solid] = {
+    "preview": Question("", "coarse", build, tries=2, kept=24),
+    "normal": Question("", "fine", build, REST_NORMAL, tries=2, kept=24),
+    "fine": Question("", "fine", build, REST_FINE, tries=2, kept=24),
+}
+FIELD: Question[tuple[object, ...], Array] = Question("the colours", "colours", field, kept=4)
+
+
+def solid_asked(
+    wish: SolidWish, resolution: Resolution, *, idle: bool = False
+) -> Asked[SolidRequest, BuiltSolid]:
+    """The question about a solid."""
+    title = "" if resolution == "preview" else f"{wish.spec.title}, {resolution}"
+    return SOLIDS[resolution](wish.requests[resolution], title=title, idle=idle)
 
 
 def wishes(review: Review) -> tuple[SolidWish, ...]:
@@ -156,6 +230,13 @@ def lay(wanted: Wish) -> Laid:
     )
 
 
+def region_colors(found: tuple[Region, ...]) -> tuple[str, ...]:
+    """A colour for each region: the workspace's for an only one, else as aspects have them."""
+    if len(found) == 1:
+        return (palette.WORKSPACE,)
+    return painting.piece_colors([region.sign for region in found])
+
+
 def _drawn(modes: list[str], present: str) -> str:
     """The mode whose regions are drawn: the present one, else the first."""
     return present if present in modes or not modes else modes[0]
@@ -178,3 +259,6 @@ def _raised(flat: Array, frame: Array) -> Array:
     """Points (..., 2) of the plane as points (..., 3) of the base frame."""
     raised: Array = flat @ frame[:3, :2].T + frame[:3, 3]
     return raised
+
+
+REGIONS: Question[Wish, Laid] = Question("the regions of the workspace", "regions", lay)

@@ -1,191 +1,223 @@
-"""Workspaces that lie in a plane, on the page: laid out beside its loop."""
+"""Workspaces on the page: solids, coarse first and finer when the hand rests, and plane regions."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from app.features.review.files import ExportedFile, sanitized
-from app.features.section.files import section_bytes
-from app.features.section.part import MEDIA_TYPES
-from app.features.workspace import compute
-from app.features.workspace.compute import Laid, Wish
-from app.jobs.lane import Done, Job, Lane, Lost
-from app.jobs.parts import Stage
-from app.jobs.worker import LaneName
-from app.review.changes import Change
-from app.review.requests import SaveRegions
+from app.features.review.files import build_file, solid_name
+from app.features.workspace.compute import (
+    REGIONS,
+    SOLIDS,
+    Built,
+    Laying,
+    Solids,
+    SolidWish,
+    modes_of,
+    solid_asked,
+    wish,
+    wishes,
+)
+from app.features.workspace.files import regions_file
+from app.features.workspace.painter import Painter
+from app.features.workspace.scene import Flats
+from app.jobs.answers import Asked
+from app.jobs.lane import Lane
+from app.jobs.parts import Client, Part, Stage
+from app.jobs.process import apart, load_solids
 from app.review.state import Review
-from app.scene import palette
-from app.scene.edges import Edges
-from app.scene.machine import Scene
-from app.widgets.desk import Laying
-from kinematics.answers.sections import Region, together
+from app.review.view import View
+from app.scene import solids as drawing
+from app.scene.painting import Coat
+from app.widgets.desk import Sheet
 from kinematics.arrays import Array
+from kinematics.facets.solids import RESOLUTIONS, Resolution
 
 if TYPE_CHECKING:
-    import viser
+    from kinematics.mechanism import Design
 
-MOST = 12  # regions with a mesh of their own
-OPACITY = 0.55
-_NOTHING = np.zeros((3, 3), dtype=np.float32)
-_ONE_FACE = np.array([[0, 1, 2]], dtype=np.uint32)
+FAINT = 0.4  # of its opacity has a solid that is of before
 
 
-class Regioning:
-    """Keeps the plane regions true to the design, its modes and its orientation."""
+class SolidsPart(Part):
+    """Keeps the solids true to the review."""
 
-    lanes: tuple[LaneName, ...] = ("regions",)
+    LANES = ("coarse", "fine", "colours")
+    DRAWN_LAST = True
 
     def __init__(self, stage: Stage) -> None:
-        self._stage = stage
-        self._lane = Lane("regions", stage.put)
-        self._nodes = _Nodes(stage.scene)
-        self._wish: Wish | None = None
-        self._laid: Laid | None = None
-        self._trouble = ""
-        self._late = False
+        super().__init__(stage)
+        self._scene = drawing.Solids(stage.scene)
+        self._painter = Painter()
+        self._wishes: tuple[SolidWish, ...] = ()
+        self._shown: dict[str, tuple[Built, tuple[Coat, ...]]] = {}
+        self._design: Design | None = None  # which has been seen whole
 
-    @property
-    def late(self) -> bool:
-        return self._late
-
-    def start(self) -> None:
-        self._lane.start()
-
-    def stop(self) -> None:
-        self._lane.stop()
-
-    def cancel(self, lane: LaneName) -> None:
-        self._lane.cancel()
+    def lane(self, name: str) -> Lane:
+        if name == "colours":
+            return super().lane(name)
+        return Lane(name, self.stage.put, prepare=load_solids, warm=True)
 
     def prepare(self) -> None:
-        review = self._stage.view.review
-        self._nodes.prepare(bool(review.machine.region_specs))
-        self._laid = None
+        self._painter = Painter()  # the last machine's solids are none of this one's
+        self._shown.clear()
+        self._scene.prepare(self.stage.view.review.machine.solid_specs)
 
-    def applied(self, change: Change, before: Review, note: str) -> None:
-        pass
+    # --- what is wanted
 
-    def follow(self) -> None:
-        wish = compute.wish(self._stage.view.review)
-        if wish == self._wish:
-            return
-        self._wish = wish
-        job = Job(wish, "the regions of the workspace", compute.lay, (wish,))
-        self._lane.want(() if wish is None else (job,))
-        self._late = True
+    def wished(self, view: View) -> Iterable[Asked[Any, Any]]:
+        self._wishes = wishes(view.review)
+        for resolution in RESOLUTIONS:
+            for each in self._wishes:
+                yield solid_asked(each, resolution, idle=not self._begins(each, resolution))
+        for built in self._built().values():
+            field = self._painter.asked(view.review, built.wish, built.solid)
+            if field is not None:
+                yield field
 
-    def take(self, item: object) -> bool:
-        match item:
-            case Done(_, Laid() as laid) if self._wish and laid.wish.design == self._wish.design:
-                first = self._laid is None
-                self._laid, self._trouble, self._late = laid, "", True
-                if first:
-                    self._stage.put("fit")
-            case Lost(job, text) if job.key == self._wish:
-                self._trouble, self._late = text, True
-            case SaveRegions(kind, client):
-                self._save(kind, client)
-        return False
+    def _begins(self, each: SolidWish, resolution: Resolution) -> bool:
+        """Whether a solid is worth building at a resolution now."""
+        best = self._best(each)
+        if resolution == "preview":
+            return best is None
+        # The preview first: two cores are not many.
+        if best is None:
+            return self.answers.given_up(solid_asked(each, "preview"))
+        return RESOLUTIONS.index(best) < RESOLUTIONS.index(resolution)
+
+    def _best(self, each: SolidWish) -> Resolution | None:
+        """The finest of a solid that is there."""
+        return next(
+            (r for r in reversed(RESOLUTIONS) if self.answers.kept(solid_asked(each, r))), None
+        )
+
+    def _built(self) -> dict[str, Built]:
+        """Those that are there."""
+        built = {}
+        for each in self._wishes:
+            best = self._best(each)
+            solid = None if best is None else self.answers.kept(solid_asked(each, best))
+            if best is not None and solid is not None:
+                built[each.spec.key] = Built(each, best, solid)
+        return built
+
+    def lost(self, asked: Asked[Any, Any], text: str) -> None:
+        if text:
+            self.stage.complain(text)
+            self.stage.note(text)  # whoever opens the page later reads it too
+
+    # --- what is shown
+
+    def show(self, sheet: Sheet) -> None:
+        review, built, old = sheet.view.review, self._built(), {}
+        for each in self._wishes:
+            key = each.spec.key
+            opacity = each.opacity
+            if key in built:
+                self._shown[key] = built[key], self._coats(review, built[key])
+            elif key in self._shown and not self.answers.given_up(solid_asked(each, "preview")):
+                # The new one is on its way; until then the one before stays where it was.
+                old[key] = self._shown[key][0]
+                if self.aged(self.answers.of(*_preview(each))):
+                    opacity *= FAINT
+            else:
+                self._shown.pop(key, None)
+            if key in self._shown:
+                last, coats = self._shown[key]
+                self._scene.show(key, last.solid, last.wish.placement, coats, opacity)
+        wished = {each.spec.key for each in self._wishes}
+        for spec in review.machine.solid_specs:
+            if spec.key not in wished:
+                self._shown.pop(spec.key, None)
+            if spec.key not in self._shown:
+                self._scene.hide(spec.key)
+        if self._design != review.design and (built or not wished):
+            if self._design is not None or built:
+                self.stage.fit_view()  # solids are larger than the machine
+            self._design = review.design
+        self.stage.tell(Solids(self._wishes, built, old, self._painter.scale(review)))
+
+    def _coats(self, review: Review, built: Built) -> tuple[Coat, ...]:
+        asked = self._painter.asked(review, built.wish, built.solid)
+        values = None if asked is None else self.answers.of(asked.question, asked.request).now
+        return self._painter.coats(review, built.wish, built.solid, values)
 
     @property
     def bounds(self) -> tuple[Array, Array] | None:
-        """The box around the regions on display, mm; None where there are none."""
-        if self._laid is None or self._wish is None or not len(self._laid.lines):
+        """The box around the solids on display, mm."""
+        corners = []
+        for last, _ in self._shown.values():
+            if last.solid.triangles:
+                at = last.wish.placement
+                placed = last.solid.mesh.vertices @ at[:3, :3].T + at[:3, 3]
+                corners += [placed.min(0), placed.max(0)]
+        return (np.min(corners, axis=0), np.max(corners, axis=0)) if corners else None
+
+    # --- files
+
+    def save_solid(self, key: str, kind: str, resolution: str, part: str, client: Client) -> None:
+        """Save a solid on display, or one part of it."""
+        review = self.stage.review
+        each = next((w for w in wishes(review) if w.spec.key == key), None)
+        if each is None:
+            self.stage.complain("that solid is not shown any more", client)
+            return
+        axes = zip(review.machine.coordinates, review.pose, strict=True)
+        angles = tuple((c, v) for c, v in axes if c.unit == "rad")
+        name = solid_name(review.design, key, angles, modes_of(review, each.spec))
+        request = next(made for r, made in each.requests.items() if r == resolution)
+        self.save(partial(apart, build_file, request, each.placement, kind, name, part), client)
+
+
+class RegionsPart(Part):
+    """Keeps the plane regions true to the design, its modes and its orientation."""
+
+    LANES = ("regions",)
+
+    def __init__(self, stage: Stage) -> None:
+        super().__init__(stage)
+        self._scene = Flats(stage.scene)
+        self._fitted = False
+
+    def prepare(self) -> None:
+        self._scene.prepare(bool(self.stage.view.review.machine.region_specs))
+        self._fitted = False
+
+    def wished(self, view: View) -> Iterable[Asked[Any, Any]]:
+        wanted = wish(view.review)
+        return () if wanted is None else (REGIONS(wanted),)
+
+    def show(self, sheet: Sheet) -> None:
+        told = self.answers[REGIONS]
+        self._scene.show(told.shown, faint=self.aged(told))
+        self.stage.tell(Laying(told.shown, told.stale, told.trouble))
+        if told.now is not None and not self._fitted:
+            self._fitted = True
+            self.stage.fit_view()
+
+    @property
+    def bounds(self) -> tuple[Array, Array] | None:
+        """The box around the regions on display, mm."""
+        laid = self.answers[REGIONS].shown
+        if laid is None or not len(laid.lines):
             return None
-        points = self._laid.lines.reshape(-1, 3)
+        points = laid.lines.reshape(-1, 3)
         return points.min(axis=0), points.max(axis=0)
 
-    def catch_up(self) -> None:
-        if not self._late:
-            return
-        self._late = False
-        laid = self._laid if self._wish is not None else None
-        sheet = self._stage.sheet()
-        with self._stage.server.atomic():
-            self._nodes.show(laid)
-            for panel in self._stage.panels:
-                panel.draw_regions(sheet, Laying(laid, self._trouble))
-        self._stage.server.flush()
-
-    def _save(self, kind: str, client: viser.ClientHandle | None) -> None:
-        laid = self._laid
-        if laid is None or laid.wish != self._wish:
-            self._stage.complain("There are no regions to save yet; show them first.", client)
-            return
-        self._stage.apart(client, lambda: self._stage.download(regions_file(laid, kind), client))
-
-
-class _Nodes:
-    """Scene nodes of regions, made once for a mechanism."""
-
-    def __init__(self, scene: Scene) -> None:
-        self._scene = scene
-        self._fills: list[Any] = []
-        self._edges: Edges | None = None
-
-    def prepare(self, offered: bool) -> None:
-        """Make them, with nothing to see; none where the mechanism has no regions."""
-        scene = self._scene.server.scene
-        self._fills, self._edges = [], None
-        if not offered:
-            return
-        self._fills = [
-            scene.add_mesh_simple(
-                f"/regions/fill{n}",
-                _NOTHING,
-                _ONE_FACE,
-                color=palette.rgb(palette.WORKSPACE),
-                opacity=OPACITY,
-                side="double",
-                flat_shading=True,
-                cast_shadow=False,
-                receive_shadow=False,
-                visible=False,
-            )
-            for n in range(MOST)
-        ]
-        self._edges = Edges(self._scene, "/regions", 2.5)
-
-    def show(self, laid: Laid | None) -> None:
-        """Bring them to these regions; None hides them."""
-        colors = () if laid is None else region_colors(laid.regions)
-        fills = () if laid is None else laid.fills
-        for n, node in enumerate(self._fills):
-            seen = n < len(fills) and len(fills[n].faces) > 0
-            if seen:
-                node.vertices, node.faces = fills[n].vertices, fills[n].faces
-                node.color = palette.rgb(colors[n])
-            if node.visible != seen:
-                node.visible = seen
-        if self._edges is None:
-            return
+    def save_regions(self, kind: str, client: Client) -> None:
+        """Save the plane regions on display as a file of this kind."""
+        laid = self.answers[REGIONS].now
         if laid is None:
-            self._edges.hide()
-        else:
-            self._edges.show(laid.lines, laid.line_limb)
-            self._edges.show_locus(laid.locus)
+            self.stage.complain("There are no regions to save yet; show them first.", client)
+            return
+        self.save(partial(regions_file, laid, kind), client)
 
 
-def region_colors(found: tuple[Region, ...]) -> tuple[str, ...]:
-    """A colour for each region: the workspace's for an only one, else as aspects have them."""
-    if len(found) == 1:
-        return (palette.WORKSPACE,)
-    seen: dict[int, int] = {}
-    colors = []
-    for region in found:
-        seen[region.sign] = seen.get(region.sign, -1) + 1
-        colors.append(palette.aspect_color(region.sign, seen[region.sign]))
-    return tuple(colors)
+PARTS = (SolidsPart, RegionsPart)
 
 
-def regions_file(laid: Laid, kind: str) -> ExportedFile:
-    """The regions as a file."""
-    design = laid.wish.design
-    plane = laid.spec.plane
-    whole = together([region.section for region in laid.regions])
-    data = section_bytes(whole, plane, kind, title=design.title or design.name)
-    name = f"{sanitized(design.name)}_{sanitized(laid.spec.key)}"
-    return ExportedFile(f"{name}.{kind}", data, MEDIA_TYPES[kind])
+def _preview(each: SolidWish) -> tuple[Any, Any]:
+    return SOLIDS["preview"], each.requests["preview"]

@@ -12,7 +12,9 @@ from kinematics.errors import InputError
 from kinematics.facets.solids import SURFACES, SurfaceKind
 
 ModeChoice = Literal["all", "current"]
-_OPACITY = {"workspace": 0.35, "aspects": 0.5}  # a limb's parts are fainter
+ASPECTS = "aspects"
+"""The key of the solid that is parted by singular surfaces."""
+_OPACITY = {"workspace": 0.35, ASPECTS: 0.5}  # a limb's parts are fainter
 
 
 @dataclass(frozen=True, slots=True)

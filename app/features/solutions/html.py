@@ -1,4 +1,4 @@
-"""Small pictures that tell solutions apart at a glance, as inline SVG and the style they need.
+"""What the Solutions tab says: rows of the list as small pictures, and sentences.
 
 A viser button shows the HTML of its icon, so a whole row of the list stands in one: it can be
 clicked and reached with the keyboard as every button.
@@ -9,12 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from app.features.solutions.atlas import Row, number
+from app.features.solutions.compute import Ahead, Known, Listed, Row, partner
 from app.review.modes import page_mode
-from app.review.units import in_page_units
+from app.review.state import Review
+from app.review.units import in_page_units, joint_text, pose_text, tenths
 from app.scene import palette
 from app.terminal.tables import condition_text
-from app.widgets.desk import esc, tone
+from app.widgets.texts import box, esc, quiet, red, tone
 from kinematics.answers.modes import Mode
 from kinematics.mechanism import Coordinate
 
@@ -58,10 +59,10 @@ def row_html(row: Row, axes: Sequence[Coordinate]) -> str:
     where = [c for c in axes if c.unit == "mm"]
     turned = [c for c in axes if c.unit == "rad"]
     value = {c.key: in_page_units(c, v) for c, v in zip(axes, row.pose, strict=True)}
-    first = " ".join(f"<q>{esc(c.symbol)}</q> {number(value[c.key])}" for c in where)
+    first = " ".join(f"<q>{esc(c.symbol)}</q> {tenths(value[c.key])}" for c in where)
     first += " <q>mm</q> " if where else ""
-    first += " ".join(f"<q>{esc(c.symbol)}</q> {number(value[c.key])}°" for c in turned)
-    marks = "<u>here</u> " if row.here else f"{number(row.distance)} <q>mm away</q> "
+    first += " ".join(f"<q>{esc(c.symbol)}</q> {tenths(value[c.key])}°" for c in turned)
+    marks = "<u>here</u> " if row.here else f"{tenths(row.distance)} <q>mm away</q> "
     marks += "<u>new</u> " if row.new else ""
     second = (
         f"<q>#{row.identity}</q> {marks}<q>condition</q> {condition_text(row.condition)}"
@@ -150,7 +151,7 @@ def _stroke(axis: Coordinate, value: float, below: float | None, above: float | 
     low = at(axis.lower if below is None else below)
     high = at(axis.upper if above is None else above)
     left, right = (
-        "free" if v is None else number(in_page_units(axis, v - value)) for v in (below, above)
+        "free" if v is None else tenths(in_page_units(axis, v - value)) for v in (below, above)
     )
     folds = "".join(
         f'<div style="position:absolute;left:{at(v):.1f}%;top:-2px;bottom:-2px;width:3px;'
@@ -169,3 +170,64 @@ def _stroke(axis: Coordinate, value: float, below: float | None, above: float | 
         'margin-left:-1px;background:currentColor"></div></div></td>'
         f'<td style="padding-left:.6em;width:4em">{right}</td></tr>'
     )
+
+
+# --- sentences -----------------------------------------------------------------------------
+
+
+def title(review: Review, ahead: Ahead) -> str:
+    """ "ρ₃ +33.7 mm": short enough for a menu."""
+    axis = review.machine.joints[ahead.index]
+    way = joint_text(axis, ahead.goal - ahead.start)
+    return f"{axis.symbol} {way if way.startswith('−') else f'+{way}'}"
+
+
+def words(review: Review, ahead: Ahead, known: Known | None) -> str:
+    """What happens there, in one or two sentences."""
+    fold = ahead.fold
+    if fold is None:
+        return ""
+    axis = review.machine.joints[ahead.index]
+    change = "Raising" if ahead.longer else "Lowering"
+    text = (
+        f"{change} {axis.symbol} by {joint_text(axis, abs(ahead.goal - ahead.start))}, to "
+        f"{joint_text(axis, ahead.goal)}, ends this assembly mode at "
+        f"{pose_text(review.machine.coordinates, fold.pose)}"
+    )
+    if fold.mode != review.mode:
+        text += f" (by then in mode {page_mode(fold.mode)})"
+    if fold.partner is None:
+        return f"{text}. The branch that it merges with does not reach back to these lengths."
+    of_this = known is not None and known.is_of(review)  # else of the machine before
+    other = partner(known, fold.partner) if of_this else None
+    name = "a solution" if other is None else f"solution #{other}"
+    return f"{text}. There it merges with {name} (mode {page_mode(fold.partner.mode)})."
+
+
+def count_html(atlas: Listed, trouble: str) -> str:
+    if trouble:
+        return red(trouble)
+    if not atlas.count:
+        return box("<b>Finding all solutions …</b>" if atlas.stale else "<b>No solutions</b>")
+    color = tone("good" if atlas.complete else "near")
+    late = " <b>for the lengths before</b>" if atlas.stale else ""
+    return box(
+        f'<div style="border-left:4px solid {color};padding-left:0.6em;'
+        f'{"opacity:0.6" if atlas.stale else ""}">'
+        f'<span style="font-size:1.15em;font-weight:600">{esc(atlas.count)}</span>{late}<br>'
+        f"{esc(atlas.how)}</div>"
+    )
+
+
+def remarks_html(atlas: Listed) -> str:
+    lines = [
+        f'<div style="padding:0.1em 0;{f"color:{palette.BEYOND}" if singular else "opacity:0.85"}">'
+        f"{esc(text[:1].upper() + text[1:])}</div>"
+        for text, singular in atlas.remarks
+    ]
+    return box("".join(lines)) if lines else ""
+
+
+def empty_html(atlas: Listed) -> str:
+    what = "the one solution" if atlas.hidden == 1 else f"all {atlas.hidden} solutions"
+    return quiet(f"The filter leaves out {what}.")

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
-import viser
 
 from app.features.trajectory.compute import Reach
-from app.review.units import in_page_units, page_unit
+from app.review.units import in_page_units, number, page_unit
 from app.scene import palette
-from app.widgets.desk import Desk
-from app.widgets.plots import STEPS, TURN, Axes, Figure, Plot, number, scales, ticks
+from app.widgets.axes import Axes, Figure, cross, scales, steps, ticks
+from app.widgets.desk import Client, Desk
+from app.widgets.plots import Plot
 from kinematics.arrays import Array
 from kinematics.mechanism import Coordinate
 
@@ -43,11 +43,11 @@ class Sketch(Plot):
 
     script = _DRAW
 
-    def __init__(self, desk: Desk, act: Callable[[Array, viser.ClientHandle | None], None]) -> None:
+    def __init__(self, desk: Desk, act: Callable[[Array, Client], None]) -> None:
         super().__init__(desk, lambda _x, _y, _client: None)
         self._stroked = act
 
-    def _pointed(self, text: str, client: viser.ClientHandle | None) -> None:
+    def _pointed(self, text: str, client: Client) -> None:
         stroke = read_stroke(text)
         if stroke is not None:
             self._stroked(stroke, client)
@@ -94,8 +94,8 @@ def sketch_figure(axes: Sequence[Coordinate], reach: Reach) -> Figure:
             box,
             f"{first.symbol} ({page_unit(first)})",
             f"{second.symbol} ({page_unit(second)})",
-            ticks(*box.x, 6, TURN if first.unit == "rad" else STEPS),
-            ticks(*box.y, 6, TURN if second.unit == "rad" else STEPS),
+            ticks(*box.x, 6, steps(first)),
+            ticks(*box.y, 6, steps(second)),
         )
         + '<polyline class="trace" points="" fill="none" stroke="currentColor" stroke-width="2"/>'
     )
@@ -112,45 +112,29 @@ def sketch_figure(axes: Sequence[Coordinate], reach: Reach) -> Figure:
 
 def _lost(axes: Sequence[Coordinate], box: Axes, reach: Reach) -> str:
     """The curves where control is lost, as far as they are within the box."""
-    runs = [run for curve in reach.lost for run in _within(axes, box, curve)]
-    path = "".join(f"M{'L'.join(run)}" for run in runs)
+    path = "".join(box.path(_in_page(axes, curve)) for curve in reach.lost)
     if not path:
         return ""
-    return f'<path class="lost" d="{path}" fill="none" stroke="{palette.BEYOND}" stroke-width="2"/>'
+    return box.clipped(
+        f'<path class="lost" d="{path}" fill="none" stroke="{palette.BEYOND}" stroke-width="2"/>'
+    )
 
 
-def _within(axes: Sequence[Coordinate], box: Axes, curve: Array) -> Iterator[list[str]]:
-    """The parts of a curve (N, 2), mm and rad, that are within the box, as places in px."""
-    run: list[str] = []
-    for first, second in curve.tolist():
-        x, y = in_page_units(axes[0], first), in_page_units(axes[1], second)
-        if box.x[0] <= x <= box.x[1] and box.y[0] <= y <= box.y[1]:
-            run.append("{:.1f} {:.1f}".format(*box.px(x, y)))
-            continue
-        if len(run) > 1:
-            yield run
-        run = []
-    if len(run) > 1:
-        yield run
+def _in_page(axes: Sequence[Coordinate], points: Array) -> list[tuple[float, float]]:
+    """Points (N, 2), mm and rad, in the page's units."""
+    return [(in_page_units(axes[0], x), in_page_units(axes[1], y)) for x, y in points.tolist()]
 
 
 def sketch_mark(axes: Sequence[Coordinate], box: Axes, path: Array, here: Sequence[float]) -> str:
     """The path (N, 2), mm and rad, and a cross where the machine stands."""
-    points = [
-        box.px(in_page_units(axes[0], x), in_page_units(axes[1], y)) for x, y in path.tolist()
-    ]
     line = ""
-    if points:
-        places = "L".join(f"{x:.1f} {y:.1f}" for x, y in points)
-        x, y = points[0]
+    if len(path):
+        points = _in_page(axes, path)
+        x, y = box.px(*points[0])
         line = (
-            f'<path class="stroke" d="M{places}" fill="none" stroke="{palette.WORKSPACE_DEEP}" '
-            f'stroke-width="2.4"/><circle cx="{x:.1f}" cy="{y:.1f}" r="4" '
-            f'fill="{palette.WORKSPACE_DEEP}"/>'
+            f'<path class="stroke" d="{box.path(points)}" fill="none" '
+            f'stroke="{palette.WORKSPACE_DEEP}" stroke-width="2.4"/>'
+            f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="{palette.WORKSPACE_DEEP}"/>'
         )
     u, v = (in_page_units(c, value) for c, value in zip(axes, here, strict=True))
-    if not (box.x[0] <= u <= box.x[1] and box.y[0] <= v <= box.y[1]):
-        return line
-    x, y = box.px(u, v)
-    cross = f"M{x - 7:.1f} {y:.1f}h14M{x:.1f} {y - 7:.1f}v14"
-    return f'{line}<path d="{cross}" stroke="{palette.INK}" stroke-width="1.8"/>'
+    return line + cross(box, u, v)

@@ -1,0 +1,135 @@
+"""A map as a drawing that a person can point at."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.ndimage import distance_transform_edt
+
+from app.review.units import in_page_units, minus, number, page_unit, volume_text, with_error
+from app.scene import palette
+from app.widgets.axes import Axes, Figure, scales, steps, ticks
+from app.widgets.texts import esc
+from kinematics.answers.sections import Quantity
+from kinematics.facets.map_sweeps import Map
+
+SHADES = 48
+
+
+def figure(found: Map, *, stale: bool) -> Figure:
+    """A map as a drawing: a cell for each point, in the page's units."""
+    quantity = found.request.quantities[0]
+    first, second = found.request.coordinates
+    x, y = (
+        np.array([in_page_units(c, v) for v in given])
+        for c, given in ((first, found.request.first), (second, found.request.second))
+    )
+    axes = Axes(400, 342, 46, 24, 74, 38, _ends(x), _ends(y))
+    values, errors = found.values[0], found.errors[0]
+    known = np.isfinite(values)
+    top = _top(quantity, values[known])
+    content = ""
+    if known.any():
+        # Where nothing was computed yet stands the nearest that was.
+        where = distance_transform_edt(~known, return_distances=False, return_indices=True)
+        content = _cells(axes, values[tuple(where)] / top)
+        content += _bar(axes, quantity, top)
+    grid = scales(
+        axes,
+        f"{first.symbol} ({page_unit(first)})",
+        f"{second.symbol} ({page_unit(second)})",
+        ticks(*axes.x, 7, steps(first)),
+        ticks(*axes.y, 7, steps(second)),
+    )
+    return Figure(
+        axes,
+        f'<g class="map"{" opacity=" + chr(34) + ".35" + chr(34) if stale else ""}>{content}'
+        f"</g>{grid}",
+        [f"{first.symbol} {_places(v)}{page_unit(first)}, " for v in x.tolist()],
+        [f"{second.symbol} {_places(v)}{page_unit(second)}: " for v in y.tolist()],
+        [
+            told(quantity, v, e) if ok else "not computed yet"
+            for v, e, ok in zip(
+                values.ravel().tolist(),
+                errors.ravel().tolist(),
+                known.ravel().tolist(),
+                strict=True,
+            )
+        ],
+        f"{quantity.title}: point to read, click to turn the machine there",
+        f"Map of {quantity.title}",
+    )
+
+
+def told(quantity: Quantity, value: float, error: float) -> str:
+    """A value with its error, in the unit that reads best."""
+    if quantity.unit == "mm³":
+        return volume_text(value, error)
+    if not quantity.unit:
+        return f"{value:.0f}"
+    if error <= 0.0:
+        return f"{value:.4g} {quantity.unit}"
+    return f"{with_error(value, error, 6)} {quantity.unit}"
+
+
+def _places(value: float) -> str:
+    return minus(f"{value + 0.0:.1f}")
+
+
+def _ends(values: np.ndarray) -> tuple[float, float]:
+    """The ends of cells about evenly spaced values."""
+    half = 0.5 * (values[-1] - values[0]) / (len(values) - 1)
+    return float(values[0] - half), float(values[-1] + half)
+
+
+def _top(quantity: Quantity, values: np.ndarray) -> float:
+    """The end of the colours; they begin at zero."""
+    if quantity.unit == "%":
+        return 100.0
+    return max(float(values.max(initial=0.0)), 1e-9)
+
+
+def _cells(axes: Axes, shares: np.ndarray) -> str:
+    """One path for each shade; neighbours upwards of one shade are one rectangle."""
+    columns, rows = shares.shape
+    wide, high = axes.inner[0] / columns, axes.inner[1] / rows
+    shades = np.clip(np.rint(shares * (SHADES - 1)), 0, SHADES - 1).astype(int)
+    paths: dict[int, list[str]] = {}
+    for column in range(columns):
+        breaks = np.flatnonzero(np.diff(shades[column])) + 1
+        for start, end in zip([0, *breaks], [*breaks, rows], strict=True):
+            x, y = axes.left + column * wide, axes.top + (rows - end) * high
+            if not shares[column, start:end].any():
+                continue  # an empty workspace has no colour
+            paths.setdefault(int(shades[column, start]), []).append(
+                f"M{x:.2f} {y:.2f}h{wide:.2f}v{(end - start) * high:.2f}h{-wide:.2f}z"
+            )
+    return "".join(
+        f'<path fill="{palette.ramp_color(n / (SHADES - 1))}" shape-rendering="crispEdges" '
+        f'd="{"".join(path)}"/>'
+        for n, path in sorted(paths.items())
+    )
+
+
+def _bar(axes: Axes, quantity: Quantity, top: float) -> str:
+    """The colours with what they stand for."""
+    unit, scale = str(quantity.unit), 1.0
+    if quantity.unit == "mm³":
+        unit, scale = ("dm³", 1e-6) if top >= 1e5 else ("cm³", 1e-3)
+    left, high = axes.width - axes.right + 14.0, axes.inner[1]
+    step = high / SHADES
+    parts = [
+        f'<rect x="{left:g}" y="{axes.top + (SHADES - 1 - n) * step:.2f}" width="13" '
+        f'height="{step + 0.3:.2f}" fill="{palette.ramp_color(n / (SHADES - 1))}"/>'
+        for n in range(SHADES)
+    ]
+    for value in ticks(0.0, top * scale, 6):
+        y = axes.top + high * (1.0 - value / (top * scale))
+        parts.append(
+            f'<path d="M{left + 13:g} {y:.1f}h4" stroke="currentColor" stroke-opacity=".6"/>'
+            f'<text x="{left + 19:g}" y="{y + 3.8:.1f}" fill="currentColor">{number(value)}</text>'
+        )
+    if unit:
+        parts.append(
+            f'<text x="{left:g}" y="{axes.top - 7:g}" fill="currentColor">{esc(unit)}</text>'
+        )
+    return "".join(parts)

@@ -1,0 +1,92 @@
+"""The machine on the page: dragged by its handle, and gliding to another solution."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from app.features.move.scene import dragged
+from app.features.move.state import Place, Visit
+from app.jobs.parts import Part
+from app.review.changes import Change
+from app.review.state import Review
+from app.review.view import View
+from app.scene.morph import Morph
+from kinematics.arrays import Array
+
+FRAME = 0.02  # s between two pictures on the way to another solution
+
+
+class MovePart(Part):
+    """Takes what a hand does to the platform, and shows the way to another solution."""
+
+    def __init__(self, stage: Any) -> None:
+        super().__init__(stage)
+        self._dragging: set[int] = set()
+        self._grips = 0
+        self._from: View | None = None  # where a visit was begun
+        self._morph: Morph | None = None
+
+    def prepare(self) -> None:
+        self._dragging.clear()
+        dragged(self.stage.scene, lambda *what: self.stage.ask(self.drag, *what))
+
+    def drag(self, phase: str, client_id: int | None, placed: Array) -> bool:
+        """A hand holds the platform, (4, 4), or lets it go."""
+        who = -1 if client_id is None else client_id
+        if phase == "end":
+            self._dragging.discard(who)
+        elif not self._dragging:
+            self._grips += 1
+        if phase != "end":
+            self._dragging.add(who)
+        self.stage.scene.held = bool(self._dragging)
+        if phase == "end":
+            self.stage.scene.release_handle()
+            return True
+        if not np.isfinite(placed).all():
+            return False
+        review = self.stage.review
+        pose = review.machine.pose_from_transform(placed, review.mode)
+        return self.stage.apply(Place(pose, held=self._grips), None)
+
+    # --- the way to another solution
+
+    def applied(self, change: Change, before: Review, note: str) -> None:
+        self._from = self._morph = None
+        if isinstance(change, Visit) and before.design == self.stage.view.review.design:
+            self._from = self.stage.shown()
+
+    def follow(self) -> None:
+        super().follow()
+        view = self.stage.view
+        if self._from is not None:
+            self._morph = Morph(self._from, view, time.monotonic())
+            self._from = None
+        elif self._morph is not None and self._morph.after.review.pose != view.review.pose:
+            self._morph = None  # somebody moved it on
+
+    def shown(self, view: View) -> View:
+        if self._morph is None:
+            return view
+        return replace(self._morph, after=view).at(time.monotonic())
+
+    @property
+    def due(self) -> float | None:
+        return super().due if self._morph is None else FRAME
+
+    def catch_up(self) -> None:
+        super().catch_up()
+        if self._morph is None:
+            return
+        with self.stage.server.atomic():
+            self.stage.show_machine()
+        self.stage.server.flush()
+        if self._morph.over(time.monotonic()):
+            self._morph = None
+
+
+PARTS = (MovePart,)

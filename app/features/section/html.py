@@ -1,0 +1,133 @@
+"""A section in numbers, and the area of sections against the place of the plane."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from app.review.units import area_text, number, plural, spaced, tenths
+from app.scene import palette
+from app.widgets.axes import Axes, Figure, scales, ticks
+from app.widgets.texts import box, chip, esc
+from kinematics.answers.sections import Section, SectionSpec, Volume
+
+COLUMNS = 336  # places along x′ of which the profile tells the area, one a pixel
+DIGITS = 1  # of mm, at which the plane is put where a person points
+MOST = 600  # points of the profile that are drawn
+
+
+def numbers_html(section: Section, spec: SectionSpec, along: tuple[float, float] | None) -> str:
+    """A section in numbers; ``along`` says where the workspace is."""
+    if not section.loops:
+        if along is None:
+            return box("At this orientation the workspace is empty.")
+        return box(
+            f"The section is empty here; the workspace lies within {esc(spec.normal)} = "
+            f"{number(round(along[0], 1))} … {number(round(along[1], 1))} mm."
+        )
+    first, second = spec.axes
+    holes = int((section.loop_area < 0).sum())
+    inner = f" ({holes} of them hole{'s' if holes > 1 else ''})" if holes else ""
+    loops = plural(section.loops, "loop") + inner
+    exact = f"{spaced(section.area, 6)} mm²"
+    limbs = " ".join(
+        f'<span style="white-space:nowrap">{chip(palette.limb_color(n))}limb {n}</span>'
+        for n in sorted(set(section.limb.tolist()))
+    )
+    rows = (
+        ("Cut at", f"{esc(spec.normal)} = {number(round(section.at, 4))} mm"),
+        ("Area", f'<span title="{exact}">{area_text(section.area)}</span>'),
+        ("Perimeter", f"{section.perimeter:.1f} mm"),
+        (
+            f"Centroid ({first}, {second})",
+            f"{tenths(section.centroid[0])}, {tenths(section.centroid[1])} mm",
+        ),
+        ("In all", f"{plural(section.pieces, 'piece')}, {loops}"),
+        ("Bounded by", limbs),
+    )
+    body = "".join(
+        f'<tr><td style="opacity:.75;padding-right:.9em;white-space:nowrap">{esc(title)}</td>'
+        f'<td style="font-variant-numeric:tabular-nums">{value}</td></tr>'
+        for title, value in rows
+    )
+    moments = "<br>".join(
+        f"I<sub>{name}</sub> = {moment:.6g}".replace("e-", "e−").replace("= -", "= −") + " mm⁴"
+        for name, moment in zip(
+            (2 * first, 2 * second, first + second), section.second_moments.tolist(), strict=True
+        )
+    )
+    details = (
+        f'<details style="opacity:.75"><summary>Exactly</summary>{exact}<br>second moments about '
+        f"the centroid (I<sub>{first}{first}</sub> = ∫{first}² dA):<br>{moments}</details>"
+    )
+    return box(f"<table>{body}</table>{details}")
+
+
+def profile_axes(volume: Volume) -> Axes | None:
+    """The axes of the profile, area in cm²; None of an empty workspace."""
+    if not len(volume.at) or volume.value <= 0.0:
+        return None
+    x, area = _curve(volume)
+    return Axes(400, 150, 52, 22, 12, 36, (float(x[0]), float(x[-1])), (0.0, area.max() / 92.0))
+
+
+def _curve(volume: Volume) -> tuple[np.ndarray, np.ndarray]:
+    """x′ and area from end to end, where it is zero."""
+    ends = (volume.at[0], volume.at[-1])
+    if len(volume.events):
+        ends = (min(ends[0], volume.events[0]), max(ends[1], volume.events[-1]))
+    x = np.concatenate([[ends[0]], volume.at, [ends[1]]])
+    return x, np.concatenate([[0.0], volume.area, [0.0]])
+
+
+def profile_places(axes: Axes) -> np.ndarray:
+    """The x′ (N,) of which the profile tells the area, and to which a click goes."""
+    middles = (np.arange(COLUMNS) + 0.5) / COLUMNS
+    places: np.ndarray = np.round(axes.x[0] + middles * (axes.x[1] - axes.x[0]), DIGITS)
+    return places
+
+
+def mark(volume: Volume, at: float) -> str:
+    """Where the plane stands on the profile; nothing beyond its ends."""
+    axes = profile_axes(volume)
+    if axes is None or not axes.x[0] <= at <= axes.x[1]:
+        return ""
+    x, low = axes.px(at, 0.0)
+    _, y = axes.px(at, float(np.interp(at, *_curve(volume))) / 100.0)
+    return (
+        f'<path d="M{x:.1f} {axes.top:g}V{low:.1f}" stroke="currentColor" '
+        f'stroke-width="1.5"/><circle cx="{x:.1f}" cy="{y:.1f}" r="3.5" fill="currentColor"/>'
+    )
+
+
+def profile(volume: Volume, spec: SectionSpec) -> Figure | None:
+    """The area of the sections against the place of the plane; None of an empty workspace."""
+    axes = profile_axes(volume)
+    if axes is None:
+        return None
+    x, area = _curve(volume)
+    kept = np.unique(np.linspace(0, len(x) - 1, min(len(x), MOST)).astype(int))
+    line = axes.path(zip(x[kept].tolist(), (0.01 * area[kept]).tolist(), strict=True))[1:]
+    base = axes.px(0.0, 0.0)[1]
+    left, right = axes.px(axes.x[0], 0.0)[0], axes.px(axes.x[1], 0.0)[0]
+    events = "".join(
+        f"M{axes.px(float(e), 0.0)[0]:.1f} {base:g}v-7"
+        for e in volume.events
+        if axes.x[0] <= e <= axes.x[1]
+    )
+    content = (
+        f'<path d="M{left:.1f} {base:g}L{line}L{right:.1f} {base:g}Z" fill="{palette.WORKSPACE}" '
+        f'fill-opacity=".4" stroke="{palette.WORKSPACE}" stroke-width="1.6"/>'
+        f'<path d="{events}" stroke="currentColor" stroke-opacity=".7"/>'
+    )
+    places = profile_places(axes)
+    areas = np.interp(places, x, area)
+    return Figure(
+        axes,
+        content
+        + scales(axes, f"{spec.normal} (mm)", "area (cm²)", ticks(*axes.x, 7), ticks(*axes.y, 3)),
+        [f"{spec.normal} = {number(round(p, 1))} mm: " for p in places.tolist()],
+        ("",),
+        [area_text(a) for a in areas.tolist()],
+        f"Area of the section against {spec.normal}: point to cut there",
+        "Area of the section",
+    )

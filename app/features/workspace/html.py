@@ -1,0 +1,155 @@
+"""What the Workspace tab says: volumes, pieces, areas."""
+
+from __future__ import annotations
+
+from app.features.section.compute import Sections
+from app.features.workspace.compute import Built, Laying, Solids, inside, region_colors
+from app.features.workspace.state import ASPECTS
+from app.review.state import Review
+from app.review.units import area_text, minus, plural, spaced, tenths, volume_text
+from app.scene import palette
+from app.terminal.tables import surface_text
+from app.widgets.texts import NUMERIC, aged, box, chip, esc, red, table, tone
+from kinematics.answers.sections import Volume
+
+FAINT = "opacity:.75"
+
+
+def report_html(review: Review, solids: Solids) -> str:
+    """Whether the machine is inside, and the solids that are no limb's."""
+    where, color = ("inside", tone("good")) if inside(review) else ("outside", palette.BEYOND)
+    lines = [f'The present position is <b style="color:{color}">{where}</b> this workspace.']
+    for wish in solids.wishes:
+        key = wish.spec.key
+        if wish.spec.limb is not None or key == ASPECTS:
+            continue
+        built, old = solids.built.get(key), solids.old.get(key)
+        if built is not None:
+            lines.append(_solid(built))
+        elif old is not None:
+            lines.append(aged(_solid(old), True, "span"))
+    return box("<br>".join(lines))
+
+
+def _solid(built: Built) -> str:
+    solid = built.solid
+    lines = []
+    if solid.pieces:
+        pieces = " · ".join(volume_text(p.volume) for p in solid.pieces[:8])
+        lines = [
+            f'<span style="font-size:1.25em;font-weight:600">'
+            f"{volume_text(solid.volume, solid.volume_error)}</span> in "
+            f"{plural(len(solid.pieces), 'piece')}",
+            pieces + (" · …" if len(solid.pieces) > 8 else ""),
+        ]
+    elif built.resolution == "fine":
+        lines.append("At this orientation the workspace is empty.")
+    else:
+        lines.append("Nothing is large enough to be seen yet; a finer look is on its way.")
+    lines.append(
+        f'<span style="opacity:0.75">{built.resolution} solid · {spaced(solid.volume)} mm³ · '
+        f"{solid.triangles} triangles<br>{surface_text(solid)}</span>"
+    )
+    return "<br>".join(lines)
+
+
+def parts_html(solids: Solids) -> str:
+    """The limbs' solids."""
+    rows = []
+    for wish in solids.wishes:
+        known = solids.built.get(wish.spec.key) or solids.old.get(wish.spec.key)
+        if known is None or wish.spec.limb is None:
+            continue
+        solid = known.solid
+        text = (
+            volume_text(solid.volume, solid.volume_error)
+            if solid.pieces
+            else "does not exist for this limb"
+        )
+        line = f"{chip(palette.solid_color(wish.spec))}{esc(wish.spec.title)}: {text}"
+        rows.append(aged(line, wish.spec.key in solids.old, "span"))
+    return box("<br>".join(rows)) if rows else ""
+
+
+def exact_html(solids: Solids, sections: Sections) -> str:
+    """The volume by exact sections, beside that of the solid."""
+    volume = sections.volume
+    if sections.trouble:
+        return red(sections.trouble)
+    if volume is None:
+        if sections.old_volume is None:
+            return box("The exact volume is on its way …")
+        return box(aged(_exact(sections.old_volume), True))
+    lines = [_exact(volume)]
+    built = solids.built.get("workspace")
+    if built is not None and volume.value > 0.0:
+        off = built.solid.volume - volume.value
+        share = minus(f"{100 * off / volume.value:+.2g}")
+        signed = minus(f"{off:+,.0f}".replace(",", " "))
+        lines.append(
+            f'<span style="{FAINT}">the {built.resolution} solid differs by {signed} mm³ '
+            f"({share} %)</span>"
+        )
+    return box("<br>".join(lines))
+
+
+def _exact(volume: Volume) -> str:
+    exact = f"{volume.value:,.0f} ± {volume.error:,.2g} mm³".replace(",", " ")
+    return (
+        f"Exact: <b>{volume_text(volume.value, volume.error)}</b> "
+        f'<span style="{FAINT}">({exact})</span>'
+    )
+
+
+def inscribed_html(sections: Sections) -> str:
+    """The largest ball and box."""
+    lines = []
+    if sections.ball is not None:
+        center = ", ".join(map(tenths, sections.ball.center))
+        lines.append(f"Ball: radius <b>{sections.ball.radius:.2f} mm</b> about {center} mm")
+    if sections.box is not None:
+        sides = " × ".join(f"{v:.1f}" for v in sections.box.high - sections.box.low)
+        center = ", ".join(map(tenths, 0.5 * (sections.box.low + sections.box.high)))
+        lines.append(
+            f"Box: <b>{sides} mm</b> about {center} mm, {volume_text(sections.box.volume)}"
+        )
+    return box("<br>".join(lines)) if lines else ""
+
+
+def regions_html(laying: Laying) -> str:
+    """The regions of a plane, each with its area."""
+    laid = laying.laid
+    if laying.trouble:
+        return red(laying.trouble)
+    if laid is None:
+        return ""
+    if not any(region.section.loops for region in laid.regions):
+        return box("At this orientation the workspace is empty.")
+    drawn = [len(fill.faces) > 0 for fill in laid.fills]
+    rows = []
+    for region, color, shown in zip(laid.regions, region_colors(laid.regions), drawn, strict=True):
+        section = region.section
+        exact = f"{spaced(section.area, 6)} ± {section.area_error:.1g} mm²"
+        rows.append(
+            (
+                f"{chip(color if shown else 'transparent')}{esc(region.title)}",
+                f'<span title="{exact}">{area_text(section.area)}</span>',
+                plural(section.pieces, "piece"),
+                f"group {region.group}" if region.group else "",
+            )
+        )
+    worst = max(region.deviation for region in laid.regions)
+    exactly = "exact arcs" if worst == 0.0 else f"edges within {worst:.0e} mm of the true ones"
+    groups = any(region.group for region in laid.regions)
+    joined = " Regions of one group join through serial singularities." if groups else ""
+    some = "" if all(drawn) else " Drawn are those of one mode, as others lie over them."
+    curves = (
+        f"<br>{chip(palette.BEYOND)}where control is lost in the present mode"
+        if len(laid.locus)
+        else ""
+    )
+    quiet = f"{FAINT};white-space:nowrap"
+    return box(
+        f'{table(rows, ("", NUMERIC, quiet, quiet))}<span style="{FAINT}">{exactly}.{joined}{some}'
+        f"</span>{curves}"
+    )

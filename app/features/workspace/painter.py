@@ -1,0 +1,75 @@
+"""How solids on display are painted: plainly, by their pieces, or by a measure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from app.features.singularities.compute import spot_of
+from app.features.singularities.state import Control
+from app.features.workspace.compute import FIELD, SolidWish
+from app.jobs.answers import Asked
+from app.review.state import Review
+from app.scene import painting, palette
+from app.scene.painting import Coat, Scale
+from kinematics.answers.singularities import Measure
+from kinematics.arrays import Array
+
+if TYPE_CHECKING:
+    from kinematics.solids.csg import BuiltSolid
+
+
+class Painter:
+    """Coats of solids, kept as long as nothing of them changes."""
+
+    def __init__(self) -> None:
+        self._coats: dict[str, tuple[object, tuple[Coat, ...]]] = {}
+        self._scale: tuple[object, Scale] | None = None
+
+    def asked(
+        self, review: Review, wish: SolidWish, solid: BuiltSolid
+    ) -> Asked[tuple[object, ...], Array] | None:
+        """The question about the measure that a solid is coloured by; None where it is not."""
+        measure = _measure(review)
+        if measure is None or wish.spec.limb is not None or not solid.triangles:
+            return None
+        load = review[Control].load if measure.needs_load else None
+        request = (solid, review.design, review.mode, measure.key, load)
+        points = solid.shaded.vertices @ wish.placement[:3, :3].T + wish.placement[:3, 3]
+        return FIELD(request, spot_of(review), measure.key, wish.spec.key, points.astype(float))
+
+    def scale(self, review: Review) -> Scale | None:
+        """The steps of the measure that is on display."""
+        known = self._scale is not None and self._scale[0] == _measure(review)
+        return self._scale[1] if known and self._scale is not None else None
+
+    def coats(
+        self, review: Review, wish: SolidWish, solid: BuiltSolid, values: Array | None
+    ) -> tuple[Coat, ...]:
+        """How to paint a solid; ``values`` of the measure, once they are known."""
+        made_of = solid, None if values is None else id(values), review[Control].locus
+        known = self._coats.get(wish.spec.key)
+        if known is None or known[0] != made_of:
+            known = made_of, self._made(review, wish, solid, values)
+            self._coats[wish.spec.key] = known
+        return known[1]
+
+    def _made(
+        self, review: Review, wish: SolidWish, solid: BuiltSolid, values: Array | None
+    ) -> tuple[Coat, ...]:
+        if not solid.triangles:
+            return ()
+        color, measure = palette.solid_color(wish.spec), _measure(review)
+        if values is not None and measure is not None:
+            steps = painting.scale(values, high=measure.better == "high", limits=measure.limits)
+            if steps is not None:
+                self._scale = measure, steps
+                return painting.shaded(solid, values, steps, color)
+        if solid.piece_of is not None and len(solid.pieces):
+            return painting.pieces(solid, locus=review[Control].locus)
+        return painting.plain(solid, color)
+
+
+def _measure(review: Review) -> Measure | None:
+    """The one that colours show."""
+    specs = review.machine.measures.specs
+    return next((m for m in specs if m.key == review[Control].shade), None)

@@ -1,0 +1,110 @@
+"""A spawned process that calls functions, one at a time.
+
+manifold3d holds the GIL for as long as a boolean takes, and much else takes longer than a frame, so
+none of it runs in the server's process.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from multiprocessing.connection import Connection
+from typing import TYPE_CHECKING, TypeVar
+
+from app.jobs.spawning import Spawning
+from kinematics.errors import BohemiaError
+
+if TYPE_CHECKING:
+    from multiprocessing.context import SpawnProcess
+
+T = TypeVar("T")
+
+
+class Process:
+    """A spawned process; ``prepare`` is called in it first."""
+
+    def __init__(self, name: str, prepare: Callable[[], None]) -> None:
+        context = Spawning()
+        self._pipe, theirs = context.Pipe()
+        self._process: SpawnProcess = context.Process(
+            target=_serve, args=(theirs, prepare), daemon=True, name=f"bohemia-{name}"
+        )
+        self._process.start()
+        theirs.close()
+
+    @property
+    def alive(self) -> bool:
+        return self._process.is_alive()
+
+    @property
+    def pid(self) -> int:
+        return self._process.pid or 0
+
+    def run(self, timeout: float | None, function: Callable[..., T], *arguments: object) -> T:
+        """What ``function`` returns there.
+
+        Raises:
+            BohemiaError: its own failure, or it took too long.
+            EOFError, OSError: the process died.
+        """
+        self._pipe.send((function, arguments))
+        if not self._pipe.poll(timeout):
+            raise BohemiaError(f"it was not ready after {timeout:.0f} s and was given up")
+        failure, answer = self._pipe.recv()
+        if failure:
+            raise BohemiaError(failure)
+        result: T = answer
+        return result
+
+    def kill(self) -> None:
+        self._process.kill()
+        self._process.join(timeout=5.0)
+
+
+def apart(function: Callable[..., T], *arguments: object, timeout: float = 120.0) -> T:
+    """Call a function in a process made for it alone: for files, which nobody drags.
+
+    Raises:
+        BohemiaError: its own failure, its death, or it took longer than ``timeout`` seconds.
+    """
+    process = Process("apart", load_solids)
+    try:
+        return process.run(timeout, function, *arguments)
+    except EOFError:
+        raise BohemiaError("the process at work on it stopped; try again") from None
+    finally:
+        process.kill()
+
+
+def give_way(steps: int) -> None:
+    """Let other processes go first, by so many steps of niceness where the system has it."""
+    if hasattr(os, "nice"):
+        os.nice(steps)
+
+
+def load_solids() -> None:
+    """Load manifold3d while nobody waits yet."""
+    import kinematics.solids.csg  # noqa: F401
+
+
+def _serve(pipe: Connection, prepare: Callable[[], None]) -> None:
+    """What a spawned process does until its parent goes away."""
+    import signal
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server; it ends us
+    prepare()
+    while True:
+        try:
+            function, arguments = pipe.recv()
+        except (EOFError, OSError):
+            return
+        try:
+            answer = ("", function(*arguments))
+        except BohemiaError as error:
+            answer = (str(error), None)
+        except Exception as error:  # noqa: BLE001 (the server must hear of it, whatever it was)
+            answer = (f"it could not be computed ({type(error).__name__}: {error})", None)
+        try:
+            pipe.send(answer)
+        except OSError:
+            return

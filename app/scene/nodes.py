@@ -1,0 +1,127 @@
+"""Scene nodes that are made once and then only brought up to date. Lengths in mm, z up."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import viser
+import viser.transforms as tf
+from numpy.typing import ArrayLike, NDArray
+
+from app.scene import palette
+from kinematics.arrays import Array
+
+NO_LINE = np.zeros((1, 2, 3), dtype=np.float32)
+NOTHING = np.zeros((3, 3), dtype=np.float32)  # a mesh of no area
+ONE_FACE = np.array([[0, 1, 2]], dtype=np.uint32)
+_ELSEWHERE = {"position": (-1e5, -1e5, -1e5), "wxyz": (0.0, 0.0, 0.0, 1.0)}
+
+
+class Nodes:
+    """The server's scene: makes nodes with nothing to see, and sets what changes."""
+
+    def __init__(self, server: viser.ViserServer) -> None:
+        self.server = server
+        self._set: dict[tuple[str, str], object] = {}
+
+    def clear(self) -> None:
+        """Take everything off the scene, as another mechanism's things come."""
+        self.server.scene.reset()
+        self._set.clear()
+
+    # --- making
+
+    def lines(self, name: str, color: str, thickness: float, *, visible: bool = False) -> Any:
+        """Line segments, ``thickness`` px."""
+        return self.server.scene.add_line_segments(
+            name,
+            NO_LINE,
+            palette.rgb(color),
+            thickness=thickness,
+            thickness_units="screen",
+            visible=visible,
+        )
+
+    def mesh(self, name: str, color: str, opacity: float | None = 0.3) -> Any:
+        """A mesh without shadows, seen from both sides."""
+        return self.server.scene.add_mesh_simple(
+            name,
+            NOTHING,
+            ONE_FACE,
+            color=palette.rgb(color),
+            opacity=opacity,
+            side="double",
+            cast_shadow=False,
+            receive_shadow=False,
+            visible=False,
+        )
+
+    def arrows(self, name: str, size: float, shaft: float, color: str = palette.INK) -> Any:
+        """Arrows in a scene of this size; ``shaft`` is their radius as a part of it."""
+        return self.server.scene.add_arrows(
+            name,
+            np.array([[[0, 0, 0], [0, 0, 1]]], np.float32),
+            palette.rgb(color),
+            shaft_radius=shaft * size,
+            head_radius=3.0 * shaft * size,
+            head_length=0.06 * size,
+            visible=False,
+        )
+
+    def label(self, name: str) -> Any:
+        """A text above a point."""
+        return self.server.scene.add_label(name, "", anchor="bottom-center", visible=False)
+
+    # --- bringing up to date
+
+    def set(self, node: Any, **values: Any) -> None:
+        """Set properties of a node; what it has already is not sent."""
+        for key, value in values.items():
+            slot = node.name, key
+            known = value.tobytes() if isinstance(value, np.ndarray) else value
+            if slot in self._set and self._set[slot] == known:
+                continue
+            if slot not in self._set and key in _ELSEWHERE:
+                # A browser keeps the pose of the node of the same name that was taken away, and
+                # viser does not send one that is the default: so it is somewhere else at first.
+                setattr(node, key, _ELSEWHERE[key])
+            setattr(node, key, value)
+            self._set[slot] = known
+
+    def pose(self, node: Any, transform: Array) -> None:
+        """Put a node somewhere, (4, 4)."""
+        self.set(node, position=triple(transform[:3, 3]), wxyz=wxyz(transform[:3, :3]))
+
+    def points(self, node: Any, points: NDArray[Any]) -> None:
+        """Bring lines or arrows (N, 2, 3), or dots (N, 3), to these, if there are any."""
+        if len(points):
+            self.set(node, points=np.asarray(points, dtype=np.float32))
+        self.set(node, visible=bool(len(points)))
+
+    def text(self, label: Any, text: str, position: ArrayLike | None) -> None:
+        """Bring a label to a text at a place, and hide it where there is no place."""
+        if position is not None:
+            self.set(label, text=text, position=triple(np.asarray(position)))
+        self.set(label, visible=position is not None)
+
+    def forget(self, name: str) -> None:
+        """A node was made anew, or a hand has moved it: what it has is not known."""
+        for slot in [slot for slot in self._set if slot[0] == name]:
+            del self._set[slot]
+
+
+def colors(codes: Sequence[str]) -> np.ndarray:
+    """Colours as arrays have them, (N, 3)."""
+    return np.array([palette.rgb(code) for code in codes], dtype=np.uint8).reshape(-1, 3)
+
+
+def triple(point: Array) -> tuple[float, float, float]:
+    """A point as plain numbers."""
+    return float(point[0]), float(point[1]), float(point[2])
+
+
+def wxyz(rotation: Array) -> tuple[float, ...]:
+    """A rotation matrix as a quaternion."""
+    return tuple(float(v) for v in tf.SO3.from_matrix(rotation).wxyz)
