@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
 from kinematics.errors import InputError
@@ -41,9 +42,11 @@ def number(value: Any, what: str) -> float:
     Raises:
         InputError: it is none.
     """
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise InputError(f"{what} must be a finite number")
-    return float(value)
+    if not isinstance(value, bool) and isinstance(value, int | float):
+        with suppress(OverflowError):  # an integer that no double comes near
+            if math.isfinite(value):
+                return float(value)
+    raise InputError(f"{what} must be a finite number")
 
 
 def key_of(c: Coordinate) -> str:

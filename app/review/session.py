@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import tempfile
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +11,7 @@ from app.review.state import Review, new_review
 from app.review.units import from_page_units, in_page_units
 from kinematics.designs.files import read_design, write_design
 from kinematics.errors import InputError
+from kinematics.storage import read_text, write_file
 
 VERSION = 1
 MAX_BYTES = 1 << 20
@@ -48,6 +48,8 @@ def from_text(text: str, *, origin: str) -> Review:
         content = json.loads(text)
     except ValueError as error:
         raise InputError(f"{origin}: not a session file ({error})") from None
+    except RecursionError:
+        raise InputError(f"{origin}: nested too deeply to be a session file") from None
     if not isinstance(content, dict) or content.get("bohemia_session") != VERSION:
         raise InputError(
             f"{origin}: not a session file of this version; it needs 'bohemia_session': {VERSION}"
@@ -82,12 +84,7 @@ def load(path: Path) -> Review:
     Raises:
         InputError: it cannot be read, or is not a session file.
     """
-    try:
-        return from_text(path.read_text(encoding="utf-8"), origin=str(path))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: not a session file (it is not text)") from None
+    return from_text(read_text(path, MAX_BYTES, "a session file"), origin=str(path))
 
 
 def save(review: Review, path: Path) -> None:
@@ -96,11 +93,4 @@ def save(review: Review, path: Path) -> None:
     Raises:
         InputError: the file cannot be written.
     """
-    try:
-        with tempfile.NamedTemporaryFile(
-            "w", encoding="utf-8", dir=path.parent, prefix=f".{path.name}.", delete=False
-        ) as file:
-            file.write(to_text(review))
-        Path(file.name).replace(path)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror})") from None
+    write_file(path, to_text(review).encode())

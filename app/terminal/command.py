@@ -20,7 +20,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from kinematics.errors import BohemiaError, InputError
-from kinematics.saving import save
+from kinematics.storage import write_file
 
 if TYPE_CHECKING:
     from kinematics.machine import Machine
@@ -73,7 +73,7 @@ class Output:
 
     def write(self, data: bytes, note: str = "") -> None:
         if self.path is not None:
-            save(self.path, data)
+            write_file(self.path, data)
             self.written, self.note = str(self.path), note and f" ({note})"
 
 

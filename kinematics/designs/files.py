@@ -18,6 +18,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NoReturn, cast
 
+from kinematics import storage
 from kinematics.designs.assets import asset_folder
 from kinematics.errors import DesignError, InputError
 from kinematics.mechanism import Design, DesignField, mechanism_class, mechanism_kinds
@@ -28,6 +29,9 @@ MAX_BYTES = 256 * 1024
 """A larger text is refused unread: a design is a few hundred bytes."""
 MAX_MAGNITUDE = 1e6
 """No coordinate or length of a design exceeds a kilometre, in mm."""
+DEEPEST = 12
+"""No design nests tables, lists or dotted keys deeper."""
+_LOCATED_BYTES = 32 * 1024  # a parse a line takes long in a long text
 _LOCATED_LINES = 400  # looking a line up costs a parse a line; a design has some forty
 
 
@@ -86,10 +90,10 @@ def read_design(text: str, *, origin: str, name: str = "") -> Design:
     if len(text) > MAX_BYTES or len(text.encode("utf-8", "replace")) > MAX_BYTES:
         raise DesignError(f"{origin}: longer than 256 kB, which no design file is; choose another")
     text = text.removeprefix("\ufeff")  # some editors write a byte order mark
+    if _is_deep(text):
+        raise DesignError(f"{origin}: nested too deeply to be a design file")
     try:
         table = tomllib.loads(text)
-    except RecursionError:
-        raise DesignError(f"{origin}: nested too deeply to be a design file") from None
     except ValueError as error:
         raise DesignError(_syntax_sentence(origin, str(error))) from None
     try:
@@ -241,15 +245,29 @@ def _from_table(table: Mapping[str, Any], *, origin: str, name: str) -> Design:
 
 def _read_file(path: Path) -> Design:
     try:
-        if path.stat().st_size > MAX_BYTES:
-            raise DesignError(f"{path}: longer than 256 kB, which no design file is")
-        text = path.read_bytes().decode("utf-8")
-    except UnicodeDecodeError:
-        raise DesignError(f"{path}: not a text file in UTF-8, so not a design file") from None
-    except OSError as error:
-        reason = (error.strerror or "unreadable").lower()
-        raise DesignError(f"{path}: cannot be read ({reason})") from None
+        text = storage.read_text(path, MAX_BYTES, "a design file")
+    except InputError as error:
+        raise DesignError(str(error)) from None
     return read_design(text, origin=str(path), name=path.stem)
+
+
+_QUOTED = re.compile(
+    r""""{3}(?:\\.|[^\\])*?"{3}|\'{3}.*?\'{3}"""
+    r"""|"(?:\\.|[^"\\\n])*+"|\'[^\'\n]*+\'|\#[^\n]*+""",
+    re.DOTALL,
+)
+
+
+def _is_deep(text: str) -> bool:
+    """Whether keys or brackets are nested deeper than any design's: the parser takes long then."""
+    bare = _QUOTED.sub("_", text)
+    depth = deepest = 0
+    for sign in re.findall(r"[\[{}\]]", bare):
+        depth = depth + 1 if sign in "[{" else max(depth - 1, 0)
+        deepest = max(deepest, depth)
+    return deepest > DEEPEST or any(
+        part.count(".") > DEEPEST for part in re.split(r"[=,{}\[\]\n]", bare)
+    )
 
 
 def _exists(path: Path) -> bool:
@@ -302,7 +320,7 @@ def _line_of(text: str, path: KeyPath) -> int | None:
     while path and isinstance(path[-1], int) and len(path) != 2:
         path = path[:-1]  # a number within a list stands on the list's line
     lines = text.splitlines(keepends=True)
-    if not path or len(lines) > _LOCATED_LINES:
+    if not path or len(lines) > _LOCATED_LINES or len(text) > _LOCATED_BYTES:
         return None
     start = 1
     for count in range(1, len(lines) + 1):

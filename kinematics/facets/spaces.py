@@ -27,7 +27,7 @@ from kinematics.facets.solids import (
     build_solid,
 )
 from kinematics.mechanism import D
-from kinematics.saving import save
+from kinematics.storage import write_file
 
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
     from kinematics.solids.csg import BuiltSolid, SolidMesh
@@ -296,7 +296,7 @@ class ShownSolid:
         from kinematics.solids.files import encode
 
         to = Path(path)
-        return save(to, encode(self.mesh, to.suffix.removeprefix(".").lower()))
+        return write_file(to, encode(self.mesh, to.suffix.removeprefix(".").lower()))
 
     def to_dict(self) -> dict[str, Any]:
         """As the command line's JSON has it."""
@@ -333,4 +333,4 @@ class ShownSection(Section):
 
         to = Path(path)
         kind = to.suffix.removeprefix(".").lower()
-        return save(to, section_bytes(self, self.plane, kind))
+        return write_file(to, section_bytes(self, self.plane, kind))

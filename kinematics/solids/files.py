@@ -17,9 +17,8 @@ KINDS = ("stl", "3mf", "ply", "glb", "obj")
 def encode(mesh: SolidMesh, kind: str, *, is_open: bool = False) -> bytes:
     """The bytes of a file of ``kind``, one of `KINDS`; a surface ``is_open`` if it has a rim.
 
-    Coordinates are mm in every format. 3MF says so in its unit, STL in its header, PLY and OBJ
-    in a comment, GLB in ``asset.extras``: glTF means metres, but a designer who loads the same
-    solid from two files wants the same numbers.
+    Coordinates are mm with z upwards, but in GLB metres with y upwards, as glTF demands. 3MF states
+    its unit, STL in its header, PLY and OBJ in a comment.
 
     Raises:
         InputError: there is no such kind, or the mesh has no faces.
@@ -58,11 +57,14 @@ def _ply(surface: Any) -> bytes:
 
 
 def _glb(surface: Any) -> bytes:
-    def stated(tree: dict[str, Any]) -> None:
-        tree["asset"]["extras"] = {"unit": "mm"}
+    """In metres with y upwards, as glTF demands: (x, y, z) mm becomes (x, z, −y) m."""
 
-    scene = surface.scene()
-    data: bytes = scene.export(file_type="glb", tree_postprocessor=stated)
+    def stated(tree: dict[str, Any]) -> None:
+        tree["asset"]["extras"] = {"unit": "m", "up": "y", "written_by": "Bohemia"}
+
+    x, y, z = 1e-3 * surface.vertices.T
+    turned = type(surface)(np.stack([x, z, -y], axis=-1), surface.faces, process=False)
+    data: bytes = turned.scene().export(file_type="glb", tree_postprocessor=stated)
     return data
 
 

@@ -13,7 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline, splev, splprep
+from scipy.interpolate import CubicSpline, PPoly, splev, splprep
 
 from kinematics.answers.trajectories import Derivatives, Path
 from kinematics.arrays import Array, finite
@@ -93,11 +93,16 @@ class Polyline:
 
 @dataclass(frozen=True)
 class Spline:
-    """The natural cubic spline through points, which are at given shares of the way."""
+    """The natural cubic spline through points, which are at given shares of the way.
+
+    Where a point follows itself the way rests there: the parts before and after it end and begin
+    with no speed. With ``corners`` the points are joined by straight ways.
+    """
 
     points: tuple[Pose, ...]
     shares: tuple[float, ...]
     scale: Pose
+    corners: bool = False
 
     @property
     def length(self) -> float:
@@ -174,11 +179,18 @@ def polyline(points: ArrayLike, scale: Sequence[float], blend: float = 0.0) -> P
     return Polyline(checked, tuple(scale), float(blend))
 
 
-def spline(points: ArrayLike, scale: Sequence[float], shares: ArrayLike | None = None) -> Path:
-    """A smooth path through points (N, P); of two points a line.
+def spline(
+    points: ArrayLike,
+    scale: Sequence[float],
+    shares: ArrayLike | None = None,
+    *,
+    corners: bool = False,
+) -> Path:
+    """A smooth path through points (N, P), or with corners straight ways; of two points a line.
 
     Args:
-        shares: (N,) where on the way they are, increasing; None: by the lengths of their chords.
+        shares: (N,) where on the way they are, increasing; None: by the lengths of their chords. A
+            point that follows itself at a later share is a rest.
 
     Raises:
         InputError: as of `polyline`, or shares that do not increase.
@@ -196,7 +208,7 @@ def spline(points: ArrayLike, scale: Sequence[float], shares: ArrayLike | None =
     along = (along - along[0]) / (along[-1] - along[0])
     if len(checked) == 2:
         return Line(checked[0], checked[1], tuple(scale))
-    return Spline(checked, tuple(along.tolist()), tuple(scale))
+    return Spline(checked, tuple(along.tolist()), tuple(scale), corners)
 
 
 def drawn(points: ArrayLike, scale: Sequence[float], smooth: float = 1.0) -> Path:
@@ -270,8 +282,24 @@ def _polyline(path: Polyline) -> _Parts:
 
 
 @lru_cache(maxsize=64)
-def _cubic(path: Spline) -> CubicSpline:
-    return CubicSpline(np.array(path.shares), np.array(path.points), bc_type="natural")
+def _cubic(path: Spline) -> PPoly:
+    """The pieces between the points, from rest to rest."""
+    shares, points = np.array(path.shares), np.array(path.points)
+    rests = np.linalg.norm(np.diff(points * np.array(path.scale), axis=0), axis=1) < SAME
+    # Where a part of its own begins; the last one ends with the last point.
+    starts = [n for n in range(len(rests)) if path.corners or n == 0 or rests[n] or rests[n - 1]]
+    parts = []
+    for first, last in pairwise([*starts, len(rests)]):
+        if last - first == 1 and (path.corners or rests[first]):
+            slope = np.diff(points[first : last + 1], axis=0) / np.diff(shares[first : last + 1])
+            zero = np.zeros_like(slope)
+            parts.append(np.stack([zero, zero, zero if rests[first] else slope, points[[first]]]))
+            continue
+        natural, still = (2, np.zeros(points.shape[1])), (1, np.zeros(points.shape[1]))
+        ends = (still if first else natural, still if last < len(rests) else natural)
+        here = slice(first, last + 1)
+        parts.append(CubicSpline(shares[here], points[here], bc_type=ends).c)
+    return PPoly(np.concatenate(parts, axis=1), shares)
 
 
 @lru_cache(maxsize=64)

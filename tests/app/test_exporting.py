@@ -39,6 +39,9 @@ def read_back(data: bytes, kind: str) -> trimesh.Trimesh:
     mesh = trimesh.load(io.BytesIO(data), file_type=kind, force="mesh")
     assert isinstance(mesh, trimesh.Trimesh)
     mesh.merge_vertices()
+    if kind == "glb":  # metres, y upwards
+        x, y, z = 1000.0 * mesh.vertices.T
+        mesh.vertices = np.stack([x, -z, y], axis=-1)
     return mesh
 
 
@@ -51,7 +54,7 @@ def test_the_formats_are_those_that_can_be_encoded() -> None:
 def test_a_file_holds_the_solid_in_base_coordinates(kind: str) -> None:
     solid = built()
     file = files.solid_file(solid, PLACEMENT, kind, name="a_b")
-    assert file.name == ("a_b.3mf" if kind == "3mf" else f"a_b_mm.{kind}")
+    assert file.name == (f"a_b.{kind}" if kind in ("3mf", "glb") else f"a_b_mm.{kind}")
     mesh = read_back(file.data, kind)
     assert mesh.is_watertight
     assert mesh.volume == pytest.approx(solid.volume, rel=1e-5)

@@ -1,7 +1,7 @@
 """Files that leave Bohemia: pure functions from results to a file name and its bytes.
 
 Solids leave in base coordinates. Lengths are mm; only 3MF states a unit that every reader honours,
-so the names of the others end in ``_mm``.
+so the names of the others end in ``_mm``; GLB is in metres, as it must be.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
     from kinematics.solids.csg import BuiltSolid, SolidMesh
 
 FORMATS: tuple[str, ...] = ("stl", "3mf", "ply", "glb", "obj")
-WITH_UNIT = frozenset({"3mf"})
+WITH_UNIT = frozenset({"3mf", "glb"})
 MEDIA_TYPES = {
     "stl": "model/stl",
     "3mf": "model/3mf",

@@ -109,8 +109,6 @@ def trajectory(
         dependent, poses, times = points.dependent, points.poses, points.times or ()
         if dependent is not None:
             poses = tuple(machine.complete_pose(pose, mode) for pose in poses)
-        if times and through == "lines":
-            raise InputError("--through lines: points with times are joined by a spline")
         if times and law is not None:
             raise InputError("--law: the file gives the times, so that there is no law to choose")
         plan = state.Plan(
@@ -154,27 +152,18 @@ def trajectory(
 def _points(machine: Machine[Any], path: str) -> Points:
     """What the file of a path says."""
     from app.features.trajectory.files import LARGEST, read_points
+    from kinematics.storage import read_text
 
     names, file = _names(machine), Path(path)
     known = f"paths by name are {', '.join(names)}" if names else "none has a name"
-    try:
-        if not file.is_file():
-            raise OSError
-        with file.open("rb") as opened:
-            data = opened.read(LARGEST + 1)
-    except (OSError, ValueError):
+    if "\0" in path or not file.exists():
         if file.suffix or file.name != path:
-            raise InputError(f"there is no file {path!r} that can be read; {known}") from None
+            raise InputError(f"there is no file {path!r} that can be read; {known}")
         raise InputError(
             f"there is no such path {path!r} of a {machine.title}: {known}, any other is a CSV "
             "file of points"
-        ) from None
-    if len(data) > LARGEST:
-        raise InputError(f"{path}: longer than 16 MB, which no path is")
-    try:
-        text = data.decode()
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: not a text file in UTF-8, so not a list of points") from None
+        )
+    text = read_text(file, LARGEST, "a list of points")
     return read_points(text, machine.coordinates, origin=path, dependent=machine.dependent)
 
 

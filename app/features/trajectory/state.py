@@ -313,7 +313,7 @@ def path_of(plan: Plan, machine: Machine[Any]) -> tuple[Path, TimeLaw]:
     elif plan.way == STROKE:
         path = drawn(plan.stroke, scale, plan.smooth)
     elif plan.way == FILE and plan.times:
-        path = spline(plan.file, scale, plan.times)
+        path = spline(plan.file, scale, plan.times, corners=plan.through == "lines")
         return path, _law(plan, path, law("linear", plan.times[-1] - plan.times[0]))
     else:
         points = plan.points if plan.way == POINTS else plan.file

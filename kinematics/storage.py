@@ -1,0 +1,89 @@
+"""Files in and out: only regular files are read, up to a limit; what is written is whole."""
+
+from __future__ import annotations
+
+import os
+import secrets
+import stat
+from contextlib import suppress
+from pathlib import Path
+
+from kinematics.errors import InputError
+
+
+def read_file(path: Path | str, limit: int, what: str) -> bytes:
+    """The bytes of a regular file (or of a link to one) of at most ``limit`` bytes.
+
+    Args:
+        what: what the file should be, as "a design file"; for messages.
+
+    Raises:
+        InputError: it is no regular file, too long, or cannot be read.
+    """
+    place = Path(path)
+    # Not to wait for whoever writes into a pipe; of a file it changes nothing.
+    flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+    try:
+        handle = os.open(place, flags)
+        if not stat.S_ISREG(os.fstat(handle).st_mode):
+            os.close(handle)
+            raise InputError(f"{place}: cannot be read (no regular file, so not {what})")
+        with os.fdopen(handle, "rb") as file:
+            data = file.read(limit + 1)
+    except (OSError, ValueError) as error:
+        raise InputError(f"{place}: cannot be read ({_reason(error)})") from None
+    if len(data) > limit:
+        size = f"{limit // 1024} kB" if limit < 1 << 20 else f"{limit >> 20} MB"
+        raise InputError(f"{place}: longer than {size}, so not {what}")
+    return data
+
+
+def read_text(path: Path | str, limit: int, what: str) -> str:
+    """The text of a regular file in UTF-8 (a byte order mark is left out), see `read_file`.
+
+    Raises:
+        InputError: as of `read_file`, or it is not text.
+    """
+    try:
+        return read_file(path, limit, what).decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not text in UTF-8, so not {what}") from None
+
+
+def write_file(path: Path | str, data: bytes) -> Path:
+    """Write a file beside its place and move it there: a failure leaves what was there whole.
+
+    Links are followed and the permissions of an existing file are kept. What is no regular file
+    (a device, a pipe) is written to directly. Returns the path as given.
+
+    Raises:
+        InputError: it cannot be written.
+    """
+    place = Path(path)
+    beside: Path | None = None
+    try:
+        target = Path(os.path.realpath(place))
+        mode = target.stat().st_mode if target.exists() else None
+        if mode is not None and not stat.S_ISREG(mode):
+            target.write_bytes(data)
+            return place
+        beside = target.with_name(f".{target.name[:100]}.{secrets.token_hex(4)}")
+        flags = os.O_CREAT | os.O_EXCL | os.O_WRONLY | getattr(os, "O_BINARY", 0)
+        with os.fdopen(os.open(beside, flags, 0o666), "wb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        if mode is not None:
+            beside.chmod(stat.S_IMODE(mode))
+        beside.replace(target)
+    except (OSError, ValueError) as error:
+        if beside is not None:
+            with suppress(OSError):
+                beside.unlink(missing_ok=True)
+        raise InputError(f"{place}: cannot be written ({_reason(error)})") from None
+    return place
+
+
+def _reason(error: Exception) -> str:
+    said = getattr(error, "strerror", None) or str(error)
+    return said[:1].lower() + said[1:]
