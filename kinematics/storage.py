@@ -80,7 +80,7 @@ def write_file(path: Path | str, data: bytes) -> Path:
         if beside is not None:
             with suppress(OSError):
                 beside.unlink(missing_ok=True)
-        raise InputError(f"{place}: cannot be written ({_reason(error)})") from None
+        raise InputError(f"cannot write {str(place)!r}: {_reason(error)}") from None
     return place
 
 

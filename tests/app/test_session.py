@@ -52,7 +52,7 @@ def test_files_are_replaced_whole(review: Review, tmp_path: Path) -> None:
 
 
 def test_a_folder_that_is_not_there(review: Review, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="cannot be written"):
+    with pytest.raises(InputError, match="cannot write"):
         session.save(review, tmp_path / "none" / "x.json")
     with pytest.raises(InputError, match="cannot be read"):
         session.load(tmp_path / "none.json")

@@ -60,7 +60,7 @@ def test_a_failure_leaves_the_old_file_whole_and_nothing_beside_it(
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(os, "fsync", full)
-    with pytest.raises(InputError, match=r"a\.stl: cannot be written \(no space left on device\)"):
+    with pytest.raises(InputError, match=r"cannot write .*a\.stl': no space left on device"):
         storage.write_file(file, b"new")
     assert file.read_bytes() == b"old"
     assert [each.name for each in tmp_path.iterdir()] == ["a.stl"]
@@ -68,5 +68,5 @@ def test_a_failure_leaves_the_old_file_whole_and_nothing_beside_it(
 
 def test_a_device_is_written_to_directly() -> None:
     storage.write_file(os.devnull, b"gone")
-    with pytest.raises(InputError, match="cannot be written"):
+    with pytest.raises(InputError, match="cannot write"):
         storage.write_file("/dev/full" if Path("/dev/full").exists() else "/", b"much")
