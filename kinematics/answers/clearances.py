@@ -53,6 +53,10 @@ class DesignChange:
     text: str
 
 
+DesignChanges = tuple[tuple[DesignChange, ...], ...]
+"""For each way, the changes that together are enough."""
+
+
 @dataclass(frozen=True, slots=True)
 class Remedy:
     """The ways out of a pose that cannot be held.
@@ -72,7 +76,7 @@ class Remedy:
 
     nearest: Posture | None
     distance: float
-    changes: tuple[tuple[DesignChange, ...], ...]
+    changes: DesignChanges
     text: str
     modes: tuple[str, ...] = ()
     error: float = 0.0

@@ -2,12 +2,26 @@
 
 from __future__ import annotations
 
-from math import nan
+from collections.abc import Iterable
+from math import ceil, floor, inf
+from typing import NamedTuple
 
-from kinematics.answers.clearances import Clearance, Remedy
+from kinematics.answers.bounds import Bound, decimals
+from kinematics.answers.clearances import Clearance, DesignChanges, Remedy
 from kinematics.answers.solutions import Posture
+from kinematics.arrays import Array
 from kinematics.facets.facet import Facet
+from kinematics.facets.inverse import InverseFacet
 from kinematics.mechanism import D
+
+
+class Nearest(NamedTuple):
+    """A posture that can be held, how far it is, mm, and by how much another may be nearer:
+    infinite where it was searched for and not proven."""
+
+    posture: Posture
+    distance: float
+    error: float
 
 
 class ClearancesFacet(Facet[D]):
@@ -16,9 +30,91 @@ class ClearancesFacet(Facet[D]):
     topic = "clearances"
 
     def of(self, posture: Posture, *, singular: bool = True) -> tuple[Clearance, ...]:
-        """What is nearest of each kind; not ``singular``: without what takes longer to find."""
-        return ()
+        """What is nearest of each kind, the nearest first.
+
+        Where a bound is passed already its distance is negative: the way back to it.
+
+        Args:
+            singular: also singularities, which take longer to find.
+        """
+        found = list(self.to_bounds(posture))
+        if singular:
+            found += self.to_singularities(posture)
+        return tuple(sorted(found, key=lambda clearance: clearance.distance))
 
     def nearest_pose(self, posture: Posture) -> Remedy:
         """The ways out of a pose that cannot be held: another pose, other modes, another design."""
-        return Remedy(None, nan, (), "")
+        if posture.reachable:
+            return Remedy(posture, 0.0, (), "this pose can be held")
+        inverse = self.other(InverseFacet)(posture.pose)
+        held = zip(inverse.modes, inverse.within_stroke, strict=True)
+        modes = tuple(mode for mode, within in held if within)
+        changes = self.changes(posture)
+        found, text = self.nearest(posture, modes, changes)
+        if found is None:
+            return Remedy(None, inf, changes, text, modes, inf)
+        return Remedy(found.posture, found.distance, changes, text, modes, found.error)
+
+    # --- what a mechanism knows
+
+    def to_bounds(self, posture: Posture) -> Iterable[Clearance]:
+        """To the ends of ranges, changes of the working mode, the workspace's boundary."""
+        return ()
+
+    def to_singularities(self, posture: Posture) -> Iterable[Clearance]:
+        """To the nearest parallel and constraint singularities."""
+        return ()
+
+    def nearest(
+        self,
+        posture: Posture,
+        modes: tuple[str, ...],
+        changes: DesignChanges,
+    ) -> tuple[Nearest | None, str]:
+        """The nearest posture that can be held, and a sentence about the ways out.
+
+        Args:
+            modes: other modes in which the very pose can be held.
+            changes: of the design that would allow the pose.
+        """
+        return None, "no nearer pose is sought for this mechanism"
+
+    def changes(self, posture: Posture) -> DesignChanges:
+        """For each way, the smallest changes of the design that together would allow the pose."""
+        return ()
+
+
+def to_range_end(bound: Bound, amount: float, point: Array, error: float) -> Clearance:
+    """The clearance to the end of a limb's stroke, at a point (3,)."""
+    text = f"{far(amount)} the end of limb {bound.limb}'s stroke ({bound.name})"
+    return Clearance("stroke", amount, place(point), text, bound.limb, bound, error)
+
+
+def to_parallel(amount: float, point: Array, error: float) -> Clearance:
+    """The clearance to a parallel singularity, at a point (3,)."""
+    text = f"{far(amount)} a parallel singularity"
+    return Clearance("parallel", amount, place(point), text, error=error)
+
+
+def far(amount: float) -> str:
+    """ "1.2 mm to", or "1.2 mm beyond" of negative amounts."""
+    return f"{mm(abs(amount))} {'to' if amount >= 0.0 else 'beyond'}"
+
+
+def mm(distance: float) -> str:
+    """ "1.2 mm"."""
+    return f"{distance:.{decimals(distance)}f} mm"
+
+
+def place(point: Array) -> tuple[float, float, float]:
+    """A point (3,) as it is told."""
+    x, y, z = point.tolist()
+    return x, y, z
+
+
+def outwards(before: float, after: float) -> str:
+    """A new value with few decimals, rounded away from the old one so that it still does."""
+    digits = decimals(abs(after - before))
+    scale = 10.0**digits
+    rounded = ceil(after * scale) if after > before else floor(after * scale)
+    return f"{rounded / scale:.{digits}f}"

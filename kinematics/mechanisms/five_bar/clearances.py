@@ -6,18 +6,19 @@ the posture's working mode. Lengths mm, angles rad.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import lru_cache
 
 import numpy as np
 
-from kinematics.answers.bounds import bound_of, range_of
+from kinematics.answers.bounds import Bound, bound_of, range_of
 from kinematics.answers.clearances import Clearance, ClearanceKind
 from kinematics.answers.sections import BOUNDS
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
 from kinematics.mechanisms.five_bar import workspace
 from kinematics.mechanisms.five_bar.curve_pieces import Piece, pieces
-from kinematics.mechanisms.five_bar.design import LIMBS, SUBSCRIPTS, FiveBarDesign
+from kinematics.mechanisms.five_bar.design import LIMBS, FiveBarDesign
 from kinematics.mechanisms.five_bar.inverse import LIMITS
 from kinematics.mechanisms.five_bar.loci import base_points
 from kinematics.mechanisms.five_bar.nearest_pose import NearestPose, nearest_on
@@ -29,30 +30,21 @@ _LINK = BOUNDS.index("link")
 class Clearances(NearestPose):
     """Of the posture's own working mode."""
 
-    def of(self, posture: Posture, *, singular: bool = True) -> tuple[Clearance, ...]:
-        """The nearest parallel singularity; the boundary; for each limb the place where its working
-        mode changes, and the ends of its range. The nearest first; none where the posture cannot
-        be held; without the parallel one if not ``singular``.
+    def to_bounds(self, posture: Posture) -> Iterator[Clearance]:
+        """The boundary; for each limb the place where its working mode changes, and the ends of its
+        range. None where the posture cannot be held.
         """
-        design, at = self.design, posture
-        if not at.reachable:
-            return ()
-        p = np.array(at.pose)
-        found: list[Clearance] = []
-        curve = nearest_parallel(design, at.mode, p) if singular else None
-        if curve is not None:
-            point, extended = curve
-            how = "B₁, P and B₂ come into line" if extended else "the distal links fold together"
-            found.append(_clearance(design, "parallel", p, point, f"{how}", 0, ""))
-        edges = [edge for loop in workspace.loops(design, (at.mode,)) for edge in loop]
+        design = self.design
+        if not posture.reachable:
+            return
+        p = np.array(posture.pose)
+        edges = [edge for loop in workspace.loops(design, (posture.mode,)) for edge in loop]
         nearest = nearest_on(edges, p)
         if nearest is not None:
             edge, point = nearest
             limb = int(edge.shown.limb[0])
             bound = bound_of(LIMITS, limb, BOUNDS[int(edge.shown.bound[0])])
-            found.append(
-                _clearance(design, "boundary", p, point, "the workspace ends", limb, bound)
-            )
+            yield _clearance(design, "boundary", p, point, "the workspace ends", bound)
         for i in range(LIMBS):
             of_limb = [edge for edge in edges if int(edge.shown.limb[0]) == i + 1]
             links = [edge for edge in of_limb if int(edge.shown.bound[0]) == _LINK]
@@ -63,18 +55,22 @@ class Clearances(NearestPose):
             if points:
                 point = min(points, key=lambda each: float(np.hypot(*(each - p))))
                 text = f"limb {i + 1} comes to its serial singularity"
-                found.append(
-                    _clearance(
-                        design, "mode", p, point, text, i + 1, bound_of(LIMITS, i + 1, "link")
-                    )
-                )
+                link = bound_of(LIMITS, i + 1, "link")
+                yield _clearance(design, "mode", p, point, text, link)
             for bound in range_of(LIMITS, i + 1):
                 ends = [e for e in of_limb if BOUNDS[int(e.shown.bound[0])] == bound]
                 end = nearest_on(ends, p)
                 if end is not None:
-                    text = f"θ{SUBSCRIPTS[i]} comes to the end of its range"
-                    found.append(_clearance(design, "stroke", p, end[1], text, i + 1, bound))
-        return tuple(sorted(found, key=lambda each: each.distance))
+                    text = f"{bound.joint} comes to the end of its range"
+                    yield _clearance(design, "stroke", p, end[1], text, bound)
+
+    def to_singularities(self, posture: Posture) -> Iterator[Clearance]:
+        p = np.array(posture.pose)
+        curve = nearest_parallel(self.design, posture.mode, p) if posture.reachable else None
+        if curve is not None:
+            point, extended = curve
+            how = "B₁, P and B₂ come into line" if extended else "the distal links fold together"
+            yield _clearance(self.design, "parallel", p, point, how)
 
 
 def _clearance(
@@ -83,21 +79,13 @@ def _clearance(
     p: Array,
     point: Array,
     what: str,
-    limb: int,
-    bound: str,
+    bound: Bound | None = None,
 ) -> Clearance:
     distance = float(np.hypot(*(point - p)))
     text = f"{distance:.1f} mm to where {what}"
     x, y = (float(v) for v in point)
-    return Clearance(
-        kind,
-        distance,
-        (x, y, 0.0),
-        text,
-        limb or None,
-        bound,
-        1e-9 * design.size,
-    )
+    limb = None if bound is None else bound.limb
+    return Clearance(kind, distance, (x, y, 0.0), text, limb, bound or "", 1e-9 * design.size)
 
 
 def nearest_parallel(design: FiveBarDesign, mode: str, p: Array) -> tuple[Array, bool] | None:

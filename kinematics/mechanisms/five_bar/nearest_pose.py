@@ -7,11 +7,11 @@ from itertools import product
 
 import numpy as np
 
-from kinematics.answers.clearances import DesignChange, Remedy
+from kinematics.answers.clearances import DesignChange, DesignChanges
 from kinematics.answers.solutions import Posture, Reason
 from kinematics.arrays import Array
 from kinematics.errors import DesignError
-from kinematics.facets.clearances import ClearancesFacet
+from kinematics.facets.clearances import ClearancesFacet, Nearest
 from kinematics.facets.inverse import posture as posture_at
 from kinematics.mechanisms.five_bar import workspace
 from kinematics.mechanisms.five_bar.design import SCHEMA, FiveBarDesign
@@ -25,38 +25,56 @@ _IN = 1e-9  # of the size: how far inside the boundary the nearest posture is pu
 class NearestPose(ClearancesFacet[FiveBarDesign]):
     """Exact: the nearest arc of the workspace's boundary."""
 
-    def nearest_pose(self, posture: Posture) -> Remedy:
-        """The nearest posture that can be held, and changes of the design that allow this one."""
-        design, at = self.design, posture
-        if at.reachable:
-            return Remedy(at, 0.0, (), "the pose can be held as it is")
-        p = np.array(at.pose)
-        nearest, distance = None, float("inf")
-        for mode in (at.mode, *(other for other in MODES if other != at.mode)):
-            edges = [edge for loop in workspace.loops(design, (mode,)) for edge in loop]
-            found = nearest_on(edges, p)
-            if found is None:
-                continue
-            inside = _into(design, found[0], found[1], mode)
-            if inside is not None and (nearest is None or mode == at.mode):
-                nearest, distance = inside, float(np.hypot(*(np.array(inside.pose) - p)))
+    def nearest(
+        self,
+        posture: Posture,
+        modes: tuple[str, ...],
+        changes: DesignChanges,
+    ) -> tuple[Nearest | None, str]:
+        found = None
+        for mode in (posture.mode, *(other for other in MODES if other != posture.mode)):
+            found = self._in_mode(posture, mode)
+            if found is not None:
                 break
-        changes = _changes(design, at)
-        others = tuple(
-            m for m in MODES if m != at.mode and posture_at(design, at.pose, m).reachable
-        )
-        if nearest is None:
+        if found is None:
             text = "the limbs do not reach a common place, so no pose can be held"
-        elif nearest.mode == at.mode:
-            text = f"the nearest place that can be held is {distance:.1f} mm away"
         else:
-            text = (
-                f"the nearest place that can be held is {distance:.1f} mm away, in working mode "
-                f"{nearest.mode.replace('-', '−')}"
-            )
+            text = f"the nearest place that can be held is {found.distance:.1f} mm away"
+            if found.posture.mode != posture.mode:
+                text += f", in working mode {found.posture.mode.replace('-', '−')}"
         if changes:
             text += f"; or {' and '.join(change.text for change in changes[0])}"
-        return Remedy(nearest, distance, changes, text, others, 2e-6 * design.size)
+        return found, text
+
+    def _in_mode(self, posture: Posture, mode: str) -> Nearest | None:
+        design, p = self.design, np.array(posture.pose)
+        edges = [edge for loop in workspace.loops(design, (mode,)) for edge in loop]
+        found = nearest_on(edges, p)
+        inside = None if found is None else _into(design, found[0], found[1], mode)
+        if inside is None:
+            return None
+        distance = float(np.hypot(*(np.array(inside.pose) - p)))
+        return Nearest(inside, distance, 2e-6 * design.size)
+
+    def changes(self, posture: Posture) -> DesignChanges:
+        """For each limb every single number that would do; together they must allow the pose."""
+        design, at = self.design, posture
+        options = [list(_options(design, at, reason)) for reason in at.reasons]
+        found: list[tuple[float, tuple[DesignChange, ...]]] = []
+        for together in product(*options):
+            changed: FiveBarDesign = design
+            try:
+                for path, value in together:
+                    changed = SCHEMA.changed(changed, path, value)
+            except DesignError:
+                continue
+            if not posture_at(changed, at.pose, at.mode).reachable:
+                continue
+            changes = tuple(_described(design, path, value) for path, value in together)
+            size = sum(abs(c.after - c.before) for c in changes)
+            found.append((size, changes))
+        found.sort(key=lambda each: each[0])
+        return tuple(changes for _, changes in found)
 
 
 def nearest_on(edges: list[Edge], p: Array) -> tuple[Edge, Array] | None:
@@ -80,26 +98,6 @@ def _into(design: FiveBarDesign, edge: Edge, point: Array, mode: str) -> Posture
                 if tried.reachable:
                     return tried
     return None
-
-
-def _changes(design: FiveBarDesign, at: Posture) -> tuple[tuple[DesignChange, ...], ...]:
-    """For each limb every single number that would do; together they must allow the pose."""
-    options = [list(_options(design, at, reason)) for reason in at.reasons]
-    found: list[tuple[float, tuple[DesignChange, ...]]] = []
-    for together in product(*options):
-        changed: FiveBarDesign = design
-        try:
-            for path, value in together:
-                changed = SCHEMA.changed(changed, path, value)
-        except DesignError:
-            continue
-        if not posture_at(changed, at.pose, at.mode).reachable:
-            continue
-        changes = tuple(_described(design, path, value) for path, value in together)
-        size = sum(abs(c.after - c.before) for c in changes)
-        found.append((size, changes))
-    found.sort(key=lambda each: each[0])
-    return tuple(changes for _, changes in found)
 
 
 Path = tuple[str | int, ...]

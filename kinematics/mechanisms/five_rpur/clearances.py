@@ -8,16 +8,19 @@ solids, so the nearest of all these is its boundary. Lengths mm, base frame.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
-from kinematics.answers.bounds import Bound, bound_of, decimals, named, range_of
+from kinematics.answers.bounds import bound_of, named, range_of
 from kinematics.answers.clearances import Clearance
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
+from kinematics.facets.clearances import far, place, to_parallel, to_range_end
 from kinematics.mechanisms.five_rpur.design import LIMBS
 from kinematics.mechanisms.five_rpur.feet import ERROR, feet
 from kinematics.mechanisms.five_rpur.inverse import LIMITS, signs
-from kinematics.mechanisms.five_rpur.nearest_pose.ways_in import NearestPose
+from kinematics.mechanisms.five_rpur.nearest_pose.facet import NearestPose
 from kinematics.mechanisms.five_rpur.offsets import offset_points
 from kinematics.mechanisms.five_rpur.singularities.nearest import nearest_singularity
 from kinematics.screws.spatial import rotation_y
@@ -26,16 +29,11 @@ from kinematics.screws.spatial import rotation_y
 class Clearances(NearestPose):
     """The room of O′ at its orientation."""
 
-    def of(self, posture: Posture, *, singular: bool = True) -> tuple[Clearance, ...]:
-        """To every stroke end and working-mode change, to the workspace's boundary and, if
-        ``singular``, to the nearest parallel singularity, which takes longer to find.
+    def to_bounds(self, posture: Posture) -> list[Clearance]:
+        """To every stroke end and working-mode change, and to the workspace's boundary.
 
-        Where a bound is passed already its distance is negative: the way back to it. A limb that
-        cannot close has its reach alone, and the boundary is told of a posture that can be held
-        alone.
-
-        Returns:
-            The nearest first, negative ones before. Exact but for rounding.
+        A limb that cannot close has its reach alone, and the boundary is told of a posture that can
+        be held alone. Exact but for rounding.
         """
         design = self.design
         position, theta = np.array(posture.pose[:3]), posture.pose[4]
@@ -56,28 +54,22 @@ class Clearances(NearestPose):
             for end, bound in enumerate(range_of(LIMITS, i + 1)):
                 beyond = any(r.limb == i + 1 and r.bound == bound for r in posture.reasons)
                 amount = -float(distance[i, end]) if beyond else float(distance[i, end])
-                found.append(_stroke(i, bound, amount, foot[i, end], error))
+                found.append(to_range_end(bound, amount, foot[i, end], error))
         found.sort(key=lambda c: c.distance)
         if posture.reachable:
             # A stroke that begins at zero ends at ρ = 0, but the workspace does not.
             edge = next(c for c in found if c.bound != "rho_min" or design.stroke[_at(c), 0] > 0.0)
             found.insert(found.index(edge), _boundary(edge))
-        near = nearest_singularity(design, posture.pose, posture.mode) if singular else None
+        return found
+
+    def to_singularities(self, posture: Posture) -> Iterator[Clearance]:
+        near = nearest_singularity(self.design, posture.pose, posture.mode)
         if near is not None:
-            text = f"{_far(near.distance)} a parallel singularity"
-            found.append(
-                Clearance("parallel", near.distance, _xyz(near.point), text, error=near.error)
-            )
-        return tuple(sorted(found, key=lambda c: c.distance))
+            yield to_parallel(near.distance, near.point, near.error)
 
 
 def _at(clearance: Clearance) -> int:
     return (clearance.limb or 1) - 1
-
-
-def _stroke(i: int, bound: Bound, amount: float, point: Array, error: float) -> Clearance:
-    text = f"{_far(amount)} the end of limb {i + 1}'s stroke ({bound.name})"
-    return Clearance("stroke", amount, _xyz(point), text, i + 1, bound, error)
 
 
 def _reach(i: int, across: float, link: float, position: Array, error: float) -> Clearance:
@@ -85,11 +77,11 @@ def _reach(i: int, across: float, link: float, position: Array, error: float) ->
     amount = link - abs(across)
     point = position + np.array([0.0, amount if across >= 0.0 else -amount, 0.0])
     if amount >= 0.0:
-        text = f"{_far(amount)} where limb {i + 1} changes its working mode (its link along e₁)"
+        text = f"{far(amount)} where limb {i + 1} changes its working mode (its link along e₁)"
     else:
-        text = f"{_far(amount)} the reach of limb {i + 1}'s link (along e₁)"
+        text = f"{far(amount)} the reach of limb {i + 1}'s link (along e₁)"
     bound = bound_of(LIMITS, i + 1, "link")
-    return Clearance("mode", amount, _xyz(point), text, i + 1, bound, error)
+    return Clearance("mode", amount, place(point), text, i + 1, bound, error)
 
 
 def _boundary(edge: Clearance) -> Clearance:
@@ -98,15 +90,5 @@ def _boundary(edge: Clearance) -> Clearance:
         if edge.kind == "mode"
         else f"limb {edge.limb} at {named(edge.bound)}"
     )
-    text = f"{_far(edge.distance)} the boundary of the working mode's workspace ({where})"
+    text = f"{far(edge.distance)} the boundary of the working mode's workspace ({where})"
     return Clearance("boundary", edge.distance, edge.point, text, edge.limb, edge.bound, edge.error)
-
-
-def _far(amount: float) -> str:
-    word = "mm to" if amount >= 0.0 else "mm beyond"
-    return f"{abs(amount):.{decimals(abs(amount))}f} {word}"
-
-
-def _xyz(point: Array) -> tuple[float, float, float]:
-    x, y, z = point.tolist()
-    return (x, y, z)

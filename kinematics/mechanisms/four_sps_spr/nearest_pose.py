@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from math import ceil, floor
+from math import inf
 
 import numpy as np
 
-from kinematics.answers.bounds import decimals as digits
-from kinematics.answers.clearances import DesignChange, Remedy
+from kinematics.answers.bounds import named
+from kinematics.answers.clearances import DesignChange, DesignChanges
 from kinematics.answers.solutions import Posture
-from kinematics.facets.clearances import ClearancesFacet
+from kinematics.facets.clearances import ClearancesFacet, Nearest, mm, outwards
 from kinematics.facets.inverse import posture
 from kinematics.mechanisms.four_sps_spr.constraint import complete_pose
 from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
@@ -22,40 +22,41 @@ _HALVINGS = 40
 class NearestPose(ClearancesFacet[FourSPSSPRDesign]):
     """Exact at the orientation: a plane region bounded by arcs."""
 
-    def nearest_pose(self, posture: Posture) -> Remedy:
-        """The ways out of a posture that cannot be held.
-
-        Where the region is empty, the orientation is turned towards that of home as little as it
+    def nearest(
+        self,
+        posture: Posture,
+        modes: tuple[str, ...],
+        changes: DesignChanges,
+    ) -> tuple[Nearest | None, str]:
+        """Where the region is empty, the orientation is turned towards that of home as little as it
         takes, which is not proven to be the nearest of all.
         """
-        design, wanted = self.design, posture
-        if wanted.reachable:
-            return Remedy(wanted, 0.0, (), "this pose can be held")
-        found = _at(design, wanted, wanted.pose[3:])
-        error = 0.0
+        found = _at(self.design, posture, posture.pose[3:])
         if found is not None:
-            text = f"the nearest pose that can be held is {_mm(found[1])} away"
-        else:
-            found = _turned(design, wanted)
-            error = float("inf")
-            text = (
-                "no place can be held at this orientation, and none was found at others"
-                if found is None
-                else "no place can be held at this orientation; one that can, turned towards home, "
-                f"is {_mm(found[1])} away"
-            )
-        return Remedy(
-            nearest=None if found is None else found[0],
-            distance=float("inf") if found is None else found[1],
-            changes=_changes(design, wanted),
-            text=text,
-            error=error,
-        )
+            return found, f"the nearest pose that can be held is {mm(found.distance)} away"
+        found = _turned(self.design, posture)
+        none_here = "no place can be held at this orientation"
+        if found is None:
+            return None, f"{none_here}, and none was found at others"
+        away = mm(found.distance)
+        text = f"{none_here}; one that can, turned towards home, is {away} away"
+        return found._replace(error=inf), text
+
+    def changes(self, posture: Posture) -> DesignChanges:
+        """Longer strokes for all limbs at fault together; none where the constraint is violated."""
+        if not posture.closes:
+            return ()
+        ends: list[DesignChange] = []
+        for reason in posture.reasons:
+            limb, end = reason.limb - 1, int(reason.bound == "rho_max")
+            before, after = self.design.limbs[limb].stroke[end], posture.joints[limb]
+            label = f"{named(reason.bound)} of limb {limb + 1}"
+            text = f"{label} from {before:g} to {outwards(before, after)} mm"
+            ends.append(DesignChange(("limb", limb, "stroke", end), label, before, after, text))
+        return (tuple(ends),) if ends else ()
 
 
-def _at(
-    design: FourSPSSPRDesign, wanted: Posture, angles: tuple[float, ...]
-) -> tuple[Posture, float] | None:
+def _at(design: FourSPSSPRDesign, wanted: Posture, angles: tuple[float, ...]) -> Nearest | None:
     position = np.array(wanted.pose[:3])
     found = nearest_place(design, angles, position)
     if found is None:
@@ -66,10 +67,11 @@ def _at(
     if not there.reachable and max(r.amount for r in there.reasons) > 1e-6:
         return None
     known = np.clip(there.joints, design.stroke[:, 0], design.stroke[:, 1])
-    return posture(design, pose, known=known), float(np.linalg.norm(found[0] - position))
+    distance = float(np.linalg.norm(found[0] - position))
+    return Nearest(posture(design, pose, known=known), distance, 0.0)
 
 
-def _turned(design: FourSPSSPRDesign, wanted: Posture) -> tuple[Posture, float] | None:
+def _turned(design: FourSPSSPRDesign, wanted: Posture) -> Nearest | None:
     """The least part of the way to the angles of home that makes room."""
     start, goal = np.array(wanted.pose[3:]), np.array(home(design).pose[3:])
     low, high, best = 0.0, 1.0, None
@@ -86,26 +88,3 @@ def _turned(design: FourSPSSPRDesign, wanted: Posture) -> tuple[Posture, float] 
         if high - low < 1e-3:
             break
     return best
-
-
-def _changes(design: FourSPSSPRDesign, wanted: Posture) -> tuple[tuple[DesignChange, ...], ...]:
-    """Longer strokes for all limbs at fault together; none where the constraint is violated."""
-    if any(reason.bound == "link" for reason in wanted.reasons):
-        return ()
-    ends: list[DesignChange] = []
-    for reason in wanted.reasons:
-        limb = reason.limb - 1
-        end = 0 if reason.bound == "rho_min" else 1
-        before, after = design.limbs[limb].stroke[end], wanted.joints[limb]
-        places = digits(abs(after - before))
-        scale = 10.0**places
-        outwards = floor(after * scale) if end == 0 else ceil(after * scale)
-        name = ("l min", "l max")[end]
-        label = f"{name} of limb {limb + 1}"
-        text = f"{label} from {before:g} to {outwards / scale:.{places}f} mm"
-        ends.append(DesignChange(("limb", limb, "stroke", end), label, before, after, text))
-    return (tuple(ends),) if ends else ()
-
-
-def _mm(distance: float) -> str:
-    return f"{distance:.{digits(distance)}f} mm"

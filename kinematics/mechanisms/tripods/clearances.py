@@ -29,18 +29,13 @@ _REFINED = 5
 class Clearances(NearestPose):
     """Along a line, and by turning."""
 
-    def of(self, posture: Posture, *, singular: bool = True) -> tuple[Clearance, ...]:
-        """To stroke ends and parallel singularities at the orientation, and to singularities and
-        stroke ends by turning at the altitude; the nearest first.
+    def to_bounds(self, posture: Posture) -> list[Clearance]:
+        """To stroke ends and parallel singularities at the orientation, which are exact."""
+        return _along(self.design, posture) if posture.closes else []
 
-        Where a stroke end is passed already its distance is negative: the way back. Without
-        ``singular`` what is met by turning is left out, which has to be searched for.
-        """
-        design = self.design
-        if not posture.closes:
-            return ()
-        found = [*_along(design, posture), *(_turning(design, posture) if singular else [])]
-        return tuple(sorted(found, key=lambda clearance: clearance.distance))
+    def to_singularities(self, posture: Posture) -> list[Clearance]:
+        """To singularities and stroke ends by turning at the altitude, which are searched for."""
+        return _turning(self.design, posture) if posture.closes else []
 
 
 def _along(design: TripodDesign, posture: Posture) -> list[Clearance]:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinematics.answers.clearances import DesignChange, Remedy
+from kinematics.answers.clearances import DesignChange, DesignChanges
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
-from kinematics.facets.clearances import ClearancesFacet
+from kinematics.facets.clearances import ClearancesFacet, Nearest
 from kinematics.facets.inverse import posture as posture_at
 from kinematics.mechanisms.tripods import posing
-from kinematics.mechanisms.tripods.design import LIMBS, MODES, SCHEMA, TripodDesign, mode_sign
+from kinematics.mechanisms.tripods.design import LIMBS, SCHEMA, TripodDesign, mode_sign
 from kinematics.mechanisms.tripods.posing import Reduced
 from kinematics.mechanisms.tripods.study import translation
 
@@ -22,72 +22,59 @@ _REFINED = 5
 class NearestPose(ClearancesFacet[TripodDesign]):
     """Exact along the straight line that the orientation leaves, searched for at others."""
 
-    def nearest_pose(self, posture: Posture) -> Remedy:
-        """The nearest pose that can be held, first at the same orientation, and longer strokes.
-
-        At the orientation the nearest altitude is exact; if there is none, the nearest orientation
-        at the same altitude is searched for, by steps of some degrees that are made finer.
+    def nearest(
+        self,
+        posture: Posture,
+        modes: tuple[str, ...],
+        changes: DesignChanges,
+    ) -> tuple[Nearest | None, str]:
+        """At the orientation the nearest altitude is exact; if there is none, the nearest
+        orientation at the same altitude is searched for, by steps of some degrees that are made
+        finer.
         """
         design = self.design
-        if posture.reachable:
-            return Remedy(None, float("nan"), (), "")
-        modes = tuple(
-            mode
-            for mode in MODES
-            if mode != posture.mode and posture_at(design, posture.pose, mode).reachable
-        )
-        changes = _changes(design, posture)
         straight = _nearest_altitude(design, posture) if posture.closes else None
         if straight is not None:
-            nearest, way = straight
-            text = f"The nearest altitude at this orientation is Z = {nearest.pose[0]:.2f} mm."
-            return Remedy(nearest, way, changes, text, modes, _EXACT * design.size)
+            altitude = straight.posture.pose[0]
+            return straight, f"The nearest altitude at this orientation is Z = {altitude:.2f} mm."
         turned = _nearest_orientation(design, posture)
         if turned is None:
-            return Remedy(
-                None,
-                float("nan"),
-                changes,
+            return None, (
                 "No altitude at this orientation and no orientation at this altitude is within the "
-                "strokes.",
-                modes,
-                float("inf"),
+                "strokes."
             )
         here, there = (
             posing.positions(design, np.array(p.pose), p.mode) for p in (posture, turned)
         )
         _, tilt, azimuth = np.degrees(turned.pose)
-        text = (
+        return Nearest(turned, float(np.linalg.norm(there - here)), float("inf")), (
             f"The nearest orientation found at this altitude is a tilt of {tilt:.2f}° about the "
             f"azimuth {azimuth:.2f}°."
         )
-        return Remedy(
-            turned, float(np.linalg.norm(there - here)), changes, text, modes, float("inf")
-        )
 
-
-def _changes(design: TripodDesign, posture: Posture) -> tuple[tuple[DesignChange, ...], ...]:
-    """The stroke that reaches the pose: all limbs share it."""
-    if not posture.closes:
-        return ()
-    low, high = design.stroke
-    least, most = min(posture.joints), max(posture.joints)
-    change = []
-    wider = design
-    for index, (end, wanted, name) in enumerate(((low, least, "ρ min"), (high, most, "ρ max"))):
-        beyond = wanted < end if index == 0 else wanted > end
-        if not beyond:
-            continue
-        wider = SCHEMA.changed(wider, ("stroke", index), wanted)
-        change.append(
-            DesignChange(
-                ("stroke", index), name, end, wanted, f"{name} from {end:g} to {wanted:.2f} mm"
+    def changes(self, posture: Posture) -> DesignChanges:
+        """The stroke that reaches the pose: all limbs share it."""
+        design = self.design
+        if not posture.closes:
+            return ()
+        low, high = design.stroke
+        least, most = min(posture.joints), max(posture.joints)
+        change = []
+        wider = design
+        for index, (end, wanted, name) in enumerate(((low, least, "ρ min"), (high, most, "ρ max"))):
+            beyond = wanted < end if index == 0 else wanted > end
+            if not beyond:
+                continue
+            wider = SCHEMA.changed(wider, ("stroke", index), wanted)
+            change.append(
+                DesignChange(
+                    ("stroke", index), name, end, wanted, f"{name} from {end:g} to {wanted:.2f} mm"
+                )
             )
-        )
-    return (tuple(change),) if change else ()
+        return (tuple(change),) if change else ()
 
 
-def _nearest_altitude(design: TripodDesign, posture: Posture) -> tuple[Posture, float] | None:
+def _nearest_altitude(design: TripodDesign, posture: Posture) -> Nearest | None:
     """The nearest v at which all limbs are within their strokes: intervals, intersected."""
     pose = np.array(posture.pose)
     reduced = posing.reduce_poses(design, pose, posture.mode)
@@ -116,7 +103,7 @@ def _nearest_altitude(design: TripodDesign, posture: Posture) -> tuple[Posture, 
     best = min(inside, key=lambda value: abs(value - v))
     z = place(design, reduced, best, posture.mode)[2]
     found = posture_at(design, (z, *posture.pose[1:]), posture.mode)
-    return (found, abs(best - v)) if found.reachable else None
+    return Nearest(found, abs(best - v), _EXACT * design.size) if found.reachable else None
 
 
 def _nearest_orientation(design: TripodDesign, posture: Posture) -> Posture | None:

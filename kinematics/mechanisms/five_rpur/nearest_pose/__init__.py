@@ -1,6 +1,6 @@
 """Why a pose cannot be held and the ways out of it, for the 5-RPUR.
 
-causes          what is asked: the nearest posture, the changes of the design, in words
+facet           what is asked: the nearest posture, the changes of the design, in words
 projection      the nearest place of one mode's workspace at one orientation, proven
 turning         other orientations, by search, where there is none
 redesign        the smallest changes of single numbers that give a limb back to the pose

@@ -15,8 +15,8 @@ from itertools import combinations, product
 
 import numpy as np
 
-from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
+from kinematics.facets.clearances import Nearest
 from kinematics.facets.inverse import posture
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inverse import signs
@@ -164,18 +164,9 @@ def annuli(design: FiveRPURDesign, phi: float, theta: float, mode: str) -> Annul
     return Annuli(offset_points(design, phi, theta), design.link, design.stroke, signs(mode))
 
 
-@dataclass(frozen=True, slots=True)
-class Found:
-    """The nearest posture, how far it is, and by how much another may be nearer; mm."""
-
-    posture: Posture
-    distance: float
-    error: float
-
-
 def nearest(
     design: FiveRPURDesign, pose: tuple[float, ...], mode: str, within: float = np.inf
-) -> Found | None:
+) -> Nearest | None:
     """The posture of one mode at the pose's orientation with O' nearest to the pose's.
 
     Args:
@@ -197,7 +188,7 @@ def nearest(
         x, y, z = (turn @ point).tolist()
         there = posture(design, (x, y, z, phi, theta), mode)
         if there.reachable:
-            return Found(there, float(np.linalg.norm(point - place)), gap + 2.0 * nudge)
+            return Nearest(there, float(np.linalg.norm(point - place)), gap + 2.0 * nudge)
     return None
 
 

@@ -12,16 +12,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import chain
-from math import ceil, floor
+from math import ceil
 
 import numpy as np
 
-from kinematics.answers.bounds import decimals
 from kinematics.answers.clearances import DesignChange
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
 from kinematics.designs.schema import SHORTEST
 from kinematics.errors import BohemiaError
+from kinematics.facets.clearances import outwards
 from kinematics.facets.inverse import posture
 from kinematics.mechanisms.five_rpur.design import (
     SCHEMA,
@@ -227,7 +227,7 @@ def _least(shifts: Iterable[float], holds: Callable[[float], bool], size: float)
 def _change(design: FiveRPURDesign, path: tuple[str | int, ...], after: float) -> DesignChange:
     field = next(f for f in SCHEMA.fields(design) if f.path == path)
     label = f"{_NAMES.get(field.label, field.label)} of limb {int(path[1]) + 1}"
-    text = f"{label} from {field.value:g} to {_outwards(field.value, after)} mm"
+    text = f"{label} from {field.value:g} to {outwards(field.value, after)} mm"
     return DesignChange(path, label, field.value, after, text)
 
 
@@ -235,11 +235,3 @@ _NAMES = {
     "link l": "link",
     **{f"{key} {axis}": f"{key} point {axis}" for key in ("base", "platform") for axis in "xyz"},
 }
-
-
-def _outwards(before: float, after: float) -> str:
-    """The new value with few decimals, rounded away from the old one so that it still does."""
-    digits = decimals(abs(after - before))
-    scale = 10.0**digits
-    rounded = ceil(after * scale) if after > before else floor(after * scale)
-    return f"{rounded / scale:.{digits}f}"

@@ -7,15 +7,16 @@ that become ever smaller. What is found can be held; that nothing is nearer is n
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
+from kinematics.facets.clearances import Nearest
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inverse import MODES, inside, limb_lengths
-from kinematics.mechanisms.five_rpur.nearest_pose.projection import Found, nearest
+from kinematics.mechanisms.five_rpur.nearest_pose.projection import nearest
 from kinematics.mechanisms.five_rpur.offsets import offset_points
 from kinematics.screws.spatial import rotation_y, wrap_angle
 
@@ -29,7 +30,7 @@ _BATCH = 40  # orientations at a time
 _SHORT = 1e9  # mm; what cannot be held is worse than anything that can, the less the nearer it is
 
 
-def turned(design: FiveRPURDesign, wanted: Posture) -> Found | None:
+def turned(design: FiveRPURDesign, wanted: Posture) -> Nearest | None:
     """The nearest posture found in the wanted mode, else in any; None where none is found."""
     search = _Search(design, np.array(wanted.pose), (wanted.mode, None))
     for which, starts in enumerate(search.lattice()):
@@ -107,7 +108,7 @@ class _Search:
         poses[..., 3:] = angles[:, None]
         return poses
 
-    def from_starts(self, starts: Array, which: int) -> Found | None:
+    def from_starts(self, starts: Array, which: int) -> Nearest | None:
         """The best of clouds about starts that shrink, then the nearest of all at its angles."""
         design, target, mode = self.design, self.target, self.modes[which]
         if not len(starts):
@@ -138,7 +139,7 @@ class _Search:
             if inside(design, starts[best], [each]):
                 within = np.inf if found is None else found.distance
                 found = nearest(design, (x, y, z, phi, theta), each, within) or found
-        return None if found is None else replace(found, error=float("inf"))
+        return None if found is None else found._replace(error=float("inf"))
 
 
 def _shortfalls(design: FiveRPURDesign, poses: Array) -> Array:

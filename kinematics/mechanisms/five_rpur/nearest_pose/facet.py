@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from math import degrees
 
-from kinematics.answers.bounds import decimals
-from kinematics.answers.clearances import Remedy
+from kinematics.answers.clearances import DesignChanges
 from kinematics.answers.solutions import Posture
-from kinematics.facets.clearances import ClearancesFacet
+from kinematics.facets.clearances import ClearancesFacet, Nearest, mm
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
-from kinematics.mechanisms.five_rpur.inverse import MODES, inverse
-from kinematics.mechanisms.five_rpur.nearest_pose.projection import Found, nearest
+from kinematics.mechanisms.five_rpur.inverse import MODES
+from kinematics.mechanisms.five_rpur.nearest_pose.projection import nearest
 from kinematics.mechanisms.five_rpur.nearest_pose.redesign import changes
 from kinematics.mechanisms.five_rpur.nearest_pose.turning import turned
 
@@ -20,41 +19,35 @@ _MODES_NAMED = 3
 class NearestPose(ClearancesFacet[FiveRPURDesign]):
     """Proven at the orientation, searched for at others."""
 
-    def nearest_pose(self, posture: Posture) -> Remedy:
-        """The ways out of a posture that cannot be held.
-
-        The nearest posture is at the same orientation: in the same working mode, and where that has
-        no place there at all, in another one; both are proven to be the nearest (see `projection`).
-        Where no mode has any, other orientations are searched, of the same mode first (see
-        `turning`).
+    def nearest(
+        self,
+        posture: Posture,
+        modes: tuple[str, ...],
+        changes: DesignChanges,
+    ) -> tuple[Nearest | None, str]:
+        """The nearest posture is at the same orientation: in the same working mode, and where that
+        has no place there at all, in another one; both are proven to be the nearest (see
+        `projection`). Where no mode has any, other orientations are searched, of the same mode
+        first (see `turning`).
         """
-        design, wanted = self.design, posture
-        if wanted.reachable:
-            return Remedy(wanted, 0.0, (), "this pose can be held")
-        within = inverse(design, wanted.pose).within_stroke
-        modes = tuple(mode for mode, ok in zip(MODES, within, strict=True) if ok)
-        found, text = _nearest(design, wanted)
+        found, text = _nearest(self.design, posture)
         if modes:
             text = f"{text}; {_modes_text(modes)}"
-        elif found is not None and found.posture.mode == wanted.mode:
-            text += _nearer(design, wanted, found)
-        return Remedy(
-            nearest=None if found is None else found.posture,
-            distance=float("inf") if found is None else found.distance,
-            changes=changes(design, wanted),
-            text=text,
-            modes=modes,
-            error=0.0 if found is None else found.error,
-        )
+        elif found is not None and found.posture.mode == posture.mode:
+            text += _nearer(self.design, posture, found)
+        return found, text
+
+    def changes(self, posture: Posture) -> DesignChanges:
+        return changes(self.design, posture)
 
 
-def _nearest(design: FiveRPURDesign, wanted: Posture) -> tuple[Found | None, str]:
+def _nearest(design: FiveRPURDesign, wanted: Posture) -> tuple[Nearest | None, str]:
     pose = wanted.pose
     found = nearest(design, pose, wanted.mode)
     if found is not None:
         return found, (
             f"the nearest pose that working mode {shown(wanted.mode)} can hold is "
-            f"{_mm(found.distance)} away"
+            f"{mm(found.distance)} away"
         )
     for mode in MODES:
         closer = nearest(design, pose, mode, float("inf") if found is None else found.distance)
@@ -65,7 +58,7 @@ def _nearest(design: FiveRPURDesign, wanted: Posture) -> tuple[Found | None, str
             return found, none_here
         return found, (
             f"{none_here}; the nearest pose that can be held is in working mode "
-            f"{shown(found.posture.mode)}, {_mm(found.distance)} away"
+            f"{shown(found.posture.mode)}, {mm(found.distance)} away"
         )
     found = turned(design, wanted)
     if found is None:
@@ -79,18 +72,18 @@ def _nearest(design: FiveRPURDesign, wanted: Posture) -> tuple[Found | None, str
     by_mode = "" if there.mode == wanted.mode else f" in working mode {shown(there.mode)}"
     return found, (
         f"no working mode has any place at this orientation; the nearest pose that a search found "
-        f"is {_mm(found.distance)} away with {' and '.join(by)}{by_mode}"
+        f"is {mm(found.distance)} away with {' and '.join(by)}{by_mode}"
     )
 
 
-def _nearer(design: FiveRPURDesign, wanted: Posture, found: Found) -> str:
+def _nearer(design: FiveRPURDesign, wanted: Posture, found: Nearest) -> str:
     """That another mode comes nearer at the same orientation, if one does."""
     best = found
     for mode in MODES:
         best = nearest(design, wanted.pose, mode, best.distance) or best
     if best.posture.mode == wanted.mode or best.distance >= found.distance - found.error:
         return ""
-    return f"; working mode {shown(best.posture.mode)} comes as near as {_mm(best.distance)}"
+    return f"; working mode {shown(best.posture.mode)} comes as near as {mm(best.distance)}"
 
 
 def _modes_text(modes: tuple[str, ...]) -> str:
@@ -99,10 +92,6 @@ def _modes_text(modes: tuple[str, ...]) -> str:
     named = ", ".join(shown(mode) for mode in modes[:_MODES_NAMED])
     more = "" if len(modes) <= _MODES_NAMED else f" and {len(modes) - _MODES_NAMED} more"
     return f"this very pose can be held in working modes {named}{more}"
-
-
-def _mm(distance: float) -> str:
-    return f"{distance:.{decimals(distance)}f} mm"
 
 
 def shown(mode: str) -> str:
