@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import fields, is_dataclass
+from math import isfinite
 from typing import Any, TypeVar
 
 import numpy as np
@@ -26,6 +28,10 @@ class Frozen:
         shown = (f"{key}={brief(value)}" for key, value in vars(self).items())
         return f"{type(self).__name__}({', '.join(shown)})"
 
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON: arrays as lists, None for what is no finite number."""
+        return {key: plain(value) for key, value in vars(self).items() if not callable(value)}
+
     def __post_init__(self) -> None:
         for value in self.__dict__.values():
             if isinstance(value, np.ndarray):
@@ -34,6 +40,21 @@ class Frozen:
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self.__post_init__()
+
+
+def plain(value: Any) -> Any:
+    """A value as JSON has it; None for numbers that are not finite and what JSON has not."""
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [plain(each) for each in value]
+    if isinstance(value, dict):
+        return {str(key): plain(each) for key, each in value.items()}
+    if is_dataclass(value):
+        return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
+    if isinstance(value, float):
+        return value if isfinite(value) else None
+    return value if isinstance(value, bool | int | str) else None
 
 
 def brief(value: object) -> str:

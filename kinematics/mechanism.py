@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from kinematics.answers.bounds import Bound
 from kinematics.answers.coordinates import Coordinate as Coordinate
 from kinematics.answers.drawings import Drawing
-from kinematics.answers.modes import Mode, noun, plain
+from kinematics.answers.modes import Mode, noun, one_of
 from kinematics.answers.motion import Wrenches, WrenchName
 from kinematics.answers.solutions import Finding, Posture
 from kinematics.arrays import Array
@@ -156,18 +156,7 @@ class Mechanism(ABC, Generic[D]):
         Raises:
             InputError: the mechanism has no such mode; the message says how one is written.
         """
-        written = plain(text)
-        for mode in self.modes:
-            if mode == written:
-                return mode
-        example = self.modes[len(self.modes) // 2 - 1]
-        if example.signs and not example.operation:
-            limbs = len(example.signs)
-            said = f"has one sign, + or -, for each of the {limbs} limbs, as {str(example)!r};"
-        else:
-            said = f"is {' or '.join(self.modes[:40])}," if self.mode_noun else "need not be named;"
-        article = "an" if self.mode_noun.startswith("o") else "a"
-        raise InputError(f"{article} {self.mode_noun or 'mode'} {said} got {text[:20]!r}")
+        return one_of(text, self.modes)
 
     def facet(self, topic: str) -> Any:
         """The facet of a topic, made when it is first asked for; None where the kind lacks it."""

@@ -50,6 +50,24 @@ class Bound(str):
         return self.name if self.limb is None else f"limb {self.limb}, {self.name}"
 
 
+def limb_bounds(
+    joints: Sequence[str], unit: Unit = "mm", links: Sequence[str] = (), link: str = "link"
+) -> tuple[Bound, ...]:
+    """The bounds of limbs with one actuator each: of limb i its link, if any, and its joint's ends.
+
+    Args:
+        joints: symbols of the actuators; the ends of a length are called by its letter alone.
+        links: symbols of what lets the limbs close.
+        link: what the bound is called up to which they do.
+    """
+    found: list[Bound] = []
+    for limb, joint in enumerate(joints, 1):
+        name = joint.rstrip(SUBSCRIPTS) if unit == "mm" else joint
+        found += [Bound(symbol, "link", link, limb=limb) for symbol in links[limb - 1 : limb]]
+        found += [Bound(joint, end, f"{name} {end}", unit, limb) for end in ("min", "max")]
+    return tuple(found)
+
+
 def bound_of(bounds: Sequence[Bound], limb: int, text: str) -> Bound:
     """The bound of a limb (from 1) that is written so, as "link"."""
     return next(bound for bound in bounds if bound == text and bound.limb == limb)

@@ -76,6 +76,11 @@ class Mode(str):
         parts = {"operation_mode": self.operation, "working_mode": self.signs}
         return {key: part for key, part in parts.items() if part}
 
+    @property
+    def sigma(self) -> tuple[float, ...]:
+        """The signs as numbers ±1."""
+        return tuple(1.0 if sign == "+" else -1.0 for sign in self.signs)
+
     def flips(self, other: str) -> int:
         """How many limbs change their sign from here to there; another operation counts most."""
         there = Mode.read(other)
@@ -99,6 +104,26 @@ def noun(modes: Sequence[str]) -> str:
     if signs and numbers:
         return "mode"
     return "working mode" if signs else "operation mode" if numbers else ""
+
+
+def one_of(text: str, modes: Sequence[Mode]) -> Mode:
+    """The one of a mechanism's modes that is written so.
+
+    Raises:
+        InputError: there is no such mode; the message says how one is written.
+    """
+    written = plain(text)
+    for mode in modes:
+        if mode == written:
+            return mode
+    example, called = modes[len(modes) // 2 - 1], noun(modes)
+    if example.signs and not example.operation:
+        limbs = len(example.signs)
+        said = f"has one sign, + or -, for each of the {limbs} limbs, as {str(example)!r};"
+    else:
+        said = f"is {' or '.join(modes[:40])}," if called else "need not be named;"
+    article = "an" if called.startswith("o") else "a"
+    raise InputError(f"{article} {called or 'mode'} {said} got {text[:20]!r}")
 
 
 def matching(text: str, known: Sequence[str], called: str = "") -> tuple[Mode, ...]:

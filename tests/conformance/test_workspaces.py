@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -80,6 +81,9 @@ def test_a_machine_at_a_posture_answers_everything(name: str) -> None:
     assert here.to_dict()["within_stroke"] is True
     moved = here.velocity(joint_rates={m.joints[0].key: 1.0})
     assert moved.joint_rates[0] == pytest.approx(1.0)
+    for result in (moved, here.forces([0.0, 0.0, -1.0, 0.0, 0.0, 0.0]), m.forward(here.joints)):
+        plain = json.loads(json.dumps(result.to_dict(), allow_nan=False))
+        assert plain.keys() >= {"joint_rates"} or plain.keys() >= {"forces"} or plain["poses"]
     assert here.follow({m.joints[0].key: here.joints[0]}).posture.reachable
     for clearance in here.clearances():
         assert clearance.text

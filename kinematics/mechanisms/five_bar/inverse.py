@@ -17,8 +17,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinematics.answers.bounds import Bound, decimals
-from kinematics.answers.modes import working_modes
+from kinematics.answers.bounds import Bound, decimals, limb_bounds
+from kinematics.answers.modes import one_of, working_modes
 from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
 from kinematics.mechanisms.five_bar.design import LIMBS, SUBSCRIPTS, FiveBarDesign
@@ -53,7 +53,7 @@ def limb_angles(design: FiveBarDesign, poses: ArrayLike) -> Array:
 
 def joints_of(design: FiveBarDesign, poses: ArrayLike, mode: str) -> Array:
     """θ of one working mode, (..., 2) rad; NaN where a limb cannot close."""
-    signs(mode)
+    one_of(mode, MODES)
     return _pick(limb_angles(design, finite(poses, name="a pose", last=2)), mode)
 
 
@@ -100,30 +100,10 @@ def mode_of(design: FiveBarDesign, poses: ArrayLike, joints: ArrayLike) -> list[
     return ["".join("+" if one else "-" for one in row) for row in left >= slack]
 
 
-def signs(mode: str) -> Array:
-    """The signs of a working mode, "+-" → (2,) of ±1.
-
-    Raises:
-        InputError: not one sign for each of the two limbs.
-    """
-    if len(mode) != LIMBS or set(mode) - {"+", "-"}:
-        raise InputError(
-            f"a working mode has one sign, + or -, for each of the 2 limbs, as '+-'; "
-            f"got {mode[:20]!r}"
-        )
-    return np.array([1.0 if sign == "+" else -1.0 for sign in mode])
-
-
 # --- margins, residuals --------------------------------------------------------------------
 
-LIMITS: tuple[Bound, ...] = tuple(
-    bound
-    for i, mark in enumerate(SUBSCRIPTS, 1)
-    for bound in (
-        Bound(f"r{mark}", "link", "reach", limb=i),
-        Bound(f"θ{mark}", "min", unit="rad", limb=i),
-        Bound(f"θ{mark}", "max", unit="rad", limb=i),
-    )
+LIMITS = limb_bounds(
+    [f"θ{mark}" for mark in SUBSCRIPTS], "rad", [f"r{mark}" for mark in SUBSCRIPTS], "reach"
 )
 
 

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from kinematics.answers.loci import LocusCurves, LocusSpec
+from kinematics.answers.modes import one_of
 from kinematics.answers.sections import BOUNDS
 from kinematics.answers.singularities import SingularityKind
 from kinematics.arrays import Array
@@ -20,7 +21,7 @@ from kinematics.mechanisms.five_bar import workspace
 from kinematics.mechanisms.five_bar.curve_pieces import pieces, sampled
 from kinematics.mechanisms.five_bar.curves import closure
 from kinematics.mechanisms.five_bar.design import LIMBS, FiveBarDesign
-from kinematics.mechanisms.five_bar.inverse import MODES, elbows, in_range, limb_angles, signs
+from kinematics.mechanisms.five_bar.inverse import MODES, elbows, in_range, limb_angles
 from kinematics.plane.arcs import Edge
 
 FINE = 200  # parts of the size from one point to the next
@@ -54,7 +55,7 @@ class Loci(SingularitiesFacet[FiveBarDesign]):
             InputError: there is no such chart, or no such mode.
         """
         design = self.design
-        signs(mode)
+        one_of(mode, MODES)
         if key in ("plane", "plane-all"):
             modes = (mode,) if key == "plane" else MODES
             curves = [*_serial_plane(design, modes), *_parallel_plane(design, modes)]

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import lru_cache
 
+from kinematics.answers.modes import one_of
 from kinematics.answers.sections import Region, RegionSpec
 from kinematics.facets.regions import RegionsFacet
 from kinematics.mechanisms.five_bar import workspace
 from kinematics.mechanisms.five_bar.aspects import aspects
 from kinematics.mechanisms.five_bar.design import FiveBarDesign
-from kinematics.mechanisms.five_bar.inverse import MODES, signs
+from kinematics.mechanisms.five_bar.inverse import MODES
 from kinematics.plane.regions import point_inside, section_of
 
 
@@ -33,7 +34,7 @@ class Regions(RegionsFacet[FiveBarDesign]):
     ) -> tuple[Region, ...]:
         chosen = MODES if modes is None else tuple(modes)
         for mode in chosen:
-            signs(mode)
+            one_of(mode, MODES)
         if key == "workspace":
             return (_of_modes(self.design, None if modes is None else chosen),)
         if key == "modes":

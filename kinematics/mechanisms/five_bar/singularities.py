@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from kinematics.answers.modes import one_of
 from kinematics.answers.sections import BOUNDS
 from kinematics.answers.singularities import AT, ModeChange, Singularity, SingularityKind
 from kinematics.answers.solutions import Posture
@@ -17,7 +18,7 @@ from kinematics.facets.inverse import posture as posture_at
 from kinematics.facets.paths import PathsFacet
 from kinematics.mechanisms.five_bar import workspace
 from kinematics.mechanisms.five_bar.design import LIMBS, SUBSCRIPTS, FiveBarDesign
-from kinematics.mechanisms.five_bar.inverse import elbows, signs
+from kinematics.mechanisms.five_bar.inverse import MODES, elbows
 from kinematics.mechanisms.five_bar.loci import Loci, base_points
 from kinematics.mechanisms.five_bar.nearest_pose import nearest_on
 from kinematics.mechanisms.five_bar.statics import sines
@@ -75,7 +76,7 @@ class Singularities(Loci):
         if not at.reachable:
             return None
         goal = wanted or "".join("-" if sign == "+" else "+" for sign in at.mode)
-        signs(goal)
+        one_of(goal, MODES)
         p = np.array(at.pose)
         ways: list[tuple[bool, float, int, Array]] = []
         for i in range(LIMBS):

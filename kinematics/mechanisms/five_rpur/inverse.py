@@ -15,13 +15,13 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinematics.answers.bounds import Bound, decimals
-from kinematics.answers.modes import working_modes
+from kinematics.answers.bounds import Bound, decimals, limb_bounds
+from kinematics.answers.modes import one_of, working_modes
 from kinematics.answers.solutions import InverseSolutions
 from kinematics.arrays import Array, finite, frozen
 from kinematics.errors import InputError
 from kinematics.facets.inverse import InverseFacet
-from kinematics.mechanisms.five_rpur.design import LIMBS, SUBSCRIPTS, FiveRPURDesign
+from kinematics.mechanisms.five_rpur.design import JOINT_SYMBOLS, LIMBS, SUBSCRIPTS, FiveRPURDesign
 from kinematics.screws.spatial import homogeneous, rotation_x, rotation_y, wrap_angle
 
 MODES = working_modes(LIMBS)
@@ -124,12 +124,7 @@ def signs(mode: str | ArrayLike) -> Array:
         InputError: not one sign for each of the five limbs.
     """
     if isinstance(mode, str):
-        if len(mode) != LIMBS or set(mode) - {"+", "-"}:
-            raise InputError(
-                f"a working mode has one sign, + or -, for each of the 5 limbs, as '+-+++'; "
-                f"got {mode[:20]!r}"
-            )
-        return np.array([1.0 if sign == "+" else -1.0 for sign in mode])
+        return np.array(one_of(mode, MODES).sigma)
     values = finite(mode, name="the signs of a working mode", last=LIMBS)
     if not (np.abs(values) == 1.0).all():
         raise InputError("the signs of a working mode must be +1 or -1")
@@ -138,15 +133,7 @@ def signs(mode: str | ArrayLike) -> Array:
 
 # --- one mode: joints, margins, residuals --------------------------------------------------
 
-LIMITS: tuple[Bound, ...] = tuple(
-    bound
-    for i, mark in enumerate(SUBSCRIPTS, 1)
-    for bound in (
-        Bound(f"l{mark}", "link", "link", limb=i),
-        Bound(f"ρ{mark}", "min", "ρ min", limb=i),
-        Bound(f"ρ{mark}", "max", "ρ max", limb=i),
-    )
-)
+LIMITS = limb_bounds(JOINT_SYMBOLS, links=[f"l{mark}" for mark in SUBSCRIPTS])
 
 
 def joints_of(design: FiveRPURDesign, poses: ArrayLike, mode: str) -> Array:

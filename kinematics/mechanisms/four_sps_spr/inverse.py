@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinematics.answers.bounds import Bound, decimals
+from kinematics.answers.bounds import Bound, decimals, limb_bounds
 from kinematics.answers.modes import Mode
 from kinematics.arrays import Array, finite, frozen
 from kinematics.mechanisms.four_sps_spr.design import JOINT_SYMBOLS, LIMBS, SPR, FourSPSSPRDesign
@@ -94,13 +94,9 @@ def _closing(design: FourSPSSPRDesign, poses: ArrayLike) -> tuple[Array, Array]:
     return np.sqrt((legs * legs).sum(axis=-1)), apart
 
 
-LIMITS: tuple[Bound, ...] = (
+LIMITS = (
     Bound(JOINT_SYMBOLS[SPR], "link", "constraint", limb=SPR + 1),
-    *(
-        Bound(symbol, end, f"l {end}", limb=i)
-        for i, symbol in enumerate(JOINT_SYMBOLS, 1)
-        for end in ("min", "max")
-    ),
+    *limb_bounds(JOINT_SYMBOLS),
 )
 
 

@@ -15,10 +15,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from kinematics.answers.modes import Mode
+from kinematics.answers.modes import Mode, one_of
 from kinematics.arrays import Array
 from kinematics.designs.schema import Key, Schema, ordered, positive
-from kinematics.errors import InputError
 
 Kind = Literal["three_rps", "three_spr"]
 KINDS: tuple[Kind, Kind] = ("three_rps", "three_spr")
@@ -91,9 +90,7 @@ def mode_sign(mode: str) -> float:
     Raises:
         InputError: there is no such mode.
     """
-    if mode not in MODES:
-        raise InputError(f"an operation mode is 1 or 2, got {mode[:20]!r}")
-    return -1.0 if mode == "1" else 1.0
+    return -1.0 if one_of(mode, MODES) == "1" else 1.0
 
 
 # --- design files --------------------------------------------------------------------------

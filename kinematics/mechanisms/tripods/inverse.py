@@ -8,18 +8,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinematics.answers.bounds import Bound
+from kinematics.answers.bounds import Bound, limb_bounds
 from kinematics.arrays import Array
 from kinematics.mechanisms.tripods import posing
 from kinematics.mechanisms.tripods.design import JOINT_SYMBOLS, TripodDesign
 
 STROKE_SLACK = 1e-9
 """mm by which rounding may carry an actuator over its stroke end."""
-LIMITS: tuple[Bound, ...] = tuple(
-    Bound(symbol, end, f"ρ {end}", limb=i)
-    for i, symbol in enumerate(JOINT_SYMBOLS, 1)
-    for end in ("min", "max")
-)
+LIMITS = limb_bounds(JOINT_SYMBOLS)
 
 
 def margins(design: TripodDesign, joints: Array) -> Array:
