@@ -23,7 +23,7 @@ from kinematics.designs.files import load_design
 from kinematics.facets.map_sweeps import map_request, sweep
 from kinematics.mechanisms.five_rpur.inscribed.largest import box, sphere
 from kinematics.mechanisms.five_rpur.sections import integrate
-from kinematics.mechanisms.five_rpur.slicing import acceleration
+from kinematics.mechanisms.five_rpur.slicing import cutter
 from kinematics.mechanisms.five_rpur.slicing.cutter import Cutter
 from tests.kinematics.mechanisms.five_rpur.machines import section, section_range, volume
 
@@ -88,7 +88,7 @@ def maps() -> None:
     cores = os.cpu_count() or 1
     axis = np.radians(np.linspace(-90.0, 90.0, 37))
     request = map_request(load_design("rpur-table1"), axis, axis, relative=1e-4)
-    with ProcessPoolExecutor(cores, get_context("spawn"), initializer=acceleration.prepare) as pool:
+    with ProcessPoolExecutor(cores, get_context("spawn"), initializer=cutter.prepare) as pool:
         list(pool.map(abs, range(cores)))
         start = time.perf_counter()
         found = sweep(request, pool)
@@ -111,7 +111,7 @@ def opencascade(ours: float) -> None:
 
 def main() -> None:
     start = time.perf_counter()
-    assert acceleration.prepare(), "numba is missing: plain Python is not measured"
+    assert cutter.prepare(), "numba is missing: plain Python is not measured"
     print(f"kernel compiled or loaded in {time.perf_counter() - start:.1f} s")
     ours = volumes()
     sections()

@@ -25,7 +25,7 @@ from kinematics.mechanisms.five_rpur import (
 from kinematics.mechanisms.five_rpur import design as designs
 from kinematics.mechanisms.five_rpur import texts as about
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
-from kinematics.mechanisms.five_rpur.slicing import acceleration
+from kinematics.mechanisms.five_rpur.slicing import cutter
 
 
 class FiveRPUR(Mechanism[FiveRPURDesign]):
@@ -110,4 +110,4 @@ class FiveRPUR(Mechanism[FiveRPURDesign]):
 
     @classmethod
     def prepare(cls) -> None:
-        acceleration.prepare()
+        cutter.prepare()

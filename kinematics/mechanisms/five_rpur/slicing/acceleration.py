@@ -18,6 +18,7 @@ import os
 import shutil
 import sys
 import time
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any, ClassVar
@@ -97,14 +98,19 @@ def _pays(sections: int) -> bool:
     return folder is not None and (folder / _READY).exists()
 
 
-def prepare() -> bool:
-    """Compile all of the kernel, or load it if that was done before; whether it is compiled now."""
+def prepare(exercise: Callable[[], None] | None = None) -> bool:
+    """Compile all of the kernel, or load it if that was done before; whether it is compiled now.
+
+    Args:
+        exercise: calls every function for the arguments that it will be called with; None: each
+            is compiled when it is first called.
+    """
     if not _available():
         return False
     folder = _compile()
-    if _Plain.compiled:
-        _exercise()
-    if _Plain.compiled and folder is not None:
+    if _Plain.compiled and exercise is not None:
+        exercise()
+    if _Plain.compiled and folder is not None and exercise is not None:
         (folder / _READY).touch()
         _tidy(folder)
     return _Plain.compiled
@@ -191,16 +197,3 @@ def _tidy(folder: Path) -> None:
         ready = other / _READY
         if other != folder and ready.exists() and time.time() - ready.stat().st_mtime > 30 * 86400:
             shutil.rmtree(other, ignore_errors=True)
-
-
-def _exercise() -> None:
-    """Have every function compiled for the arguments that it will be called with."""
-    from kinematics.mechanisms.five_rpur.slicing.cutter import example
-
-    cutter = example()
-    x = np.linspace(*cutter.range, 3)
-    cutter.cut(x)
-    cutter.outline(float(x[1]))
-    cutter.strokes(x[1:2], 3)
-    found = cutter.integral(*cutter.range, 0.5, 60)
-    cutter.pieces(found.at, found.weights)

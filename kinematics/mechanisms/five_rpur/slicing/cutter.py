@@ -211,6 +211,21 @@ class Cutter:
         return low_used, high_used
 
 
+def prepare() -> bool:
+    """Compile all that sections are made with, see `acceleration.prepare`."""
+    return acceleration.prepare(_exercise)
+
+
+def _exercise() -> None:
+    cutter = example()
+    x = np.linspace(*cutter.range, 3)
+    cutter.cut(x)
+    cutter.outline(float(x[1]))
+    cutter.strokes(x[1:2], 3)
+    found = cutter.integral(*cutter.range, 0.5, 60)
+    cutter.pieces(found.at, found.weights)
+
+
 def example() -> Cutter:
     """A small machine with something of everything in its sections."""
     one, two, three, four, five = (

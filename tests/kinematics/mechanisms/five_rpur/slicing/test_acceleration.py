@@ -19,7 +19,7 @@ MEASURED = """
 import json, sys
 from kinematics.designs.files import load_design
 from kinematics.machine import machine_of
-from kinematics.mechanisms.five_rpur.slicing import acceleration
+from kinematics.mechanisms.five_rpur.slicing import acceleration, cutter
 sections, pose = machine_of(load_design("rpur-table1")).sections, (0.0, 0.0, 0.0, 0.3, -0.2)
 cuts = [sections.at(pose, None, x) for x in (-150.0, 40.0, 210.0)]
 exact = sections.volume(pose, ["+-+-+"], relative=1e-2)
@@ -111,10 +111,10 @@ import json, numba
 numba.njit = njit
 from kinematics.designs.files import load_design
 from kinematics.machine import machine_of
-from kinematics.mechanisms.five_rpur.slicing import acceleration
-prepared = acceleration.prepare()
+from kinematics.mechanisms.five_rpur.slicing import acceleration, cutter
+prepared = cutter.prepare()
 cut = machine_of(load_design("rpur-table1")).sections.at((0.0,) * 5, None, 50.0)
-print(json.dumps([prepared, acceleration.prepare(), acceleration.is_compiled(), cut.area]))
+print(json.dumps([prepared, cutter.prepare(), acceleration.is_compiled(), cut.area]))
 """
     *compiled, area = run(code, XDG_CACHE_HOME=str(tmp_path))
     assert compiled == [False, False, False]
@@ -129,7 +129,7 @@ import json, numba
 {BROKEN[when]}
 numba.njit = njit
 from kinematics.designs.files import load_design
-from kinematics.mechanisms.five_rpur.slicing import acceleration
+from kinematics.mechanisms.five_rpur.slicing import acceleration, cutter
 from kinematics.machine import machine_of
 sections = machine_of(load_design("rpur-table1")).sections
 exact = sections.volume((0.0,) * 5, ["+-+-+"], relative=0.1)
@@ -150,7 +150,7 @@ def test_what_is_kept_is_told_apart_by_its_place(root, tmp_path):
     code = """
 import json, sys
 sys.path.insert(0, {!r})
-from kinematics.mechanisms.five_rpur.slicing import acceleration
+from kinematics.mechanisms.five_rpur.slicing import acceleration, cutter
 print(json.dumps(str(acceleration._folder())))
 """
     here, again, there = (
