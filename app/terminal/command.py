@@ -101,6 +101,7 @@ class Command(click.Command):
                     [f"--{axis.key}"],
                     metavar="DEG" if axis.unit == "rad" else "MM",
                     help=f"{axis.symbol} of the pose alone",
+                    is_eager=True,  # before --pose, which is not to be given beside them
                     expose_value=False,
                     callback=_keep,
                 )

@@ -101,6 +101,15 @@ def test_a_looser_tolerance_takes_fewer_sections(here: Run) -> None:
     assert difference <= loose["error_mm3"] + tight["error_mm3"]
 
 
+def test_a_volume_without_its_pieces_is_the_same_volume(here: Run) -> None:
+    asked = ("volume", "rpur-table1", "--phi", "10", "--json")
+    whole, alone = answered(here(*asked)), answered(here(*asked, "--no-pieces"))
+    assert alone["volume_mm3"] == whole["volume_mm3"]
+    assert set(whole) - set(alone) == {"pieces", "piece_volumes_mm3"}
+    lines = here(*asked[:-1], "--no-pieces").stdout.splitlines()
+    assert not any(line.startswith("pieces") for line in lines)
+
+
 def test_an_empty_workspace_has_no_volume_and_no_centroid(here: Run) -> None:
     empty = ("volume", "rpur-table1", "--modes", "++--+")
     answer = answered(here(*empty, "--json"))

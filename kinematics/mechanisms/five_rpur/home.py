@@ -5,19 +5,22 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import lru_cache
 from itertools import product
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
-from kinematics.facets.following import FollowingFacet
 from kinematics.facets.inverse import posture as posture_at
 from kinematics.mechanism import mechanism_of
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.arrangements import CLASSES, PairKind, arrangements
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.screws.spatial import common_box
+
+if TYPE_CHECKING:  # loaded only where it follows
+    from kinematics.facets.following import FollowingFacet
 
 GRID = 15  # positions tried along each axis
 ROUNDS = 12  # halvings of the step while the best position of a mode is improved

@@ -22,9 +22,10 @@ from kinematics.answers.circles import OrientationCircle, Profile, ProfileCurve
 from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.facets.circles import CirclesFacet
-from kinematics.mechanisms.tripods import polynomial, posing
+from kinematics.mechanisms.tripods import polynomial
 from kinematics.mechanisms.tripods.design import LIMBS, TripodDesign, mode_sign
 from kinematics.mechanisms.tripods.inverse import LIMITS
+from kinematics.mechanisms.tripods.limbs import limb_lengths
 from kinematics.mechanisms.tripods.micr import RING, contact_azimuths, micr, table
 
 _RADII = 241  # circles looked at, 0.75° apart
@@ -119,7 +120,7 @@ class Home:
         """Limb lengths (..., 3), mm; NaN where there is no position."""
         chart = _chart(x)
         pose = np.concatenate([np.full((*chart.shape[:-1], 1), self.z), chart], axis=-1)
-        return posing.limb_lengths(self.design, pose, self.mode)
+        return limb_lengths(self.design, pose, self.mode)
 
 
 # --- for each limit ------------------------------------------------------------------------

@@ -17,6 +17,7 @@ from kinematics.mechanisms.tripods import polynomial, posing
 from kinematics.mechanisms.tripods.circles import circles
 from kinematics.mechanisms.tripods.design import LIMBS, TripodDesign, mode_sign
 from kinematics.mechanisms.tripods.inverse import LIMITS
+from kinematics.mechanisms.tripods.limbs import offsets
 from kinematics.mechanisms.tripods.nearest_pose import NearestPose, place
 from kinematics.mechanisms.tripods.posing import Reduced
 from kinematics.mechanisms.tripods.powers import Power
@@ -44,7 +45,7 @@ def _along(design: TripodDesign, posture: Posture) -> list[Clearance]:
     reduced = posing.reduce_poses(design, pose, posture.mode)
     v = float(reduced.v)
     h, k = design.revolute_radius, mode_sign(posture.mode) * design.spherical_radius
-    outward, upward = posing.offsets(h, k, reduced)
+    outward, upward = offsets(h, k, reduced)
     error = _EXACT * design.size
     what = "along z" if design.revolute_on_base else "along the platform's normal"
     found = []

@@ -24,7 +24,8 @@ from numpy.typing import NDArray
 
 from kinematics.arrays import Array
 from kinematics.mechanisms.tripods.design import AZIMUTHS, LIMBS
-from kinematics.mechanisms.tripods.posing import Reduced, offsets
+from kinematics.mechanisms.tripods.limbs import offsets
+from kinematics.mechanisms.tripods.posing import Reduced
 from kinematics.mechanisms.tripods.study import Values
 
 Complex = NDArray[np.complex128]

@@ -24,6 +24,7 @@ from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
 from kinematics.mechanisms.tripods import posing
 from kinematics.mechanisms.tripods.design import LIMBS, RADIAL, SUBSCRIPTS, TripodDesign
+from kinematics.mechanisms.tripods.limbs import joint_points, revolute_axes
 
 _CORNERS = 24  # of the round base
 
@@ -31,8 +32,8 @@ _CORNERS = 24  # of the round base
 def drawing(design: TripodDesign, posture: Posture) -> Drawing:
     """The machine at ``posture``, in the base frame, mm."""
     pose, mode = np.array(posture.pose), posture.mode
-    a, b = posing.joint_points(design, pose, mode)
-    axes = posing.revolute_axes(design, pose, mode)
+    a, b = joint_points(design, pose, mode)
+    axes = revolute_axes(design, pose, mode)
     matrix = posing.transform(design, pose, mode)
     size = design.size
     bars: list[Bar] = []

@@ -63,7 +63,7 @@ class Following(ClosureFollowing[TripodDesign]):
 
 @lru_cache(maxsize=64)
 def _closure(h: float, k: float) -> Quadrics:
-    """In units of the spherical joints' circumradius: see `posing.offsets`."""
+    """In units of the spherical joints' circumradius: see `limbs`."""
     x0, x1, x2, v, even, odd, level, up1, up2, *lengths = unknowns(_COUNT + LIMBS)
     equations = [
         0.5 * (square(x0) + square(x1) + square(x2) - 1.0),

@@ -19,6 +19,7 @@ from kinematics.mechanisms.tripods import conics, posing
 from kinematics.mechanisms.tripods.conics import Complex
 from kinematics.mechanisms.tripods.design import MODES, TripodDesign, mode_sign
 from kinematics.mechanisms.tripods.inverse import STROKE_SLACK
+from kinematics.mechanisms.tripods.limbs import limb_lengths
 from kinematics.mechanisms.tripods.posing import Reduced
 from kinematics.mechanisms.tripods.statics import wrenches
 from kinematics.screws.wrenches import condition, determinant
@@ -136,7 +137,7 @@ def _told(
     reduced = Reduced(x0 / norm, x1 / norm, x2 / norm, radius * v)
     poses = posing.to_poses(design, reduced, mode)
     counts = [int(one.real.sum()) for one in sets]
-    off = posing.limb_lengths(design, poses, mode) - np.repeat(rho, counts, axis=0)
+    off = limb_lengths(design, poses, mode) - np.repeat(rho, counts, axis=0)
     a, b, c, d = np.concatenate([one.everything for one in sets]).T
     roots = posing.to_study(design, Reduced(a, b, c, radius * d), mode)
     held = wrenches(design, posing.placement(design, poses, mode))
@@ -247,9 +248,7 @@ def free_direction(design: TripodDesign, pose: Array, mode: str) -> tuple[float,
     length = design.platform_radius
     step = 1e-6
     scale = np.array([length, 1.0, 1.0]) * step
-    up, down = (
-        posing.limb_lengths(design, pose + sign * np.diag(scale), mode) for sign in (1.0, -1.0)
-    )
+    up, down = (limb_lengths(design, pose + sign * np.diag(scale), mode) for sign in (1.0, -1.0))
     slopes = (up - down).T / (2.0 * scale) / np.array([1.0, length, length])
     direction = np.linalg.svd(slopes)[2][-1] / np.array([1.0, length, length])
     return tuple(float(v) for v in direction)

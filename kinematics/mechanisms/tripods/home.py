@@ -11,6 +11,7 @@ from kinematics.arrays import Array
 from kinematics.facets.inverse import posture
 from kinematics.mechanisms.tripods import posing
 from kinematics.mechanisms.tripods.design import MODES, TripodDesign, mode_sign
+from kinematics.mechanisms.tripods.limbs import limb_lengths
 from kinematics.mechanisms.tripods.micr import micr
 
 _LEVELS, _TILTS, _AZIMUTHS = 41, 19, 24  # of the grid that is searched where level is out of reach
@@ -72,7 +73,7 @@ def _widest(design: TripodDesign) -> Posture:
     best: tuple[float, Array, str] | None = None
     low, high = design.stroke
     for mode in reversed(MODES):
-        lengths = posing.limb_lengths(design, grid, mode)
+        lengths = limb_lengths(design, grid, mode)
         margin = np.minimum(lengths - low, high - lengths).min(axis=-1)
         margin = np.where(np.isfinite(margin), margin, -np.inf)
         n = int(margin.argmax())

@@ -10,8 +10,8 @@ import numpy as np
 
 from kinematics.answers.bounds import Bound, limb_bounds
 from kinematics.arrays import Array
-from kinematics.mechanisms.tripods import posing
 from kinematics.mechanisms.tripods.design import JOINT_SYMBOLS, TripodDesign
+from kinematics.mechanisms.tripods.limbs import joint_points, revolute_axes
 
 STROKE_SLACK = 1e-9
 """mm by which rounding may carry an actuator over its stroke end."""
@@ -27,10 +27,10 @@ def margins(design: TripodDesign, joints: Array) -> Array:
 
 def closure_residual(design: TripodDesign, poses: Array, mode: str, lengths: Array) -> Array:
     """(..., 3) mm: the larger of | |B_i − A_i| − r_i | and |(B_i − A_i)·s_i|; NaN: no position."""
-    a, b = posing.joint_points(design, poses, mode)
+    a, b = joint_points(design, poses, mode)
     along = b - a
     off = np.abs(np.linalg.norm(along, axis=-1) - lengths)
-    axis = posing.revolute_axes(design, poses, mode)
+    axis = revolute_axes(design, poses, mode)
     return np.asarray(np.maximum(off, np.abs((along * axis).sum(axis=-1))))
 
 

@@ -26,6 +26,7 @@ from kinematics.mechanisms.tripods import (
 )
 from kinematics.mechanisms.tripods import texts as about
 from kinematics.mechanisms.tripods.design import Kind, TripodDesign
+from kinematics.mechanisms.tripods.limbs import limb_lengths
 
 
 class Tripod(Mechanism[TripodDesign]):
@@ -73,7 +74,7 @@ class Tripod(Mechanism[TripodDesign]):
         )
 
     def joints(self, poses: Array, mode: str) -> Array:
-        return posing.limb_lengths(self.design, posing.read_poses(poses), mode)
+        return limb_lengths(self.design, posing.read_poses(poses), mode)
 
     def margins(self, poses: Array, mode: str, joints: Array) -> Array:
         return inverse.margins(self.design, joints)

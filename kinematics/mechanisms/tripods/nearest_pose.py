@@ -11,6 +11,7 @@ from kinematics.facets.clearances import ClearancesFacet, Nearest
 from kinematics.facets.inverse import posture as posture_at
 from kinematics.mechanisms.tripods import posing
 from kinematics.mechanisms.tripods.design import LIMBS, SCHEMA, TripodDesign, mode_sign
+from kinematics.mechanisms.tripods.limbs import limb_lengths, offsets
 from kinematics.mechanisms.tripods.posing import Reduced
 from kinematics.mechanisms.tripods.study import translation
 
@@ -79,7 +80,7 @@ def _nearest_altitude(design: TripodDesign, posture: Posture) -> Nearest | None:
     pose = np.array(posture.pose)
     reduced = posing.reduce_poses(design, pose, posture.mode)
     h, k = design.revolute_radius, mode_sign(posture.mode) * design.spherical_radius
-    outward, upward = posing.offsets(h, k, reduced)
+    outward, upward = offsets(h, k, reduced)
     v = float(reduced.v)
     lift = np.asarray(upward) - v
     low, high = design.stroke
@@ -117,7 +118,7 @@ def _nearest_orientation(design: TripodDesign, posture: Posture) -> Posture | No
     step = np.array([tilts[1], turns[1] - turns[0]])
     for _ in range(_REFINED):
         poses = np.concatenate([np.full((len(grid), 1), z), grid], axis=-1)
-        lengths = posing.limb_lengths(design, poses, posture.mode)
+        lengths = limb_lengths(design, poses, posture.mode)
         low, high = design.stroke
         with np.errstate(invalid="ignore"):
             able = ((lengths >= low) & (lengths <= high)).all(axis=-1)

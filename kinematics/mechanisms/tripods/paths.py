@@ -18,6 +18,7 @@ from kinematics.facets.paths import PathsFacet
 from kinematics.facets.segments import ROUNDING, Segment
 from kinematics.mechanisms.tripods import polynomial, posing
 from kinematics.mechanisms.tripods.design import LIMBS, TripodDesign, mode_sign
+from kinematics.mechanisms.tripods.limbs import offsets
 
 _MEETING = 1e-6  # rad from 180°: the tilt at which the operation modes meet
 
@@ -50,7 +51,7 @@ class Paths(PathsFacet[TripodDesign]):
             lift = self.design.base_radius * np.sin(0.5 * tilt) ** 2 * np.sin(tilt)
             lift = lift * np.sin(3.0 * azimuth) - z
         level = posing.reduce_poses(self.design, poses, mode)._replace(v=np.zeros(len(poses)))
-        outward, upward = posing.offsets(h, k, level)
+        outward, upward = offsets(h, k, level)
         upward = lift[:, None] + factor[:, None] * upward
         square = (factor[:, None] * outward) ** 2 + upward**2
         low, high = self.design.stroke

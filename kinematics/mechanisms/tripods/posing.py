@@ -5,20 +5,17 @@ its torsion is zero; in mode 1 it is (0, s sin φ, −s cos φ, c), which is the
 the platform's normal: R u_i of mode 1 is −R u_i of mode 2. So with k = ±h of the spherical joints
 (σ = −1 in mode 1) both modes share their formulas.
 
-A 3-SPR is a 3-RPS held by its platform: its poses are the inverses of those of the 3-RPS with
-base and platform exchanged. `Reduced` is the pose of the triangle with the spherical joints as the
-triangle with the revolute joints sees it. With ζ = x1 + i x2, u = e^{iα_i} and q = |ζ|², the
-spherical joint i stands, seen from the revolute one i, at
-
-    p_i = 2 k Re(ζ² u) + k x0² − h  outwards and  z_i = v + 2 k x0 Im(ζ̄ u)  upwards,
-
-and r_i² = p_i² + z_i², since the limb stays in its plane. Lengths mm, angles rad.
+That much is shared by every platform on three spherical joints that limbs hold in three planes
+120° apart, as of a 3-RPS, a 3-SPR or a 3-PRS; `limbs` has what is particular to the first two. A
+3-SPR is a 3-RPS held by its platform: its poses are the inverses of those of the 3-RPS with base
+and platform exchanged. `Reduced` is the pose of the triangle with the spherical joints as the
+triangle with the revolute joints sees it. Lengths mm.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,11 +24,6 @@ from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
 from kinematics.mechanisms.tripods import study
 from kinematics.mechanisms.tripods.design import (
-    AZIMUTHS,
-    LIMBS,
-    RADIAL,
-    TANGENT,
-    TripodDesign,
     mode_sign,
 )
 from kinematics.mechanisms.tripods.study import Values
@@ -40,7 +32,21 @@ from kinematics.screws.spatial import homogeneous
 POSE = 3
 """Z (mm), tilt θ and azimuth φ (rad) of the axis about which the platform is tilted."""
 
-_COS, _SIN = np.cos(AZIMUTHS), np.sin(AZIMUTHS)
+
+class Triangles(Protocol):
+    """What a platform's poses depend on: the design of a tripod, whatever its limbs.
+
+    Attributes:
+        base_radius, spherical_radius: circumradii of the base's and the spherical joints, mm.
+        revolute_on_base: the planes in which limbs stay are fixed to the base, not to the platform.
+    """
+
+    @property
+    def base_radius(self) -> float: ...
+    @property
+    def spherical_radius(self) -> float: ...
+    @property
+    def revolute_on_base(self) -> bool: ...
 
 
 class Reduced(NamedTuple):
@@ -79,7 +85,7 @@ def quaternion(poses: Array, mode: str) -> Array:
     return np.stack(parts, axis=-1)
 
 
-def reduce_poses(design: TripodDesign, poses: Array, mode: str) -> Reduced:
+def reduce_poses(design: Triangles, poses: Array, mode: str) -> Reduced:
     """(Z, θ, φ) → the reduced form. Infinite or NaN v: no finite position has this altitude.
 
     Of a 3-SPR, Z = h1 s² sin θ sin 3φ − v cos θ: at θ = 90° the altitude is no longer free.
@@ -102,7 +108,7 @@ LEVEL = 1e-12
 """|cos θ| below which the altitude of a 3-SPR says nothing of where it is."""
 
 
-def to_study(design: TripodDesign, reduced: Reduced, mode: str) -> Values:
+def to_study(design: Triangles, reduced: Reduced, mode: str) -> Values:
     """The Study parameters (..., 8) of the platform's pose; complex for complex ones."""
     x0, x1, x2, v = reduced
     zero = np.zeros_like(x0 * x1)
@@ -116,7 +122,7 @@ def to_study(design: TripodDesign, reduced: Reduced, mode: str) -> Values:
     return found if design.revolute_on_base else study.inverse(found)
 
 
-def to_poses(design: TripodDesign, reduced: Reduced, mode: str) -> Array:
+def to_poses(design: Triangles, reduced: Reduced, mode: str) -> Array:
     """Real reduced poses → (..., 3): Z, tilt in [0, π], azimuth in (−π, π].
 
     At a tilt of 90° these three say nothing of where along its normal the platform of a 3-SPR
@@ -143,7 +149,7 @@ def to_poses(design: TripodDesign, reduced: Reduced, mode: str) -> Array:
     return np.stack(np.broadcast_arrays(z, tilt, azimuth), axis=-1)
 
 
-def positions(design: TripodDesign, poses: Array, mode: str) -> Array:
+def positions(design: Triangles, poses: Array, mode: str) -> Array:
     """O′ (..., 3), mm: X and Y are parasitic motions, Z is the pose's.
 
     Where no finite position has this altitude, above the base's centre, so that it can be drawn.
@@ -154,7 +160,7 @@ def positions(design: TripodDesign, poses: Array, mode: str) -> Array:
     return np.asarray(found, dtype=float)
 
 
-def transform(design: TripodDesign, poses: ArrayLike, mode: str | Sequence[str]) -> Array:
+def transform(design: Triangles, poses: ArrayLike, mode: str | Sequence[str]) -> Array:
     """From platform to base coordinates: poses (..., 3) → (..., 4, 4); see `positions`.
 
     Args:
@@ -172,14 +178,14 @@ def transform(design: TripodDesign, poses: ArrayLike, mode: str | Sequence[str])
     return homogeneous(study.rotation(quaternion(p, mode)), positions(design, p, mode))
 
 
-def placement(design: TripodDesign, poses: ArrayLike, mode: str) -> Array:
+def placement(design: Triangles, poses: ArrayLike, mode: str) -> Array:
     """`transform` of poses (..., 3); NaN where no finite position has this altitude."""
     there = np.isfinite(reduce_poses(design, read_poses(poses), mode).v)
     return np.where(there[..., None, None], transform(design, poses, mode), np.nan)
 
 
 def pose_from_transform(
-    design: TripodDesign, matrix: ArrayLike, mode: str
+    design: Triangles, matrix: ArrayLike, mode: str
 ) -> tuple[float, float, float]:
     """The pose of a mode with the given altitude and the nearest orientation.
 
@@ -203,41 +209,3 @@ def pose_from_transform(
     s = float(np.hypot(x1, x2))
     azimuth = float(np.arctan2(x2, x1)) if s > 0.0 else 0.0
     return float(m[2, 3]), float(2.0 * np.arctan2(s, c)), azimuth
-
-
-# --- limbs ---------------------------------------------------------------------------------
-
-
-def offsets(h: float, k: Values | float, reduced: Reduced) -> tuple[Values, Values]:
-    """p_i outwards and z_i upwards from revolute joint i to spherical joint i, (..., 3) mm each."""
-    x0, x1, x2, v = (np.asarray(part)[..., None] for part in reduced)
-    outward = 2.0 * k * ((x1 * x1 - x2 * x2) * _COS - 2.0 * x1 * x2 * _SIN) + k * x0 * x0 - h
-    upward = v + 2.0 * k * x0 * (x1 * _SIN - x2 * _COS)
-    return outward, upward
-
-
-def limb_lengths(design: TripodDesign, poses: Array, mode: str) -> Array:
-    """r_i (..., 3), mm; NaN where no finite position has this altitude."""
-    k = mode_sign(mode) * design.spherical_radius
-    p, z = offsets(design.revolute_radius, k, reduce_poses(design, poses, mode))
-    return np.hypot(p, z)
-
-
-def joint_points(design: TripodDesign, poses: Array, mode: str) -> tuple[Array, Array]:
-    """A_i and B_i in the base frame, (..., 3, 3) mm each."""
-    b = placed(transform(design, poses, mode), design.platform_radius * RADIAL)
-    return np.broadcast_to(design.base_radius * RADIAL, b.shape).copy(), b
-
-
-def revolute_axes(design: TripodDesign, poses: Array, mode: str) -> Array:
-    """s_i in the base frame, (..., 3, 3): at rest (3-RPS), or turned with the platform (3-SPR)."""
-    if design.revolute_on_base:
-        return np.broadcast_to(TANGENT, (*poses.shape[:-1], LIMBS, 3))
-    turned: Array = TANGENT @ study.rotation(quaternion(poses, mode)).swapaxes(-1, -2)
-    return turned
-
-
-def placed(matrix: Array, points: Array) -> Array:
-    """Points (N, 3) of a frame, seen from outside: (..., 4, 4) → (..., N, 3)."""
-    turned: Array = points @ matrix[..., :3, :3].swapaxes(-1, -2)
-    return turned + matrix[..., None, :3, 3]

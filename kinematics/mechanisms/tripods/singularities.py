@@ -12,8 +12,9 @@ import numpy as np
 from kinematics.answers.singularities import ModeChange, Singularity
 from kinematics.answers.solutions import Posture
 from kinematics.facets.inverse import posture as posture_at
-from kinematics.mechanisms.tripods import polynomial, posing
+from kinematics.mechanisms.tripods import polynomial
 from kinematics.mechanisms.tripods.design import SUBSCRIPTS, TripodDesign, mode_sign
+from kinematics.mechanisms.tripods.limbs import limb_lengths
 from kinematics.mechanisms.tripods.loci import Loci
 from kinematics.screws.singularity_geometry import listed
 
@@ -89,7 +90,7 @@ def _in_between(design: TripodDesign, posture: Posture) -> str:
     k = mode_sign(posture.mode) * design.platform_radius
     w = np.sin(3.0 * azimuth)
     sign = np.sign(polynomial.value(design.mechanism, design.base_radius, k, z, tilts[:-1], w))
-    lengths = posing.limb_lengths(design, poses, posture.mode)
+    lengths = limb_lengths(design, poses, posture.mode)
     low, high = design.stroke
     with np.errstate(invalid="ignore"):
         out = ~((lengths >= low - 1e-9) & (lengths <= high + 1e-9)).all(axis=-1)

@@ -13,7 +13,7 @@ import numpy as np
 from kinematics.answers.motion import Wrenches, WrenchName
 from kinematics.arrays import Array
 from kinematics.mechanisms.tripods.design import LIMBS, RADIAL, SUBSCRIPTS, TANGENT, TripodDesign
-from kinematics.mechanisms.tripods.posing import placed
+from kinematics.mechanisms.tripods.limbs import placed
 
 NAMES: tuple[WrenchName, ...] = (
     *(WrenchName("actuation", i + 1, f"F{SUBSCRIPTS[i]}") for i in range(LIMBS)),

@@ -14,10 +14,11 @@ import numpy as np
 
 from kinematics.arrays import Array, Frozen
 from kinematics.facets.solids import Resolution
-from kinematics.mechanisms.tripods import polynomial, posing
+from kinematics.mechanisms.tripods import polynomial
 from kinematics.mechanisms.tripods.chart import from_chart
 from kinematics.mechanisms.tripods.design import TripodDesign, mode_sign
 from kinematics.mechanisms.tripods.home import reach
+from kinematics.mechanisms.tripods.limbs import limb_lengths
 from kinematics.solids.csg import BuiltSolid, Solid, finish
 from kinematics.solids.isosurfaces import Isosurface, positive_part
 from kinematics.solids.partition import partition
@@ -138,7 +139,7 @@ class _Field:
 def _room(design: TripodDesign, mode: str, points: Array) -> Array:
     """The least distance to a stroke end, or to the rim at a tilt of π, mm."""
     poses = from_chart(design, points)
-    lengths = posing.limb_lengths(design, poses, mode)
+    lengths = limb_lengths(design, poses, mode)
     low, high = design.stroke
     room = np.minimum(lengths - low, high - lengths).min(axis=-1)
     room = np.where(np.isfinite(room), room, -high)

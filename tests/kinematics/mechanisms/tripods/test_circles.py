@@ -12,6 +12,7 @@ from kinematics.facets import inverse as generic
 from kinematics.machine import machine_of
 from kinematics.mechanisms.tripods import circles, posing
 from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind
+from kinematics.mechanisms.tripods.limbs import limb_lengths
 from tests.kinematics.mechanisms.tripods.machines import circle_points, machine, some_machines
 
 
@@ -97,7 +98,7 @@ def test_clearances_are_where_they_say(kind: Kind, mode: str) -> None:
         if each.kind == "parallel":
             assert machine_of(design).measures.singular_value(there, mode) < 1e-6
         else:
-            length = posing.limb_lengths(design, there, mode)[each.limb - 1]
+            length = limb_lengths(design, there, mode)[each.limb - 1]
             end = design.stroke[0 if each.bound == "rho_min" else 1]
             assert length == pytest.approx(end, abs=1e-6)
     quick = machine_of(design).clearances.of(here, singular=False)

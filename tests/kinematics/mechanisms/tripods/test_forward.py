@@ -11,6 +11,7 @@ from kinematics.errors import InputError
 from kinematics.machine import machine_of
 from kinematics.mechanisms.tripods import forward, posing, study
 from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind, TripodDesign
+from kinematics.mechanisms.tripods.limbs import limb_lengths
 from tests.kinematics.mechanisms.tripods.machines import machine, some_machines, some_poses, stored
 
 CASES = stored("rps_spr_forward.json")["cases"]
@@ -81,7 +82,7 @@ def test_solutions_of_inverse_results_hold_the_pose(rng: np.random.Generator) ->
     for design in some_machines(rng, 24):
         for mode in MODES:
             poses = some_poses(rng, 10)
-            lengths = posing.limb_lengths(design, poses, mode)
+            lengths = limb_lengths(design, poses, mode)
             for pose, found in zip(poses, machine_of(design).forward(lengths), strict=True):
                 assert found.complete
                 apart = machine_of(design).forward.distances(
@@ -147,10 +148,10 @@ def test_a_triangle_of_twice_the_size_moves_freely_on_equal_limbs(kind: Kind) ->
     assert not found.complete
     (motion,) = found.self_motions
     pose = np.array(motion.pose)
-    np.testing.assert_allclose(posing.limb_lengths(design, pose, motion.mode), 180.0, rtol=1e-12)
+    np.testing.assert_allclose(limb_lengths(design, pose, motion.mode), 180.0, rtol=1e-12)
     step = 1e-4 * np.array(motion.direction) / np.abs(motion.direction).max()
     for sign in (1.0, -1.0):
-        moved = posing.limb_lengths(design, pose + sign * step, motion.mode)
+        moved = limb_lengths(design, pose + sign * step, motion.mode)
         assert np.abs(moved - 180.0).max() < 1e-5  # of second order in the step
     assert motion.text in found.notes
     # Nearly equal limbs are no exception any more.
@@ -174,7 +175,7 @@ def test_round_lengths_never_fail(kind: Kind, h2: float, joints: tuple[float, ..
 
 def test_a_turned_over_platform_belongs_to_both_modes() -> None:
     design = machine("three_rps")
-    lengths = posing.limb_lengths(design, np.array([120.0, np.pi, 0.4]), "2")
+    lengths = limb_lengths(design, np.array([120.0, np.pi, 0.4]), "2")
     found = machine_of(design).forward(lengths)
     assert found.complete
     over = [n for n in range(len(found)) if abs(found.poses[n, 1] - np.pi) < 1e-6]

@@ -8,6 +8,7 @@ import pytest
 from kinematics.machine import machine_of
 from kinematics.mechanisms.tripods import posing
 from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind
+from kinematics.mechanisms.tripods.limbs import limb_lengths
 from tests.kinematics.mechanisms.tripods.machines import machine, some_poses
 
 BOTH = [(kind, mode) for kind in KINDS for mode in MODES]
@@ -25,7 +26,7 @@ def test_motion_is_that_of_finite_differences(
     def at(time: float) -> np.ndarray:
         return poses + time * rates + 0.5 * time**2 * second
 
-    before, now, after = (posing.limb_lengths(design, at(t), mode) for t in (-step, 0.0, step))
+    before, now, after = (limb_lengths(design, at(t), mode) for t in (-step, 0.0, step))
     np.testing.assert_allclose(
         found.joint_rates, (after - before) / (2 * step), rtol=1e-5, atol=1e-4
     )

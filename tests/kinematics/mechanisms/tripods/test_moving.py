@@ -8,8 +8,8 @@ import pytest
 from kinematics.designs.files import load_design
 from kinematics.facets import inverse as generic
 from kinematics.machine import machine_of
-from kinematics.mechanisms.tripods import posing
 from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind, TripodDesign
+from kinematics.mechanisms.tripods.limbs import joint_points, limb_lengths
 from tests.kinematics.mechanisms.tripods.machines import machine, some_machines, some_poses
 
 
@@ -23,7 +23,7 @@ def test_a_followed_motion_ends_on_its_own_assembly_mode(rng: np.random.Generato
         there = found.posture
         assert there.mode == mode
         size = 1.0 + max(there.joints)
-        lengths = posing.limb_lengths(design, np.array(there.pose), mode)
+        lengths = limb_lengths(design, np.array(there.pose), mode)
         np.testing.assert_allclose(lengths, there.joints, atol=1e-8 * size)
         if found.stop != "target":
             continue
@@ -117,7 +117,7 @@ def test_home_is_level_and_the_machine_is_drawn(name: str) -> None:
     for limb in (1, 2, 3):
         rod = next(b for b in drawn.bars if b.name == f"limb{limb}/rod")
         cylinder = next(b for b in drawn.bars if b.name == f"limb{limb}/cylinder")
-        a, b = posing.joint_points(design, np.array(home.pose), home.mode)
+        a, b = joint_points(design, np.array(home.pose), home.mode)
         np.testing.assert_allclose(cylinder.start, a[limb - 1], atol=1e-12)
         np.testing.assert_allclose(rod.end, b[limb - 1], atol=1e-12)
     (other,) = machine_of(design).counterparts

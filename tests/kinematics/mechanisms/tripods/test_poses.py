@@ -14,6 +14,7 @@ from kinematics.facets import inverse as generic
 from kinematics.machine import machine_of
 from kinematics.mechanisms.tripods import posing
 from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind, TripodDesign
+from kinematics.mechanisms.tripods.limbs import joint_points, limb_lengths, revolute_axes
 from tests.kinematics.mechanisms.tripods.machines import (
     NAMES,
     machine,
@@ -48,11 +49,11 @@ def test_limbs_are_where_the_transform_puts_them(
     kind: Kind, mode: str, rng: np.random.Generator
 ) -> None:
     design, poses = machine(kind), some_poses(rng, 300)
-    a, b = posing.joint_points(design, poses, mode)
-    lengths = posing.limb_lengths(design, poses, mode)
+    a, b = joint_points(design, poses, mode)
+    lengths = limb_lengths(design, poses, mode)
     scale = 1.0 + lengths
     assert (np.abs(np.linalg.norm(b - a, axis=-1) - lengths) / scale).max() < 1e-13
-    axes = posing.revolute_axes(design, poses, mode)
+    axes = revolute_axes(design, poses, mode)
     assert (np.abs(((b - a) * axes).sum(axis=-1)) / scale).max() < 1e-13
     rotation = posing.transform(design, poses, mode)[:, :3, :3]
     np.testing.assert_allclose(
@@ -85,8 +86,8 @@ def test_a_3_spr_is_a_3_rps_held_by_its_platform(rng: np.random.Generator) -> No
             inverted = np.linalg.inv(placed)
             there = np.array([posing.pose_from_transform(spr, m, mode) for m in inverted])
             np.testing.assert_allclose(
-                posing.limb_lengths(spr, there, mode),
-                posing.limb_lengths(rps, poses, mode),
+                limb_lengths(spr, there, mode),
+                limb_lengths(rps, poses, mode),
                 rtol=1e-10,
             )
             np.testing.assert_allclose(posing.transform(spr, there, mode), inverted, atol=1e-8)

@@ -14,6 +14,7 @@ from kinematics.mechanisms.tripods import (
     singularities,
 )
 from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind, TripodDesign, mode_sign
+from kinematics.mechanisms.tripods.limbs import limb_lengths
 from tests.kinematics.mechanisms.tripods.machines import (
     NAMES,
     machine,
@@ -74,7 +75,7 @@ def test_the_determinant_is_the_polynomial_at_random_poses(rng: np.random.Genera
     for design in some_machines(rng, 60):
         for mode in MODES:
             poses = some_poses(rng, 30)
-            lengths = posing.limb_lengths(design, poses, mode).prod(axis=-1)
+            lengths = limb_lengths(design, poses, mode).prod(axis=-1)
             unit = machine_of(design).statics.wrenches(poses, mode).determinant
             whole = unit * lengths * design.platform_radius**3
             wanted = determinant_from_polynomial(design, poses, mode)
@@ -87,7 +88,7 @@ def test_solutions_merge_where_p_is_zero(rng: np.random.Generator) -> None:
     """At an actuation singularity two assembly modes of one operation mode coincide."""
     design, mode = machine("three_spr", 100.0, 200.0), "2"
     pose = np.array([100.0, np.pi / 6, -np.pi / 6])  # where the MICR is met
-    lengths = posing.limb_lengths(design, pose, mode)
+    lengths = limb_lengths(design, pose, mode)
     found = machine_of(design).forward(lengths)
     apart = machine_of(design).forward.distances(pose[None], (mode,), found.poses, found.modes)[0]
     n = int(apart.argmin())
@@ -137,7 +138,7 @@ def test_an_actuation_singularity_is_named_with_its_free_motion() -> None:
     assert lost.kind == "parallel"
     assert lost.motion is not None
     step = 1e-5 * np.array(lost.motion)
-    moved = posing.limb_lengths(design, np.array(there.pose) + step, "2")
+    moved = limb_lengths(design, np.array(there.pose) + step, "2")
     assert np.abs(moved - there.joints).max() < 1e-8
 
 
