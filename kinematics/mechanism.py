@@ -49,13 +49,17 @@ class Design(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class DesignField:
-    """One number of a design that a person may edit: where it stands and what it is."""
+    """One number of a design that a person may edit: where it stands and what it is.
+
+    ``also``: further places that say the same number, and change with it.
+    """
 
     path: tuple[str | int, ...]
     label: str
     value: float
     unit: Literal["mm", "rad", ""]
     group: str
+    also: tuple[tuple[str | int, ...], ...] = ()
 
 
 _GENERIC = {

@@ -13,6 +13,7 @@ from itertools import product
 
 from kinematics.errors import InputError
 
+_NAMED = 16  # modes that a message names
 _MINUS = str.maketrans("−–", "--")
 
 
@@ -87,9 +88,11 @@ class Mode(str):
         turned = sum(a != b for a, b in zip(self.signs, there.signs, strict=True))
         return turned + (len(self.signs) + 1) * (self.operation != there.operation)
 
-    def with_sign(self, limb: int, sign: str) -> Mode:
-        """With the sign of a limb (from 1) replaced."""
-        return Mode(self.operation, self.signs[: limb - 1] + sign + self.signs[limb:])
+    def with_sign(self, limb: int, sign: str, known: Sequence[Mode] = ()) -> Mode:
+        """With the sign of a limb (from 1) replaced; of modes that are known, the nearest such."""
+        turned = Mode(self.operation, self.signs[: limb - 1] + sign + self.signs[limb:])
+        able = [mode for mode in known if mode.signs[limb - 1 : limb] == sign]
+        return min(able, key=turned.flips, default=turned)
 
 
 def working_modes(limbs: int) -> tuple[Mode, ...]:
@@ -146,6 +149,12 @@ def matching(text: str, known: Sequence[str], called: str = "") -> tuple[Mode, .
         found = re.fullmatch(r"(\d*)([+?-]*)", plain(word))
         fitting = {m for m in modes if found and word and _fits(m, *found.groups())}
         if not fitting:
+            pattern = found[2] if found and not found[1] else ""
+            if pattern and any(len(mode.signs) == len(pattern) for mode in modes):
+                raise InputError(
+                    f"this machine has no {called} {word!r}; it has {', '.join(modes[:_NAMED])}"
+                    f"{' …' if len(modes) > _NAMED else ''}"
+                )
             article = "an" if called[:1] in "aeiou" else "a"
             raise InputError(f"{word!r} is not {article} {called}; {_wanted(modes)}")
         chosen |= fitting

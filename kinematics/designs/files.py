@@ -206,18 +206,20 @@ def read_tables(
 def change_table(
     table: dict[str, Any], fields: Sequence[DesignField], path: Sequence[str | int], value: float
 ) -> dict[str, Any]:
-    """``table`` with the number at ``path``, which must be one of the fields, replaced.
+    """``table`` with the number at ``path``, which must be one of the fields, replaced everywhere.
 
     Raises:
         InputError: there is no such field.
     """
-    if tuple(path) not in {field.path for field in fields}:
+    field = next((field for field in fields if field.path == tuple(path)), None)
+    if field is None:
         raise InputError(f"the design has no number {path_text(path, end='')!r}")
     changed = deepcopy(table)
-    place: Any = changed
-    for step in path[:-1]:
-        place = place[step]
-    place[path[-1]] = value
+    for *way, last in (field.path, *field.also):
+        place: Any = changed
+        for step in way:
+            place = place[step]
+        place[last] = value
     return changed
 
 

@@ -55,7 +55,8 @@ class ForwardFacet(Facet[D]):
         No solution, or joints beyond a stroke, are answers like others.
 
         Args:
-            mixed_modes: also solutions outside of a simplified design's closed form.
+            mixed_modes: as if joints that the design says to be merged were not: also solutions
+                in modes that it has not.
 
         Raises:
             InputError: not J finite numbers each; lengths that are not positive.

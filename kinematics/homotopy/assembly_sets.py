@@ -12,6 +12,8 @@ from kinematics.errors import InputError
 
 NEAR = 1.0
 """mm, angles times the characteristic length: closer solutions are near a fold."""
+CLOSES = 1e-7
+"""Largest residual of a solution, relative to the machine and to the shortest of its lengths."""
 NONE_REAL = "No solution is real: the machine cannot be assembled with these lengths."
 NONE_FOUND = "No real solution was found."
 
@@ -40,6 +42,23 @@ def grouped(count: int, pairs: ArrayLike) -> NDArray[np.intp]:
         if one != two:
             labels[labels == max(one, two)] = min(one, two)
     return np.unique(labels, return_inverse=True)[1].astype(np.intp)
+
+
+def not_closed(residual: Array, size: float, lengths: Array) -> tuple[str, ...]:
+    """A sentence where solutions do not satisfy the closure equations as well as they must.
+
+    Args:
+        residual: (N,) mm.
+        size: of the machine, mm.
+        lengths: of the actuators, mm.
+    """
+    worst = float(residual.max(initial=0.0))
+    if worst <= CLOSES * min(size, float(np.abs(lengths).min())):
+        return ()
+    return (
+        f"Solutions are off by up to {worst:.2g} mm, which is not small against the machine or its "
+        "lengths: digits are lost, so that some may be wrong or missing.",
+    )
 
 
 def described(multiplicity: NDArray[np.intp], gap: Array, pairs: int) -> tuple[str, ...]:

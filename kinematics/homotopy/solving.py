@@ -4,7 +4,8 @@ A mechanism hands in its equations (`Equations`) and a start set, all solutions 
 paths lead from there to one target or to many. That nothing is missing is seen from the count,
 every path accounted for, and from the set being closed under complex conjugation, as that of a real
 machine must be. Paths that are lost, or that end at one solution together, are followed again with
-care; then all take another way, and the union is taken.
+care; then all take another way, and the union is taken. Paths that run off to infinity are
+believed only where a second way, which leads elsewhere, gives the same solutions.
 """
 
 from __future__ import annotations
@@ -83,10 +84,20 @@ class Roots:
         return int(self.multiplicity.sum())
 
     @property
+    def settled(self) -> bool:
+        """Every path is accounted for, along two ways where some run off to infinity."""
+        accounted = self.lost == 0 and self.count + self.infinite == self.expected
+        return accounted and (self.infinite == 0 or self.ways > 1)
+
+    @property
+    def surplus(self) -> bool:
+        """More solutions turned up than paths began: the start set was short."""
+        return self.count + self.infinite > self.expected
+
+    @property
     def complete(self) -> bool:
         """Every path is accounted for, and the set is closed under conjugation."""
-        accounted = self.lost == 0 and self.count + self.infinite == self.expected
-        return accounted and self.closed and self.whole
+        return self.settled and self.closed and self.whole
 
     @property
     def doubts(self) -> tuple[str, ...]:
@@ -132,8 +143,13 @@ class Equations(Protocol):
         """The conjugate solutions."""
         ...
 
-    def infinite(self, values: Complex) -> NDArray[np.bool_]:
-        """Which points solve the equations but are no pose, (n,)."""
+    def infinite(self, values: Complex, goals: Complex) -> NDArray[np.bool_]:
+        """Which points solve the equations but are no pose, (n,).
+
+        Args:
+            values: as they were tracked; far out where a curve of solutions is at infinity.
+            goals: where Newton's method leads from there.
+        """
         ...
 
     def cluster(self, values: Complex, distance: float) -> Index:
@@ -157,18 +173,18 @@ def solve(
     """All solutions of each of ``count`` targets, along as many ways as it takes to find them.
 
     Paths that are doubtful at the end of a way are followed again with care. Where that does not
-    help, all paths take another way, which leads every one of them elsewhere, and what is new
-    joins what was found before.
+    help, and where some run off to infinity, all paths take another way, which leads every one of
+    them elsewhere, and what is new joins what was found before.
 
     Args:
         starts: (K, M) all solutions of the start set, from which every target is followed.
-        whole: nothing is missing among them.
+        whole: nothing is missing among them; else no other way makes the answers complete.
         real: the targets are real machines, whose solutions come with their conjugates.
     """
     paths = starts.shape[1]
     answers: list[Roots | None] = [None] * count
     left = np.arange(count)
-    for attempt in range(_WAYS):
+    for attempt in range(_WAYS if whole else 1):
         of, begun = np.repeat(left, paths), np.tile(starts, (1, len(left)))
         way = equations.way(left, attempt)
         ends = track(way, begun, control)
@@ -200,7 +216,8 @@ def solve(
 
 
 def _unfinished(found: Roots | None) -> bool:
-    return found is None or found.lost > 0
+    # More solutions than paths there are along every way.
+    return found is None or not (found.settled or found.count > found.expected)
 
 
 def _settle(
@@ -226,14 +243,15 @@ def _settle(
         ends[:, slow], error[slow] = equations.polish(ends[:, slow], of[who[slow]], rounds=8)
     settled = (error <= enough) & (equations.regularity(ends, of[who]) > equations.singular)
     settled &= relative_size(ends - values[:, who], ends) < _STAYS
-    far = equations.infinite(ends)
+    far = equations.infinite(ends, ends)
     values[:, who[settled]] = ends[:, settled]
     arrived = endings[who] == Ending.REGULAR
     endings[who[settled]] = Ending.REGULAR
     endings[who[arrived & ~settled]] = Ending.SINGULAR
     endings[who[far & settled]] = Ending.INFINITE
-    left = who[~settled & (endings[who] == Ending.SINGULAR)]
-    gone = equations.infinite(values[:, left])
+    where = np.flatnonzero(~settled & (endings[who] == Ending.SINGULAR))
+    left, goals = who[where], ends[:, where]
+    gone = equations.infinite(values[:, left], goals)
     endings[left[gone]] = Ending.INFINITE
     left = left[~gone]
     # A path that ends at a singular solution comes where the equations are nearly singular.

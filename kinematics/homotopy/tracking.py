@@ -66,20 +66,20 @@ class Control:
     error: float = 5e-2
     contraction: float = 0.1
     shortest: float = 1e-7
-    most: int = 1000
+    most: int = 400
     edge: float = 1e-10
 
 
-CAREFUL = Control(first=0.005, error=2e-3, contraction=0.02, shortest=1e-10, most=3000)
+CAREFUL = Control(first=0.005, error=2e-3, contraction=0.02, shortest=1e-10, most=800)
 """For paths that have to be followed again."""
 
-_ROUNDING = (
-    1e-10  # a correction below this may be rounding, far out where paths are ill-conditioned
-)
+_ROUNDING = 1e-10  # a correction below this may be rounding
+_FAR_ROUNDING, _DIGITS = 1e-6, 1e4  # the same so far out; digits are lost with the square of that
 _AIM = 0.25  # of what is allowed, for the next step
 _SPAN = 10.0  # ratio of 1 − t between the marks by which a path's growth is judged
 _NEAR_END = 1e-4  # 1 − t below which a path that is stuck may be judged
 _FAR, _NEAR_END_FAR = 1e3, 1e-2  # out there, where paths are ill-conditioned, it is judged earlier
+_CREEPS, _POLE = 1e-2, 0.96  # step relative to 1 − t; exponent of growth, of a simple pole one
 _GROWS = 0.04  # growth exponent beyond which a path runs off; at least 1/winding number if so
 
 
@@ -245,15 +245,29 @@ class _Tracker:
         step, slope = p.homotopy.step(point, there)
         point += step
         second = relative_size(step, point)
+        extent = p.homotopy.extent(point)
+        rounding = _rounding(extent)
         good = (first <= control.error) & (
-            second <= np.maximum(control.contraction * first, _ROUNDING)
+            second <= np.maximum(control.contraction * first, rounding)
         )
+        # Far out the first correction only leads to where Newton's method converges.
+        again = np.flatnonzero(
+            ~good & (extent > _FAR) & (np.maximum(first, second) <= control.error)
+        )
+        if again.size:
+            step, bent = p.homotopy.take(again).step(point[:, again], there[again])
+            point[:, again] += step
+            slope[:, again] = bent
+            first[again], second[again] = second[again], relative_size(step, point[:, again])
+            good[again] = second[again] <= np.maximum(
+                control.contraction * first[again], rounding[again]
+            )
         arrived = good & last
         # Both corrections say how long the next step may be: the first grows as the predictor's
         # error, the second as the square of the first.
-        room = (_AIM * control.error / np.maximum(first, 1e-12)) ** np.where(p.fresh, 0.5, 0.25)
+        room = (_AIM * control.error / np.maximum(first, rounding)) ** np.where(p.fresh, 0.5, 0.25)
         sharp = _AIM * control.contraction * first / second
-        room = np.where(second > _ROUNDING, np.minimum(room, np.sqrt(np.sqrt(sharp))), room)
+        room = np.where(second > rounding, np.minimum(room, np.sqrt(np.sqrt(sharp))), room)
         room = np.where(np.isnan(room), 0.1, room)
         p.h = h * np.where(good, np.clip(room, 0.4, 3.0), np.clip(room, 0.1, 0.5))
         if good.all():
@@ -272,6 +286,7 @@ class _Tracker:
         rest = 1.0 - p.t
         self._mark(rest)
         stuck = ~arrived & ((p.h < control.shortest * rest) | (rest < control.edge))
+        stuck |= ~arrived & self._runs_off(extent, rest)
         if arrived.any() or stuck.any():
             self._leave(arrived, stuck)
 
@@ -298,16 +313,39 @@ class _Tracker:
         """What the growth of the paths towards t = 1 says of their ends."""
         p = self.paths
         rest = np.maximum(1.0 - p.t, 1e-16)
-        older, newer = p.marks
         extent = p.homotopy.extent(p.u)
-        growth = np.log(extent / older.extent) / np.log(older.rest / rest)
-        lately = np.log(extent / newer.extent) / np.log(newer.rest / rest)
+        growth, lately = self._growth(extent, rest)
         steady = (lately > 0.5 * growth) & (lately < 2.0 * growth)
         far = (extent > _FAR) & (rest < _NEAR_END_FAR) & steady
         near = (rest < _NEAR_END) | far
         runs_off = near & ((growth > _GROWS) | ~np.isfinite(growth))
         kinds = np.where(runs_off, Ending.INFINITE, np.where(near, Ending.SINGULAR, Ending.LOST))
         return kinds.astype(np.int8)
+
+    def _runs_off(self, extent: Real, rest: Real) -> NDArray[np.bool_]:
+        """Which paths creep along far out, and still grow as towards infinity.
+
+        Towards a finite place growth slackens: in the last tenth of 1 − t, its exponent falls below
+        `_POLE` where that place is nearer than some ten times as far out.
+        """
+        creeps = (extent > _DIGITS) & (rest < _NEAR_END_FAR) & (self.paths.h < _CREEPS * rest)
+        if creeps.any():
+            growth, lately = self._growth(extent, rest)
+            creeps &= (lately > _POLE * np.minimum(growth, 1.0)) & (growth > _GROWS)
+        return creeps
+
+    def _growth(self, extent: Real, rest: Real) -> tuple[Real, Real]:
+        """The exponents with which the extent grows as 1 − t shrinks: on the whole, and lately."""
+        older, newer = self.paths.marks
+        growth: Real = np.log(extent / older.extent) / np.log(older.rest / rest)
+        lately: Real = np.log(extent / newer.extent) / np.log(newer.rest / rest)
+        return growth, lately
+
+
+def _rounding(extent: Real) -> Real:
+    """A correction below this may be rounding: digits are lost with the square of the size."""
+    allowed: Real = np.clip(_FAR_ROUNDING * (extent / _DIGITS) ** 2, _ROUNDING, _FAR_ROUNDING)
+    return allowed
 
 
 def _predict(p: _Paths, h: Real) -> Complex:

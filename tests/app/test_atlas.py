@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from app.features.move.state import Move, Visit
-from app.features.solutions.compute import HERE, Known, atlas, mixes, offers_mixed
-from app.features.solutions.state import SAME_MODE, Atlas, SetAtlas
+from app.features.solutions.compute import HERE, Known, atlas
+from app.features.solutions.state import SAME_MODE, SetAtlas
 from app.review import view as compute
 from app.review.changes import change
 from app.review.state import Review, new_review
@@ -18,6 +18,7 @@ from app.review.units import pose_text
 from app.review.units import tenths as number
 from kinematics.answers.solutions import ForwardSolutions, Merged, Refreshed
 from kinematics.designs.files import load_design
+from kinematics.errors import InputError
 from kinematics.machine import machine_of
 from kinematics.mechanism import mechanism_class
 
@@ -25,15 +26,13 @@ MACHINE = mechanism_class("five_rpur")
 
 
 def known_of(review: Review) -> Known:
-    (found,) = machine_of(review.design).forward(
-        [review.posture.joints], mixed_modes=review[Atlas].mixed
-    )
-    return Known(review.design, mixes(review), found)
+    (found,) = machine_of(review.design).forward([review.posture.joints])
+    return Known(review.design, found)
 
 
 @pytest.fixture(scope="module")
 def review() -> Review:
-    """A simplified design where nothing is special, in a mode that the closed form holds."""
+    """A simplified design where nothing is special."""
     home = new_review(load_design("rpur-a1a2"))
     x, y, z, _, _ = home.pose
     return change(home, Visit((x + 7.0, y - 3.0, z + 5.0, 0.1, -0.07), home.mode))[0]
@@ -160,27 +159,22 @@ def test_nothing_is_shown_of_another_design_or_of_a_machine_that_does_not_close(
     assert "do not close" in shown.remarks[0][0]
 
 
-def test_a_posture_in_mixed_modes_is_told_and_the_mixed_set_offered() -> None:
+def test_limbs_of_an_arrangement_that_is_not_merged_stand_in_any_mode() -> None:
     review = new_review(load_design("rpur-a2a2"))
     review, _ = change(review, Visit((-265.0, 65.0, 107.0, 0.0, 0.0), "-++--"))
     assert review.posture.reachable
-    assert offers_mixed(review.machine)
-    known = known_of(review)
-    shown = atlas(compute.view(review), known)
-    assert shown.offers_mixed
-    assert not any(row.here for row in shown.rows)
-    assert any("different working modes" in text for text, _ in shown.remarks)
-    wide, _ = change(review, SetAtlas("mixed", True))
-    assert not known.is_of(wide)
-    shown = atlas(compute.view(wide), known_of(wide))
+    shown = atlas(compute.view(review), known_of(review))
     assert [row.mode for row in shown.rows if row.here] == [review.mode]
     assert "of 1088 complex" in shown.count
 
 
-def test_a_general_design_has_no_more_in_mixed_modes() -> None:
-    review, _ = change(new_review(load_design("rpur-table1")), SetAtlas("mixed", True))
-    assert not offers_mixed(review.machine)
-    assert not mixes(review)
+def test_merged_limbs_are_offered_one_mode() -> None:
+    review = new_review(load_design("rpur-a1a1"))
+    with pytest.raises(InputError, match="not a solution of this mechanism"):
+        change(review, Visit(review.pose, "+-+++"))
+    shown = atlas(compute.view(review), known_of(review))
+    assert {row.mode for row in shown.rows} <= set(review.machine.modes)
+    assert len(review.machine.modes) == 8
 
 
 # --- who came and went ----------------------------------------------------------------------

@@ -319,11 +319,53 @@ def test_fk_finds_the_pose_that_ik_began_from(here: Run) -> None:
     assert [s["working_mode"] for s in found] == ["+++++"]
 
 
-def test_fk_of_a_simplified_design_with_and_without_mixed_modes(here: Run) -> None:
-    arguments = ("fk", "rpur-a3a3", "--joints", "340,330,330,320,330", "--json")
+def test_fk_holds_whatever_mode_ik_does(here: Run) -> None:
+    """Nothing in the file says that limbs are merged, so all 32 modes count."""
+    arguments = ("--pose", "190,30,180,20,-35", "--mode", "+-+-+", "--json")
+    (wanted,) = answered(here("ik", "rpur-table2", *arguments))["solutions"]
+    joints = (
+        "288.65110866805077,316.3266882632849,337.70032158986197,375.37892838430844,"
+        "337.1526647066503"
+    )
+    assert wanted["joints"] == pytest.approx([float(v) for v in joints.split(",")], abs=1e-9)
+    found = answered(here("fk", "rpur-table2", "--joints", joints, "--json"))
+    assert found["complete"]
+    assert found["complex_count"] == 1120
+    pose = pytest.approx([190.0, 30.0, 180.0, 20.0, -35.0], abs=1e-6)
+    same = [s for s in found["solutions"] if list(s["pose"].values()) == pose]
+    assert [s["working_mode"] for s in same] == ["+-+-+"]
+
+
+def test_merged_limbs_are_in_one_mode_for_every_command(here: Run) -> None:
+    there = ("--pose=-30,20,330,2,-3", "--json")
+    both = here("ik", "rpur-a1a1", *there).json["solutions"]
+    modes = {solution["working_mode"] for solution in both}
+    assert modes == {m for m in map("".join, product("+-", repeat=5)) if m[0:3:2] == m[1:4:2]}
+    volume, section = (
+        answered(here(*words, "--json"))
+        for words in (("volume", "rpur-a1a1"), ("section", "rpur-a1a1", "--x", "-30"))
+    )
+    named = "+++++,++++-,++--+,++---,--+++,--++-,----+,-----"
+    for words, found in (
+        (("volume", "rpur-a1a1", "--modes", named), volume),
+        (("section", "rpur-a1a1", "--x", "-30", "--modes", named), section),
+    ):
+        again = answered(here(*words, "--json"))
+        (key,) = {"volume_mm3", "area_mm2"} & set(found)
+        assert again[key] == pytest.approx(found[key], rel=1e-6)
+    for command in ("ik", "volume", "workspace", "section", "singularity", "map"):
+        option = "--mode" if command in ("ik", "singularity") else "--modes"
+        more = {"ik": ("--pose", POSE), "section": ("--x", "0")}.get(command, ())
+        refused = here(command, "rpur-a1a1", *more, option, "+-+++")
+        assert refused.code == 2
+        assert "has no working mode '+-+++'" in refused.stderr
+
+
+def test_fk_of_a_merged_design_with_and_without_mixed_modes(here: Run) -> None:
+    arguments = ("fk", "rpur-a1a1", "--joints", "340,330,330,320,330", "--json")
     few, many = answered(here(*arguments)), answered(here(*arguments, "--mixed-modes"))
-    assert few["complex_count"] == few["expected_count"] == 192
-    assert many["complex_count"] > 1400
+    assert few["complex_count"] == few["expected_count"] == 96
+    assert many["complex_count"] > 1000
     assert few["complete"]
     assert many["complete"]
     for solution in few["solutions"]:
@@ -358,14 +400,14 @@ def test_no_solution_is_an_answer_that_says_why(here: Run) -> None:
 
 
 def test_fk_table_is_readable(here: Run) -> None:
-    done = here("fk", "rpur-a3a3", "--joints", "340,330,330,320,330")
+    done = here("fk", "rpur-a1a1", "--joints", "340,330,330,320,330")
     assert done.code == 0
     assert done.stderr == ""
     assert "Joints ρ₁ = 340 mm" in done.stdout
     assert "θ (°)" in done.stdout
     rows = re.findall(r"^\d+ +([+-]{5}) .* yes", done.stdout, re.M)
     counted = re.search(
-        r"^(\d+) real of 192 complex solutions \(complete: .*\); .*; [\d.]+ m?s$",
+        r"^(\d+) real of 96 complex solutions \(complete: .*\); .*; [\d.]+ m?s$",
         done.stdout,
         re.M,
     )

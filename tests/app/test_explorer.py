@@ -14,7 +14,6 @@ import pytest
 from app.features.design.state import EditDesign, UseDesign
 from app.features.move.state import Drive, Move
 from app.features.solutions.part import Explorer
-from app.features.solutions.state import SetAtlas
 from app.jobs.lane import Busy, Done, Lost
 from app.review import view as compute
 from app.review.changes import change
@@ -60,7 +59,7 @@ def loop() -> Iterator[Loop]:
 
 
 def test_a_quick_design_is_solved_in_the_same_turn(loop: Loop) -> None:
-    review = new_review(load_design("rpur-a3a3"))
+    review = new_review(load_design("rpur-a1a1"))
     view = loop.show(review)
     assert loop.explorer.is_current(view)
     assert any(row.here for row in loop.explorer.atlas(view).rows)
@@ -111,7 +110,7 @@ def test_the_folds_ahead_begin_with_the_actuator_that_was_driven(loop: Loop) -> 
 
 
 def test_a_visit_waits_for_the_present_lengths(loop: Loop) -> None:
-    review = new_review(load_design("rpur-a3a3"))
+    review = new_review(load_design("rpur-a1a1"))
     view = loop.show(review)
     rows = loop.explorer.atlas(view).rows
     target = rows[1]
@@ -131,7 +130,7 @@ def test_a_visit_waits_for_the_present_lengths(loop: Loop) -> None:
 
 
 def test_a_solution_that_is_gone_is_told(loop: Loop) -> None:
-    view = loop.show(new_review(load_design("rpur-a3a3")))
+    view = loop.show(new_review(load_design("rpur-a1a1")))
     loop.explorer.await_visit(10_000)
     with pytest.raises(BohemiaError, match="#10000 is not there any more"):
         loop.explorer.visit(view)
@@ -139,7 +138,7 @@ def test_a_solution_that_is_gone_is_told(loop: Loop) -> None:
 
 
 def test_a_number_of_another_machine_is_not_looked_up_in_this_one(loop: Loop) -> None:
-    review = new_review(load_design("rpur-a3a3"))
+    review = new_review(load_design("rpur-a1a1"))
     view = loop.show(review)
     target = loop.explorer.atlas(view).rows[1]
     edited, _ = change(review, EditDesign(((("limb", 0, "platform", 0), -57.0),)))
@@ -154,7 +153,7 @@ def test_a_number_of_another_machine_is_not_looked_up_in_this_one(loop: Loop) ->
 def test_another_design_starts_afresh_and_what_comes_late_is_dropped(loop: Loop) -> None:
     general = new_review(load_design("rpur-table1"))
     late = loop.show(general)
-    quick, _ = change(general, UseDesign(load_design("rpur-a3a3")))
+    quick, _ = change(general, UseDesign(load_design("rpur-a1a1")))
     view = loop.show(quick)
     assert loop.explorer.is_current(view)
     known = loop.explorer.known
@@ -163,26 +162,9 @@ def test_another_design_starts_afresh_and_what_comes_late_is_dropped(loop: Loop)
     assert not loop.explorer.is_current(late)
 
 
-def test_mixed_modes_are_found_apart(loop: Loop) -> None:
-    review, _ = change(new_review(load_design("rpur-a3a3")), SetAtlas("mixed", True))
-    view = loop.show(review)
-    assert not loop.explorer.is_current(view)
-    loop.until(view, lambda: loop.explorer.is_current(view))
-    known = loop.explorer.known
-    assert known is not None
-    assert known.solutions.complex_count > 192
-    narrow, _ = change(review, SetAtlas("mixed", False))
-    loop.show(narrow)
-    known = loop.explorer.known
-    assert known is not None
-    assert known.solutions.complex_count == 192
-
-
 @pytest.mark.parametrize("how", ["cancelled", "killed"])
 def test_a_search_that_was_given_up_says_why_and_the_next_one_works(loop: Loop, how: str) -> None:
-    review = new_review(load_design("rpur-a3a3"))
-    mixed, _ = change(review, SetAtlas("mixed", True))
-    view, lane = loop.show(mixed), loop.explorer.lane
+    view, lane = loop.show(new_review(load_design("rpur-a3a3"))), loop.explorer.lane
     while not isinstance(event := loop.events.get(timeout=PATIENCE), Busy) or event.title is None:
         pass
     time.sleep(0.05)
@@ -203,7 +185,7 @@ def test_a_search_that_was_given_up_says_why_and_the_next_one_works(loop: Loop, 
 
 
 def test_all_can_be_found_from_scratch(loop: Loop) -> None:
-    review = new_review(load_design("rpur-a3a3"))
+    review = new_review(load_design("rpur-a1a1"))
     view = loop.show(review)
     driven, _ = change(review, Drive(0, review.posture.joints[0] + 30.0))
     view = loop.show(driven)

@@ -21,7 +21,7 @@ def review() -> Review:
 @pytest.fixture(scope="module")
 def known(review: Review) -> Known:
     (found,) = review.machine.forward([review.posture.joints])
-    return Known(review.design, False, found)
+    return Known(review.design, found)
 
 
 def _ahead(review: Review, index: int, by: float, *, partner: int | None, known: Known) -> Ahead:

@@ -107,7 +107,7 @@ def test_what_is_too_large_is_refused() -> None:
 
 
 def test_how_solutions_are_shown_is_kept(review: Review) -> None:
-    wanted = Atlas(ghosts=True, mixed=True, sort="condition", modes="+?+?+, -----")
+    wanted = Atlas(ghosts=True, sort="condition", modes="+?+?+, -----")
     shown = review.having(wanted)
     assert session.from_text(session.to_text(shown), origin="x")[Atlas] == shown[Atlas]
 

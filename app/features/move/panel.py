@@ -151,7 +151,8 @@ class MovePanel(Panel):
             self.desk.send(Place(self._meeting.at.pose, gesture=""), client)
 
     def _flip(self, n: int, on: bool, client: Client) -> None:
-        self._mode = self._mode.with_sign(n + 1, "+" if on else "-")
+        known = self.review.machine.modes
+        self._mode = self._mode.with_sign(n + 1, "+" if on else "-", known)
         self.desk.send(Flip(self._mode), client)
 
 

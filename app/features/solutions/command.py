@@ -168,8 +168,8 @@ def fk(
     ),
     within_stroke: bool = flag("only solutions within the strokes"),
     mixed_modes: bool = flag(
-        "for simplified designs: also solutions in which the two limbs of an arrangement stand in "
-        "different working modes, which takes longer"
+        "of a design with merged U joints: also the solutions that it would have if they were not "
+        "merged; of any other design all modes are answered anyway"
     ),
 ) -> Answer:
     """Forward kinematics: every assembly mode of given actuators.
@@ -180,10 +180,9 @@ def fk(
     inner = [tables.inner(value, axis) for value, axis in zip(joints, actuators, strict=True)]
     with progress("All assembly modes"):
         (found,) = machine.forward([inner], mixed_modes=mixed_modes)
-    order: dict[str, int] = {mode: n for n, mode in enumerate(machine.modes)}
     shown = sorted(
         (n for n in range(len(found)) if found.within_stroke[n] or not within_stroke),
-        key=lambda n: (not found.within_stroke[n], order[found.modes[n]], *found.poses[n]),
+        key=lambda n: (not found.within_stroke[n], found.modes[n], *found.poses[n]),
     )
     transforms = machine.transform(found.poses, found.modes).tolist()
     numbers = ("residual", "condition", "determinant", "multiplicity", "gap_mm", "within_stroke")

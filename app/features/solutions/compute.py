@@ -10,20 +10,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from app.features.solutions.state import SAME_MODE, Atlas
 from app.jobs.answers import Question
-from app.review.modes import matching, page_mode
+from app.review.modes import matching
 from app.review.state import Review
 from app.review.units import place_text
 from app.review.view import View
 from app.terminal import tables
 from kinematics.answers.solutions import Fold, ForwardSolutions, Merged, Posture, Refreshed
 from kinematics.arrays import Array
-from kinematics.machine import Machine, machine_of
+from kinematics.machine import machine_of
 from kinematics.mechanism import Design
 
 REST = 0.15  # s without a new wish before work on it begins
@@ -31,6 +30,7 @@ SAME_JOINTS = 1e-6  # mm or rad: lengths that differ by less have the same solut
 NAMED, TOLD = 8, 3  # of those that came, and of those that went, the page names this many
 HERE = 0.01  # mm: a solution whose platform is nearer than this is the present one
 SAME = 1e-3  # mm and rad: a partner this near to a known solution is that solution
+ELSEWHERE = "The present posture is not among them: it stands in a singularity, or next to one."
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -42,7 +42,6 @@ class Wish:
 
     design: Design
     joints: tuple[float, ...]
-    mixed: bool = False
     before: ForwardSolutions | None = None
 
 
@@ -53,7 +52,7 @@ def solve(wish: Wish) -> Refreshed:
     forward = machine_of(wish.design).forward
     if wish.before is not None:
         return forward.refresh(wish.before, wish.joints)
-    (found,) = forward([wish.joints], mixed_modes=wish.mixed)
+    (found,) = forward([wish.joints])
     return Refreshed(found, (), ())
 
 
@@ -65,14 +64,13 @@ class Known:
     """
 
     design: Design
-    mixed: bool
     solutions: ForwardSolutions
     appeared: frozenset[int] = frozenset()
     merged: tuple[Merged, ...] = ()
 
     def is_of(self, review: Review) -> bool:
-        """Found for this design, and for the working modes that are asked for."""
-        return self.design == review.design and self.mixed == mixes(review)
+        """Found for this design."""
+        return self.design == review.design
 
     def stands_at(self, joints: Sequence[float]) -> bool:
         """Found for these actuators."""
@@ -97,16 +95,6 @@ class Known:
         """Where a solution stands in the set; None if it is not there any more."""
         found = self.solutions.identities
         return found.index(identity) if identity in found else None
-
-
-def offers_mixed(machine: Machine[Any]) -> bool:
-    """Whether a design has solutions beyond its quick closed form."""
-    return machine.forward.is_quick() and not machine.forward.is_quick(mixed_modes=True)
-
-
-def mixes(review: Review) -> bool:
-    """Whether solutions beyond the closed form are asked for, and there are any."""
-    return review[Atlas].mixed and offers_mixed(review.machine)
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,7 +127,6 @@ class Listed:
         stale: they belong to other actuators than the present ones.
         remarks: further sentences, each with whether it is about a singularity.
         hidden: how many the filter leaves out.
-        offers_mixed: there are more in mixed working modes.
     """
 
     rows: tuple[Row, ...]
@@ -150,24 +137,22 @@ class Listed:
     stale: bool
     remarks: tuple[tuple[str, bool], ...]
     hidden: int
-    offers_mixed: bool
 
 
-NONE_YET = Listed((), np.empty((0, 4, 4)), "", "", False, True, (), 0, False)
+NONE_YET = Listed((), np.empty((0, 4, 4)), "", "", False, True, (), 0)
 
 
 def atlas(view: View, known: Known | None) -> Listed:
     """What to show of the solutions in a view; `NONE_YET` while there are none."""
     review, posture = view.review, view.posture
-    offered = offers_mixed(review.machine)
     if not posture.closes:
         why = (
             "The limbs do not close at this pose, so there are no actuator lengths to solve for. "
             "Bring the platform back within their reach."
         )
-        return replace(NONE_YET, stale=False, remarks=((why, False),), offers_mixed=offered)
+        return replace(NONE_YET, stale=False, remarks=((why, False),))
     if known is None or not known.is_of(review):
-        return replace(NONE_YET, offers_mixed=offered)
+        return NONE_YET
     found = known.solutions
     stale = not known.stands_at(posture.joints)
     placements = review.machine.transform(found.poses, found.modes)
@@ -177,7 +162,7 @@ def atlas(view: View, known: Known | None) -> Listed:
     remarks = [(note, note in singular) for note in found.notes]
     remarks += _news(review, known)
     if not stale and not any(row.here for row in rows):
-        remarks.append((_elsewhere(offered, known.mixed, posture.mode), False))
+        remarks.append((ELSEWHERE, False))
     return Listed(
         rows=tuple(kept),
         placements=placements[[row.index for row in kept]],
@@ -187,7 +172,6 @@ def atlas(view: View, known: Known | None) -> Listed:
         stale=stale,
         remarks=tuple(remarks),
         hidden=len(rows) - len(kept),
-        offers_mixed=offered,
     )
 
 
@@ -267,16 +251,6 @@ def _news(review: Review, known: Known) -> list[tuple[str, bool]]:
         shown = "; ".join(told[:TOLD]) + ("; …" if len(told) > TOLD else "")
         news.append((f"{len(known.merged)} merged on the way: {shown}", True))
     return news
-
-
-def _elsewhere(offered: bool, mixed: bool, mode: str) -> str:
-    if offered and not mixed:
-        return (
-            f"The present posture (mode {page_mode(mode)}) has the limbs of an arrangement in "
-            "different working modes, so it is not among the solutions in closed form. Switch on "
-            "Mixed modes to see it and its like."
-        )
-    return "The present posture is not among them: it stands in a singularity, or next to one."
 
 
 # --- the folds ahead -----------------------------------------------------------------------

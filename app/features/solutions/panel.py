@@ -70,7 +70,7 @@ class SolutionsPanel(Panel):
     def build(self, review: Review) -> None:
         gui, desk, machine = self.gui, self.desk, review.machine
         self._part = desk.part(SolutionsPart)
-        self._known = machine.modes
+        known = machine.modes
         self._elsewhere = Elsewhere(gui)
         self._style = gui.add_html(style(stale=False))
         self._count = gui.add_html("")
@@ -81,17 +81,9 @@ class SolutionsPanel(Panel):
             SetAtlas,
             "The platform in every other solution of the list; click one to go there (hotkey G)",
         )
-        self._mixed = self.switch(
-            "Mixed modes",
-            Atlas,
-            "mixed",
-            SetAtlas,
-            "Solutions in which the two limbs of an arrangement stand in different working modes, "
-            "by the general method",
-        )
         self.switch("Within strokes", Atlas, "within_stroke", SetAtlas)
         self.choice("Sort by", SORTED, lambda r: r[Atlas].sort, partial(SetAtlas, "sort"))
-        self._choice = gui.add_dropdown("Of", (EVERY, SAME, PATTERN), visible=any(self._known))
+        self._choice = gui.add_dropdown("Of", (EVERY, SAME, PATTERN), visible=any(known))
         answer(desk, self._choice, self._choose)
         self._pattern = gui.add_text(
             "Pattern",
@@ -122,7 +114,7 @@ class SolutionsPanel(Panel):
             self._partner = self.button("Go to the solution it merges with", self._go_to_partner)
         self._fold: Ahead | None = None
         self._folds: dict[str, Ahead] = {}
-        limbs = len(self._known[0].signs)
+        limbs = len(known[0].signs)
         gui.add_html(box(f'<div style="opacity:0.75">{key_html(machine.coordinates, limbs)}</div>'))
         explain(gui, HELP, machine.text("solutions"))
 
@@ -150,7 +142,6 @@ class SolutionsPanel(Panel):
 
     def _draw_solutions(self, sheet: Sheet, solutions: Solutions) -> None:
         atlas = solutions.atlas
-        put_prop(self._mixed, "visible", atlas.offers_mixed)
         self.say(self._count, count_html(atlas, solutions.trouble))
         self.say(self._remarks, remarks_html(atlas))
         self.say(self._empty, empty_html(atlas))
@@ -231,7 +222,7 @@ class SolutionsPanel(Panel):
     def _choose_pattern(self, text: str, client: Client) -> None:
         if _unfinished(text, len(self.review.mode)):
             return
-        matching(text, self._known)  # raises, and the person reads what is wrong
+        matching(text, self.review.machine.modes)  # raises, and the person reads what is wrong
         self.desk.send(SetAtlas("modes", text), client)
 
     def _choose_fold(self, name: str, _: Client) -> None:

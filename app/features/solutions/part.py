@@ -20,7 +20,6 @@ from app.features.solutions.compute import (
     Listed,
     Wish,
     atlas,
-    mixes,
     nearest_first,
     solve,
 )
@@ -100,10 +99,8 @@ class Explorer:
         """What is to be found now; the same wish while it is."""
         review, wish = view.review, self._wish
         before = self.known.solutions if self.known and self.known.is_of(review) else None
-        made = Wish(review.design, view.posture.joints, mixes(review), before)
-        if wish is None or any(
-            getattr(wish, name) != getattr(made, name) for name in ("design", "joints", "mixed")
-        ):
+        made = Wish(review.design, view.posture.joints, before)
+        if wish is None or (wish.design, wish.joints) != (made.design, made.joints):
             self._wish = wish = made
         return wish
 
@@ -119,12 +116,12 @@ class Explorer:
         self.look(view)  # the folds ahead can be looked for now
 
     def take(self, event: Done | Lost, view: View) -> None:
-        """A wish was worked on; what is of another design or other modes is dropped."""
+        """A wish was worked on; what is of another design is dropped."""
         asked = self.answers.take(event)
         match event:
             case Done(_, Refreshed() as refreshed):
                 wish = event.job.arguments[0]
-                if wish.design == view.review.design and wish.mixed == mixes(view.review):
+                if wish.design == view.review.design:
                     self._keep(wish, refreshed)
             case Lost(_, text) if asked is not None:
                 self._awaited = None
@@ -142,19 +139,18 @@ class Explorer:
         if wish.before is not None and self.known is not None:
             self.known = self.known.after(refreshed, rested=self._rested)
         else:
-            self.known = Known(wish.design, wish.mixed, refreshed.solutions)
+            self.known = Known(wish.design, refreshed.solutions)
         self._rested = False
         self.trouble = ""
 
     @staticmethod
     def _quick(view: View) -> bool:
-        review = view.review
-        return review.machine.forward.is_quick(mixed_modes=mixes(review))
+        return view.review.machine.forward.is_quick()
 
     # --- what is shown and asked
 
     def is_current(self, view: View) -> bool:
-        """Whether the last set is of the present actuators, design and working modes."""
+        """Whether the last set is of the present actuators and design."""
         return (
             self.known is not None
             and self.known.is_of(view.review)

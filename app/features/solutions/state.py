@@ -19,14 +19,12 @@ SAME_MODE = "same"
 class Atlas(Slice):
     """How the solutions are shown.
 
-    ``mixed`` asks for those of simplified designs in which the limbs of an arrangement stand in
-    different working modes. ``modes`` filters the list: "" for all, `SAME_MODE` for the present
-    working mode, else patterns that `app.review.modes.matching` understands.
+    ``modes`` filters the list: "" for all, `SAME_MODE` for the present working mode, else patterns
+    that `app.review.modes.matching` understands.
     """
 
     filed_as: ClassVar[str] = "solutions"
     ghosts: bool = False
-    mixed: bool = False
     sort: Sort = "distance"
     within_stroke: bool = False
     modes: str = ""

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from kinematics.answers.solutions import ForwardSolutions, Merged, Refreshed, SelfMotion
 from kinematics.arrays import Array, finite
 from kinematics.facets.forward import ForwardFacet
+from kinematics.homotopy.assembly_sets import not_closed
 from kinematics.mechanisms.five_bar.design import LIMBS, FiveBarDesign
 from kinematics.mechanisms.five_bar.inverse import elbows, in_range, mode_of, normal_angles
 from kinematics.mechanisms.five_bar.joints_line import first_crossing
@@ -133,6 +134,7 @@ def _packed(
     b = elbows(design, joints)
     reach = points[:, None, :] - b
     residual = np.abs(np.linalg.norm(reach, axis=-1) - design.distal).max(axis=-1, initial=0.0)
+    loose = not_closed(residual, design.size, design.distal)
     unit = reach / design.distal[:, None]
     gap = np.full(len(points), np.inf)
     if len(points) == LIMBS:
@@ -151,10 +153,10 @@ def _packed(
         identities=identities,
         complex_count=count,
         expected_count=2,
-        complete=complete,
+        complete=complete and not loose,
         method="the two points in which the circles of the distal links meet",
         seconds=0.0,
-        notes=tuple(notes),
+        notes=(*notes, *loose),
         self_motions=motions,
     )
 

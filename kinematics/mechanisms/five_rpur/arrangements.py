@@ -28,13 +28,11 @@ from numpy.typing import NDArray
 
 from kinematics.answers.solutions import Finding
 from kinematics.arrays import Array
-from kinematics.mechanisms.five_rpur.design import LIMBS, SUBSCRIPTS, FiveRPURDesign
-from kinematics.mechanisms.five_rpur.inverse import MODES, inside, signs
+from kinematics.mechanisms.five_rpur.design import LIMBS, SUBSCRIPTS, TOLERANCE, FiveRPURDesign
+from kinematics.mechanisms.five_rpur.inverse import inside, signs
 
 PairKind = Literal["A1", "A2", "A3", "same"]
 
-TOLERANCE = 1e-9
-"""Lengths equal to this part of the design's size are equal."""
 _NEAR = 1e-2  # part of the size within which a condition is missed narrowly
 _SINGULAR = 1e-9  # of the largest possible value, for a normalised determinant
 _SAMPLES = 24
@@ -117,8 +115,8 @@ CLASSES = {
 
 @lru_cache(maxsize=64)
 def arrangements(design: FiveRPURDesign) -> Arrangements:
-    """The simplified arrangements of a design, compared to `TOLERANCE` × `size`."""
-    equal = TOLERANCE * size(design)
+    """The simplified arrangements of a design, compared to `TOLERANCE` × its size."""
+    equal = TOLERANCE * design.size
     groups: list[list[int]] = []
     for i in range(LIMBS):
         for group in groups:
@@ -136,12 +134,6 @@ def arrangements(design: FiveRPURDesign) -> Arrangements:
     )
 
 
-def size(design: FiveRPURDesign) -> float:
-    """The design's size, mm: the largest of its lengths and coordinate differences."""
-    spans = [np.ptp(points, axis=0).max() for points in (design.base, design.platform)]
-    return float(max(*spans, design.link.max(), design.stroke.max()))
-
-
 def singular_modes(design: FiveRPURDesign) -> tuple[str, ...]:
     """The working modes in which the six wrenches are dependent at every pose.
 
@@ -151,7 +143,7 @@ def singular_modes(design: FiveRPURDesign) -> tuple[str, ...]:
     """
     poses = _sample_poses(design)
     found = []
-    for mode in MODES:
+    for mode in design.modes:
         value = _normalised_determinant(design, poses, signs(mode))
         if (value < _SINGULAR).all():
             found.append(mode)
@@ -164,7 +156,7 @@ def findings(design: FiveRPURDesign) -> tuple[Finding, ...]:
     found = arrangements(design)
     answer = [Finding("warning", "Architecturally singular", text) for text in found.reasons]
     if not found.reasons and len(modes := singular_modes(design)) > 0:
-        answer.append(_modes_finding(modes))
+        answer.append(_modes_finding(modes, len(design.modes)))
     if not _reachable_somewhere(design):
         answer.append(
             Finding(
@@ -175,7 +167,8 @@ def findings(design: FiveRPURDesign) -> tuple[Finding, ...]:
                 "or lengthen links and strokes.",
             )
         )
-    answer += [_group_finding(group) for group in found.groups]
+    answer += [_merged_finding(design, limbs) for limbs in design.merged_joints]
+    answer += [_group_finding(design, group) for group in found.groups]
     answer += _class_findings(design, found)
     answer += _near_misses(design, found)
     return tuple(answer)
@@ -284,7 +277,7 @@ def _coincide(points: Array, equal: float) -> bool:
 
 def _sample_poses(design: FiveRPURDesign) -> Array:
     rng = np.random.default_rng(20110401)
-    reach = size(design)
+    reach = design.size
     position = design.base.mean(axis=0) + rng.uniform(-reach, reach, (_SAMPLES, 3))
     return np.concatenate([position, rng.uniform(-np.pi, np.pi, (_SAMPLES, 2))], axis=1)
 
@@ -350,13 +343,13 @@ def _listed(limbs: Sequence[int]) -> str:
     return f"{', '.join(most)} and {last}" if most else last
 
 
-def _modes_finding(modes: tuple[str, ...]) -> Finding:
-    if len(modes) == len(MODES):
+def _modes_finding(modes: tuple[str, ...], existing: int) -> Finding:
+    if len(modes) == existing:
         which = "in all working modes"
     elif len(modes) <= 4:
         which = f"in the working modes {', '.join(modes)}"
     else:
-        which = f"in {len(modes)} of the 32 working modes"
+        which = f"in {len(modes)} of the {existing} working modes"
     return Finding(
         "warning",
         "Architecturally singular",
@@ -373,7 +366,15 @@ _KIND_TEXT = {
 }
 
 
-def _group_finding(group: Group) -> Finding:
+def _merged_finding(design: FiveRPURDesign, limbs: tuple[int, ...]) -> Finding:
+    text = (
+        f"Limbs {_listed(limbs)} share one U joint, so they always stand in the same working mode: "
+        f"of the 32 modes the design has {len(design.modes)}."
+    )
+    return Finding("info", "Merged U joint", text, limbs)
+
+
+def _group_finding(design: FiveRPURDesign, group: Group) -> Finding:
     limbs = _listed(group.limbs)
     if not group.middle:
         text = (
@@ -381,6 +382,11 @@ def _group_finding(group: Group) -> Finding:
             "working mode their second links stay parallel, and the line through their U joints "
             "is parallel to e₂."
         )
+        if group.kind == "A1" and group.limbs not in design.merged_joints:
+            text += (
+                " Nothing says that their U joints are one, so they may also stand in different "
+                f"modes; if they are, add merged_joints = [{list(group.limbs)}] to the design file."
+            )
         title = f"Arrangement {group.kind}" if group.kind != "same" else "Coincident pair"
         return Finding("info", title, text, group.limbs)
     pairs = ", ".join(f"{p.limbs[0]}-{p.limbs[1]} {p.kind}" for p in group.pairs)
@@ -424,7 +430,7 @@ def _self_motion(design: FiveRPURDesign, found: Arrangements) -> str:
     if found.name == "{A1A1}":
         one, two = found.groups
         offsets = [float(design.platform[group.limbs[0] - 1, 0]) for group in (one, two)]
-        if abs(offsets[0] - offsets[1]) <= TOLERANCE * size(design):
+        if abs(offsets[0] - offsets[1]) <= TOLERANCE * design.size:
             return (
                 f"Both platform points have the same x′ ({offsets[0]:g} mm), so the U joints of "
                 f"limbs {_listed(one.limbs)} and of limbs {_listed(two.limbs)} can come onto one "
@@ -456,7 +462,7 @@ _CONDITION_TEXT = (
 
 def _near_misses(design: FiveRPURDesign, found: Arrangements) -> list[Finding]:
     """Pairs that satisfy two conditions and miss the third by little, as a slip would."""
-    equal, near = TOLERANCE * size(design), _NEAR * size(design)
+    equal, near = TOLERANCE * design.size, _NEAR * design.size
     answer = []
     for i, j in combinations(range(LIMBS), 2):
         misses = _conditions(design, i, j)

@@ -41,7 +41,10 @@ class Clearances(NearestPose):
         offset = offset_points(design, posture.pose[3], theta)
         relative = position @ turn - offset
         distance, foot = feet(
-            relative[:, None], design.link[:, None], signs(posture.mode)[:, None], design.stroke
+            relative[:, None],
+            design.link[:, None],
+            signs(posture.mode, design)[:, None],
+            design.stroke,
         )
         foot = (foot + offset[:, None]) @ turn.T
         size = float(np.abs(offset).max() + (design.link + design.stroke[:, 1]).max())

@@ -26,7 +26,7 @@ from kinematics.errors import InputError
 from kinematics.facets.following import ClosureFollowing
 from kinematics.facets.inverse import posture
 from kinematics.facets.paths import PathsFacet
-from kinematics.homotopy.quadrics import Quadrics, square, unknowns
+from kinematics.homotopy.quadrics import Quadric, Quadrics, square, unknowns
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inverse import signs
 
@@ -34,7 +34,8 @@ _COUNT = 7 + LIMBS
 
 
 class Following(ClosureFollowing[FiveRPURDesign]):
-    """Of a simplified design as of any other: limbs may pass into other working modes."""
+    """Of a simplified design as of any other: limbs may pass into other working modes, those that
+    share a U joint together."""
 
     @property
     def unit(self) -> float:
@@ -54,7 +55,7 @@ class Following(ClosureFollowing[FiveRPURDesign]):
         across = np.abs(y + cf * sy - sf * sz - self.design.base[:, 1])
         height = (self.design.link - across) * (self.design.link + across)
         up = x * s + z * c
-        w = up + sf * sy + cf * sz - signs(mode) * np.sqrt(np.maximum(height, 0.0))
+        w = up + sf * sy + cf * sz - signs(mode, self.design) * np.sqrt(np.maximum(height, 0.0))
         place = np.array([x * c - z * s, y, up]) / self.unit
         return np.concatenate([place, [cf, sf, c, s], w / self.unit])
 
@@ -68,10 +69,12 @@ class Following(ClosureFollowing[FiveRPURDesign]):
         return posture(self.design, (*place.tolist(), *angles), mode, known=joints)
 
     def _heights(self, points: Array) -> Array:
-        """q_i at points (..., n), (..., 5)."""
+        """q_i at points (..., n), (..., 5); of merged limbs the same to the last digit."""
         _, sy, sz = self.design.platform.T / self.unit
         z, cf, sf = (points[..., n, None] for n in (2, 3, 4))
         heights: Array = z + sf * sy + cf * sz - points[..., 7:]
+        for first, *others in self.design.merged_joints:
+            heights[..., [i - 1 for i in others]] = heights[..., [first - 1]]
         return heights
 
     def events(self, start: Posture, end: Posture, visited: Array) -> str:
@@ -95,18 +98,17 @@ class Following(ClosureFollowing[FiveRPURDesign]):
 def _closure(design: FiveRPURDesign) -> Quadrics:
     unit = float(design.link.mean())
     x, y, z, cf, sf, c, s, *rest = unknowns(_COUNT + LIMBS)
-    limbs = zip(
-        design.base / unit,
-        design.platform / unit,
-        design.link / unit,
-        rest[:5],
-        rest[5:],
-        strict=True,
-    )
+    heights, lengths = rest[:LIMBS], rest[LIMBS:]
+    points = (design.base / unit, design.platform / unit, design.link / unit)
+    merged = {i - 1: limbs[0] - 1 for limbs in design.merged_joints for i in limbs[1:]}
     equations = [0.5 * (square(cf) + square(sf) - 1.0), 0.5 * (square(c) + square(s) - 1.0)]
-    for (rx, ry, rz), (sx, sy, sz), link, w, rho in limbs:
+    for i, ((rx, ry, rz), (sx, sy, sz), link) in enumerate(zip(*points, strict=True)):
+        w, rho = heights[i], lengths[i]
         across, up = x + sx - rx * c + rz * s, w - rx * s - rz * c
         side, height = y + sy * cf - sz * sf - ry, z + sy * sf + sz * cf - w
         equations.append(0.5 * (square(across) + square(up) - square(rho)))
-        equations.append(0.5 * (square(side) + square(height) - link**2))
+        if i in merged:  # the same link: its U joint is that of the first of them
+            equations.append(Quadric([]) + (w - heights[merged[i]]))
+        else:
+            equations.append(0.5 * (square(side) + square(height) - link**2))
     return Quadrics.of(equations)

@@ -16,7 +16,7 @@ from kinematics.facets.inverse import posture as posture_at
 from kinematics.mechanism import mechanism_of
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.arrangements import CLASSES, PairKind, arrangements
-from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
+from kinematics.mechanisms.five_rpur.design import MODES, FiveRPURDesign
 from kinematics.screws.spatial import common_box
 
 if TYPE_CHECKING:  # loaded only where it follows
@@ -27,7 +27,7 @@ ROUNDS = 12  # halvings of the step while the best position of a mode is improve
 TRAVEL = 0.3  # of the stroke
 ORIENTATIONS = ((0.0, 0.0), (0.3, 0.3), (-0.3, 0.3), (0.3, -0.3), (-0.3, -0.3))
 
-_SIGNS = np.array([inverse.signs(mode) for mode in inverse.MODES])
+_SIGNS = np.array([inverse.signs(mode) for mode in MODES])
 _NEIGHBOURS = np.array(list(product((-1.0, 0.0, 1.0), repeat=3)))
 
 
@@ -57,6 +57,7 @@ def home(design: FiveRPURDesign) -> Posture:
     # Below its base a machine would stand in its own floor: only where there is nothing above.
     for above, (phi, theta) in product((True, False), ORIENTATIONS):
         positions, room = _roomiest(design, phi, theta, above=above)
+        room[~np.isin(MODES, design.modes)] = -np.inf
         for kinds in tied:
             margins = np.where(_together(design, kinds), room, -np.inf)
             found = _most_travel(design, positions, margins, phi, theta)
@@ -65,7 +66,7 @@ def home(design: FiveRPURDesign) -> Posture:
         n = int(margins.argmax())
         if fallback is None or margins[n] > fallback[0]:
             pose = (*(float(v) for v in positions[n]), phi, theta)
-            fallback = float(margins[n]), posture_at(design, pose, inverse.MODES[n])
+            fallback = float(margins[n]), posture_at(design, pose, MODES[n])
     assert fallback is not None
     return fallback[1]
 
@@ -79,7 +80,7 @@ def _most_travel(
         if margins[n] <= best:
             break  # no actuator can be moved further than the nearest stroke end
         pose = (*(float(v) for v in positions[n]), phi, theta)
-        posture = posture_at(design, pose, inverse.MODES[n])
+        posture = posture_at(design, pose, MODES[n])
         travel = _least_travel(design, posture, best)
         if travel > best:
             best, found = travel, posture
@@ -88,7 +89,7 @@ def _most_travel(
 
 def _together(design: FiveRPURDesign, kinds: Sequence[PairKind]) -> NDArray[np.bool_]:
     """(32,) which modes hold the limbs of such pairs alike; a merged U joint (A1) has to."""
-    like = np.ones(len(inverse.MODES), dtype=bool)
+    like = np.isin(MODES, design.modes)
     for group in arrangements(design).groups:
         for pair in group.pairs:
             if pair.kind in kinds:
@@ -128,7 +129,7 @@ def _roomiest(
     margins = _margins(design, grid, phi, theta)  # (N, 32)
     positions = grid[margins.argmax(axis=0)]
     step = (high - low) / (GRID - 1)
-    modes = np.arange(len(inverse.MODES))
+    modes = np.arange(len(MODES))
     for _ in range(ROUNDS):
         around = positions[:, None, :] + 0.5 * step * _NEIGHBOURS  # (32, 27, 3)
         tried = _margins(design, around, phi, theta)[modes, :, modes]  # (32, 27)

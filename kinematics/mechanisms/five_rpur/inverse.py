@@ -16,16 +16,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinematics.answers.bounds import Bound, decimals, limb_bounds
-from kinematics.answers.modes import one_of, working_modes
+from kinematics.answers.modes import one_of
 from kinematics.answers.solutions import InverseSolutions
 from kinematics.arrays import Array, finite, frozen
 from kinematics.errors import InputError
 from kinematics.facets.inverse import InverseFacet
-from kinematics.mechanisms.five_rpur.design import JOINT_SYMBOLS, LIMBS, SUBSCRIPTS, FiveRPURDesign
+from kinematics.mechanisms.five_rpur.design import (
+    JOINT_SYMBOLS,
+    LIMBS,
+    MODES,
+    SUBSCRIPTS,
+    FiveRPURDesign,
+)
 from kinematics.screws.spatial import homogeneous, rotation_x, rotation_y, wrap_angle
-
-MODES = working_modes(LIMBS)
-"""The 32 working modes, limb 5 changing fastest: "+++++", "++++-", … "-----"."""
 
 STROKE_SLACK = 1e-9
 """mm by which rounding may carry an actuator over its stroke end."""
@@ -62,32 +65,34 @@ def limb_lengths(design: FiveRPURDesign, poses: ArrayLike) -> Array:
 
 
 def inverse(design: FiveRPURDesign, poses: ArrayLike) -> InverseSolutions:
-    """All 32 working modes, in the order of `MODES`, of poses (..., 5) in mm and rad.
+    """All working modes of the design, in their order, of poses (..., 5) in mm and rad.
 
     Raises:
         InputError: not finite numbers, or not five a pose.
     """
     flat, shape = _flat(poses)
-    count = len(flat)
-    joints = np.empty((count, len(MODES), LIMBS))
-    within = np.empty((count, len(MODES)), dtype=bool)
+    count, modes = len(flat), design.modes
+    pick = _mode_pick(modes)
+    exists = np.isin(MODES, modes)
+    joints = np.empty((count, len(modes), LIMBS))
+    within = np.empty((count, len(modes)), dtype=bool)
     residual = np.empty(count)
     for part in _chunks(count):
         offsets = _offsets(design, flat[part])
         lengths = _both_lengths(design, offsets)
-        np.take(lengths.reshape(-1, 2 * LIMBS), _PICK, axis=1, out=joints[part], mode="clip")
-        within[part] = _all_modes(_within(design, lengths))
+        np.take(lengths.reshape(-1, 2 * LIMBS), pick, axis=1, out=joints[part], mode="clip")
+        within[part] = _all_modes(_within(design, lengths))[:, exists]
         residual[part] = _worst_residual(design, flat[part], offsets, lengths)
     return InverseSolutions(
-        modes=MODES,
-        joints=frozen(joints.reshape(*shape, len(MODES), LIMBS)),
-        within_stroke=frozen(within.reshape(*shape, len(MODES))),
+        modes=modes,
+        joints=frozen(joints.reshape(*shape, len(modes), LIMBS)),
+        within_stroke=frozen(within.reshape(*shape, len(modes))),
         residual=frozen(residual.reshape(shape)),
     )
 
 
 class RPURInverse(InverseFacet[FiveRPURDesign]):
-    """All 32 working modes at once, from the ten lengths that the limbs can have."""
+    """All working modes at once, from the ten lengths that the limbs can have."""
 
     def __call__(self, poses: ArrayLike) -> InverseSolutions:
         return inverse(self.design, poses)
@@ -103,32 +108,61 @@ def inside(
 
     Returns:
         (...) bool; the workspace as a membership test.
+
+    Raises:
+        InputError: not finite numbers, or a mode that the design has not.
     """
     flat, shape = _flat(poses)
-    chosen = None if modes is None else _picks(modes)
+    wanted = chosen(design, [modes] if isinstance(modes, str) else modes)
+    picks = None if wanted is None else _mode_pick(wanted)
     answer = np.empty(len(flat), dtype=bool)
     for part in _chunks(len(flat)):
         ok = _within(design, _both_lengths(design, _offsets(design, flat[part])))
-        if chosen is None:
+        if picks is None:
             answer[part] = np.all(np.any(ok, axis=2), axis=1)
         else:
-            picked: NDArray[np.bool_] = ok.reshape(-1, 2 * LIMBS)[:, chosen]
+            picked: NDArray[np.bool_] = ok.reshape(-1, 2 * LIMBS)[:, picks]
             answer[part] = np.any(np.all(picked, axis=2), axis=1)
     return frozen(answer.reshape(shape))
 
 
-def signs(mode: str | ArrayLike) -> Array:
+def signs(mode: str | ArrayLike, design: FiveRPURDesign | None = None) -> Array:
     """The signs σ_i of working modes: "+-+++" → (5,), or ±1 numbers (..., 5) as they are.
 
     Raises:
-        InputError: not one sign for each of the five limbs.
+        InputError: not one sign for each of the five limbs; a mode that the design has not.
     """
     if isinstance(mode, str):
-        return np.array(one_of(mode, MODES).sigma)
+        known = one_of(mode, MODES)
+        for limbs in () if design is None else design.merged_joints:
+            if len({mode[i - 1] for i in limbs}) > 1:
+                *most, last = limbs
+                raise InputError(
+                    f"there is no working mode {mode}: limbs {', '.join(map(str, most))} and "
+                    f"{last} share a U joint, so that they have one sign"
+                )
+        return np.array(known.sigma)
     values = finite(mode, name="the signs of a working mode", last=LIMBS)
     if not (np.abs(values) == 1.0).all():
         raise InputError("the signs of a working mode must be +1 or -1")
     return values
+
+
+def chosen(design: FiveRPURDesign, modes: Iterable[str] | None) -> tuple[str, ...] | None:
+    """The working modes that a question is about; None where it is about all 32.
+
+    Args:
+        modes: some of the design's; None for all that it has.
+
+    Raises:
+        InputError: a mode that the design has not.
+    """
+    if modes is None:
+        return design.modes if design.merged_joints else None
+    wanted = tuple(modes)
+    for mode in wanted:
+        signs(mode, design)
+    return wanted
 
 
 # --- one mode: joints, margins, residuals --------------------------------------------------
@@ -138,7 +172,7 @@ LIMITS = limb_bounds(JOINT_SYMBOLS, links=[f"l{mark}" for mark in SUBSCRIPTS])
 
 def joints_of(design: FiveRPURDesign, poses: ArrayLike, mode: str) -> Array:
     """Actuator lengths (..., 5) mm of poses (..., 5) in one working mode; NaN: cannot close."""
-    flat, sigma, shape = _broadcast(poses, mode)
+    flat, sigma, shape = _broadcast(design, poses, mode)
     x, y, z = _offsets(design, flat)
     with np.errstate(invalid="ignore", over="ignore"):
         lengths = np.hypot(x, z - sigma * _height(design, y))
@@ -178,7 +212,7 @@ def joint_points(
         Three arrays (..., 5, 3) mm; real beyond the strokes too, B is NaN where a limb cannot
         close.
     """
-    flat, sigma, shape = _broadcast(poses, modes)
+    flat, sigma, shape = _broadcast(design, poses, modes)
     elbow = _elbows(design, flat, _offsets(design, flat), sigma)
     tip = _tips(design, flat)
     out = (*shape, LIMBS, 3)
@@ -198,7 +232,7 @@ def closure_residual(
     The largest of | |B−A| − ρ |, | |C−B| − l |, |(C−B)·e2| and |y_B − y_A| (eqs. 3-5), in the
     base frame; NaN where a limb cannot close.
     """
-    flat, sigma, shape = _broadcast(poses, modes)
+    flat, sigma, shape = _broadcast(design, poses, modes)
     rho = np.broadcast_to(np.asarray(joints, dtype=float), (*shape, LIMBS)).reshape(-1, LIMBS).T
     elbows = _elbows(design, flat, _offsets(design, flat), sigma)
     residual = _residual(design, flat[:, 4], elbows, _tips(design, flat), rho)
@@ -270,16 +304,6 @@ def _mode_pick(modes: Iterable[str]) -> NDArray[np.intp]:
     ).reshape(-1, LIMBS)
 
 
-_PICK = _mode_pick(MODES)
-
-
-def _picks(modes: Iterable[str]) -> NDArray[np.intp]:
-    chosen = [modes] if isinstance(modes, str) else list(modes)
-    for mode in chosen:
-        signs(mode)
-    return _mode_pick(chosen)
-
-
 def _flat(poses: object) -> tuple[Array, tuple[int, ...]]:
     array = finite(poses, name="a pose", last=5)
     return array.reshape(-1, 5), array.shape[:-1]
@@ -333,10 +357,12 @@ def _within(design: FiveRPURDesign, lengths: Array) -> NDArray[np.bool_]:
     return answer
 
 
-def _broadcast(poses: object, modes: str | ArrayLike) -> tuple[Array, Array, tuple[int, ...]]:
+def _broadcast(
+    design: FiveRPURDesign, poses: object, modes: str | ArrayLike
+) -> tuple[Array, Array, tuple[int, ...]]:
     """Poses (n, 5), signs (5, n) or (5, 1), and the common leading shape."""
     p = finite(poses, name="a pose", last=5)
-    sigma = signs(modes)
+    sigma = signs(modes, design)
     if sigma.ndim == 1:
         return p.reshape(-1, 5), sigma[:, None], p.shape[:-1]
     shape = np.broadcast_shapes(p.shape[:-1], sigma.shape[:-1])

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from kinematics.answers.bounds import Bound
 from kinematics.answers.drawings import Drawing
+from kinematics.answers.modes import Mode
 from kinematics.answers.motion import Wrenches
 from kinematics.answers.solutions import Finding, Posture
 from kinematics.arrays import Array, largest
@@ -35,7 +36,7 @@ class FiveRPUR(Mechanism[FiveRPURDesign]):
     title = "5-RPUR (3T2R)"
     schema = designs.SCHEMA
     texts = about.ABOUT
-    modes = inverse.MODES
+    modes = designs.MODES
     snap = inverse.SNAP
     bounds = inverse.LIMITS
     wrench_names = statics.NAMES
@@ -52,6 +53,14 @@ class FiveRPUR(Mechanism[FiveRPURDesign]):
         sections="sections:Sections",
         maps="maps:Maps",
     )
+
+    def __init__(self, design: FiveRPURDesign) -> None:
+        super().__init__(design)
+        self.modes = design.modes
+
+    def mode(self, text: str) -> Mode:
+        inverse.signs(text, self.design)  # what is said of a mode that merged joints exclude
+        return super().mode(text)
 
     def findings(self) -> tuple[Finding, ...]:
         return arrangements.findings(self.design)

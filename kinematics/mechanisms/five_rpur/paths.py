@@ -40,7 +40,7 @@ class Paths(PathsFacet[FiveRPURDesign]):
     def ranges(self, poses: Array, mode: str) -> Array:
         """ρ² − ρ_min² and ρ_max² − ρ² of each limb, mm²."""
         x, _, z, h = self._limbs(poses)
-        square = x**2 + (z - signs(mode) * h) ** 2
+        square = x**2 + (z - signs(mode, self.design) * h) ** 2
         low, high = self.design.stroke.T
         both = np.stack([square - low**2, high**2 - square], axis=-1)
         return both.reshape(len(poses), 2 * LIMBS)
@@ -49,7 +49,7 @@ class Paths(PathsFacet[FiveRPURDesign]):
         """In powers of the machine's size."""
         size = float((self.design.link + self.design.stroke[:, 1]).max())
         x, y, z, h = (part / size for part in self._limbs(poses))
-        q = signs(mode) * h
+        q = signs(mode, self.design) * h
         p = z - q
         tip = self.design.platform @ np.swapaxes(rotation_x(poses[:, 3]), -1, -2) / size
         cx, cy, cz = (tip[..., k] for k in range(3))

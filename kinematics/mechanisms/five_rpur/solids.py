@@ -10,6 +10,7 @@ import numpy as np
 from kinematics.arrays import Array
 from kinematics.facets.solids import SURFACES, SolidRequest, SolidsFacet, SolidSpec, SurfaceKind
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign, Limb
+from kinematics.mechanisms.five_rpur.inverse import chosen
 from kinematics.screws.spatial import homogeneous, rotation_x, rotation_y
 
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
@@ -63,8 +64,8 @@ class Solids(SolidsFacet[FiveRPURDesign]):
         if spec.limb is not None:
             limb = self.design.limbs[spec.limb - 1]
             return "part", limb.link, *limb.stroke, spec.key.partition("/")[2]
-        orientation = float(pose[3]), float(pose[4])
-        last = (modes, surface) if spec.uses_modes else modes
+        orientation, wanted = (float(pose[3]), float(pose[4])), chosen(self.design, modes)
+        last = (wanted, surface) if spec.uses_modes else wanted
         return (spec.key, self.design.limbs, *orientation, *(last or ()))
 
     def placement(self, key: str, pose: Sequence[float]) -> Array:

@@ -11,9 +11,9 @@ the U joint Bᵢ to the platform. Its **working mode** is the side of each U joi
 link stands (the sign σᵢ of C − B along z′). Tale Masouleh et al. 2011, Figs. 1 and 2.
 """,
     "solutions": """
-A simplified design has its solutions in closed form where the two limbs of each arrangement stand
-in the same working mode; those in mixed modes are found by the general method. Tale Masouleh et
-al. 2011, section 3.
+All assembly modes, in all working modes that the design has. Limbs whose U joints are merged into
+one (`merged_joints` in the design file) stand in the same working mode; limbs of an arrangement
+that are not merged may stand in different ones. Tale Masouleh et al. 2011, section 3.
 """,
     "workspace": """
 The **constant-orientation workspace**: every place the platform's origin O′ can reach while φ and θ
@@ -51,6 +51,7 @@ A **design** is five limbs: base point rᵢ, platform point s′ᵢ, link length
 ρ min … ρ max. Pairs of limbs whose base points share y, whose platform points lie on a line along
 e₂ and whose links are equal form the arrangements A₁, A₂, A₃ (and M_p for a third limb) of the
 paper's section 3; designs made of them have simpler forward kinematics, and some combinations
-cannot be controlled at all.
+cannot be controlled at all. The U joints of an A₁ may be one: the design file says so,
+`merged_joints = [[1, 2]]`, and what these limbs have in common is one number.
 """,
 }

@@ -215,11 +215,16 @@ def _minus(a: Array, b: Array) -> Array:
 
 
 def _miss(h: float, k: float, square: Array, u: Complex) -> Array:
-    """How far points (N, 4) are from being solutions (N,), by the size of the terms that cancel."""
-    found, _ = lengths_and_slopes(h, k, u)
-    x0, x1, x2, v = (np.abs(u[..., n]) for n in range(4))
-    terms = (x0**2 + 2.0 * (x1 + x2) ** 2 + h) ** 2 + (v + 2.0 * x0 * (x1 + x2)) ** 2
-    off = (np.abs(found - square) / (square + terms[..., None])).max(axis=-1)
+    """How far points (N, 4) are from being solutions (N,), by what rounding may leave.
+
+    p and z of a limb are sums of terms that may cancel, which matters where limbs are short.
+    """
+    p, z = offsets(h, k, Reduced(*(u[..., n] for n in range(4))))
+    x0, x1, x2, v = (np.abs(u[..., n, None]) for n in range(4))
+    outward, upward = x0**2 + 2.0 * (x1 + x2) ** 2 + h, v + 2.0 * x0 * (x1 + x2)
+    terms = np.abs(p) * outward + np.abs(z) * upward
+    off = (np.abs(p * p + z * z - square) / (square + terms)).max(axis=-1)
+    x0, x1, x2 = (x[..., 0] for x in (x0, x1, x2))
     norm = np.abs((u[..., :3] ** 2).sum(axis=-1) - 1.0) / (1.0 + x0**2 + x1**2 + x2**2)
     return np.asarray(np.maximum(off, norm))
 

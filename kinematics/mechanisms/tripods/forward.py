@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from kinematics.answers.solutions import ForwardSolutions, SelfMotion
 from kinematics.arrays import Array
 from kinematics.facets.forward import ForwardFacet, gaps, placed_apart
+from kinematics.homotopy.assembly_sets import not_closed
 from kinematics.mechanisms.tripods import conics, posing
 from kinematics.mechanisms.tripods.conics import Complex
 from kinematics.mechanisms.tripods.design import MODES, TripodDesign, mode_sign
@@ -27,7 +28,7 @@ from kinematics.screws.wrenches import condition, determinant
 EXPECTED = 16
 _EACH = 8  # in one operation mode
 _REAL = 1e-9  # largest imaginary part, relative, of what is real but for rounding
-_SAME = 3e-7  # distance, relative, of solutions that are one, seen several times
+_SAME = 3e-7  # distance, relative, of solutions that are one, where no limb is short
 _FAR = 1e6  # beyond it a solution is at infinity
 _MISS = 1e-12  # what a solution may leave of the equations, relative
 _METHOD = "two conics a mode in closed form, polished"
@@ -49,7 +50,8 @@ class Forward(ForwardFacet[TripodDesign]):
         for mode in MODES:
             r = conics.roots(h, mode_sign(mode), scaled)
             points = np.stack([r.x0, r.x1, r.x2, r.v], axis=-1)
-            sets = [_distinct(*one) for one in zip(points, r.miss, strict=True)]
+            shortest = np.sqrt(np.minimum(scaled.min(axis=-1), 1.0))
+            sets = [_distinct(*one) for one in zip(points, r.miss, _SAME * shortest, strict=True)]
             both.append(_told(design, joints, mode, sets, r.curve.tolist()))
         return [_answer(design, *one) for one in zip(joints, *both, strict=True)]
 
@@ -78,15 +80,18 @@ class _Distinct:
         return int(self.multiplicity.sum())
 
 
-def _distinct(points: Complex, miss: Array) -> _Distinct:
-    """Join those that coincide but for rounding; leave out those at infinity."""
+def _distinct(points: Complex, miss: Array, near: float) -> _Distinct:
+    """Join those that coincide but for rounding; leave out those at infinity.
+
+    Double solutions are known to the root of what rounding leaves of the shortest limb.
+    """
     with np.errstate(invalid="ignore"):
         size = np.abs(points).max(axis=-1)
     good = np.isfinite(size) & (size < _FAR) & (miss < _MISS)
     points = points[good]
     both = np.stack([points * np.array([s, s, s, 1.0]) for s in (1.0, -1.0)])
     apart = np.abs(both[:, :, None] - points[None, None]).max(axis=-1).min(axis=0)
-    alike = apart <= _SAME * (1.0 + np.abs(points).max(axis=-1, initial=0.0))
+    alike = apart <= near * (1.0 + np.abs(points).max(axis=-1, initial=0.0))
     left = np.ones(len(points), dtype=bool)
     joined, counts = [], []
     for n in range(len(points)):
@@ -106,8 +111,8 @@ def _distinct(points: Complex, miss: Array) -> _Distinct:
         counts.append(len(group))
     one = np.array(joined, dtype=complex).reshape(-1, 4)
     number = np.array(counts, dtype=np.intp)
-    # The mean of solutions that coincide is far better known than each of them.
-    bound = _REAL * (1.0 + np.abs(one).max(axis=-1, initial=0.0))
+    # Solutions that coincide are real where they are so but for what tells them apart.
+    bound = np.where(number > 1, near, _REAL) * (1.0 + np.abs(one).max(axis=-1, initial=0.0))
     real = (np.abs(one.imag) <= bound[:, None]).all(axis=-1)
     return _Distinct(one, number, real, points)
 
@@ -173,6 +178,9 @@ def _answer(design: TripodDesign, rho: Array, first: _Told, second: _Told) -> Fo
     complete = count == EXPECTED and not any(curve)
     complete &= all(_closed(one.everything) for one in sets)
     motions = _self_motions(design, rho, curve)
+    size = max(design.base_radius, design.platform_radius)
+    loose = not_closed(residual, size, rho)
+    complete &= not loose
     low, high = design.stroke
     within = bool(((rho >= low - STROKE_SLACK) & (rho <= high + STROKE_SLACK)).all())
     return ForwardSolutions(
@@ -191,7 +199,7 @@ def _answer(design: TripodDesign, rho: Array, first: _Told, second: _Told) -> Fo
         complete=complete,
         method=_METHOD,
         seconds=0.0,
-        notes=_notes(count, len(pose), motions, number, complete=complete),
+        notes=(*loose, *_notes(count, len(pose), motions, number, complete=complete)),
         self_motions=motions,
         roots=np.concatenate(roots).T,
     )

@@ -71,6 +71,45 @@ def test_paths_that_run_off_to_infinity_are_told_from_the_others():
     assert (np.abs(ends.values[0, ends.ended(Ending.INFINITE)]) > 1e3).all()
 
 
+class Far:
+    """u = 10^5 (1 + t), with as few digits as there are so far out: rounding of 10⁻⁷."""
+
+    def __init__(self, size=1e5):
+        self.size, self.side = size, 1.0
+
+    def step(self, u, t):
+        self.side = -self.side
+        return self.size * (1.0 + t + self.side * 1e-7) - u, np.full_like(u, self.size)
+
+    def extent(self, u):
+        return np.abs(u[0])
+
+    def take(self, columns):
+        return self
+
+
+def test_a_path_far_out_arrives_though_its_corrections_are_rounding():
+    ends = track(Far(), np.array([[1e5 + 0j]]))
+    assert ends.endings.tolist() == [Ending.REGULAR]
+    assert ends.values[0, 0] == pytest.approx(2e5, rel=1e-6)
+    near = track(Far(10.0), np.array([[10.0 + 0j]]))
+    assert near.endings.tolist() == [Ending.LOST]  # where digits are there, they are asked for
+
+
+def test_paths_that_run_off_are_told_before_digits_are_lost():
+    homotopy = Polynomial([0.0, 0.0, 1.0, -0.3])
+    calls = []
+
+    def counted(u, t, step=homotopy.step):
+        calls.append(len(u.T))
+        return step(u, t)
+
+    homotopy.step = counted
+    ends = track(homotopy, homotopy.starts)
+    assert sorted(ends.endings) == [Ending.REGULAR, Ending.INFINITE, Ending.INFINITE]
+    assert len(calls) < 400
+
+
 @pytest.mark.parametrize("multiplicity", [2, 3, 4])
 def test_paths_that_end_at_one_solution_together_are_singular(multiplicity):
     roots = np.array([0.4 + 0.2j] * multiplicity + [-1.3, 0.9j])

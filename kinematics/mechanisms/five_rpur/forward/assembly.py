@@ -1,15 +1,16 @@
 """Forward kinematics of the 5-RPUR: all assembly modes for given actuator lengths.
 
-The nine simplified designs are solved in closed or univariate form for the solutions in which
-each arrangement stands in one working mode (`forward.simplified`), every design in all working
-modes by a parameter homotopy (`forward.general`). Both give all complex solutions, polished; only
-then are the real ones told from the others.
+A set has what the inverse kinematics holds: all working modes of the design, which are 32 unless
+limbs share a merged U joint. A simplified design whose arrangements are all merged is solved in
+closed or univariate form (`forward.simplified`), every other one by a parameter homotopy
+(`forward.general`). Both give all complex solutions, polished; only then are the real ones told
+from the others.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from time import perf_counter
 from typing import NamedTuple
 
@@ -23,12 +24,19 @@ from kinematics.homotopy.assembly_sets import (
     NONE_REAL,
     described,
     grouped,
+    not_closed,
     positive_lengths,
 )
 from kinematics.homotopy.solving import Roots
 from kinematics.homotopy.tracking import relative_size
 from kinematics.mechanisms.five_rpur.arrangements import arrangements
-from kinematics.mechanisms.five_rpur.design import JOINT_SYMBOLS, LIMBS, FiveRPURDesign
+from kinematics.mechanisms.five_rpur.design import (
+    JOINT_SYMBOLS,
+    LIMBS,
+    MODES,
+    FiveRPURDesign,
+    Ties,
+)
 from kinematics.mechanisms.five_rpur.forward import general, simplified
 from kinematics.mechanisms.five_rpur.forward.coincidence import REAL, nearly_real, self_motions
 from kinematics.mechanisms.five_rpur.forward.equations import (
@@ -46,19 +54,19 @@ from kinematics.mechanisms.five_rpur.forward.equations import (
     terms,
     to_poses,
 )
-from kinematics.mechanisms.five_rpur.forward.families import membership
-from kinematics.mechanisms.five_rpur.inverse import MODES, STROKE_SLACK
+from kinematics.mechanisms.five_rpur.forward.families import Family, membership
+from kinematics.mechanisms.five_rpur.inverse import STROKE_SLACK
 
 MODE_SIGNS: dict[str, tuple[float, ...]] = {
     mode: tuple(1.0 if s == "+" else -1.0 for s in mode) for mode in MODES
 }
 """σ_i of every working mode."""
 
-_DOUBLE = 1e-5  # of the size of a solution: closer ones are one, seen twice
+_DOUBLE = 1e-5  # of the machine and the shortest length: closer solutions are one, seen twice
 _CHUNK = 128  # length vectors at a time, so that the temporaries stay in the cache
+_SORTED = 9  # decimals of angles that solutions are sorted by
 _NEAR_LENGTHS = 0.1  # of the longest: the largest change over which solutions are tracked on
-_ALIKE = 1e-6  # relative difference of q_i that are one
-_REAL_ENOUGH = 1e-12  # relative distance from its conjugate at which a root is polished enough
+_REAL_ENOUGH = 1e-12  # relative size of the last correction of a root that is polished
 _SINGULAR = 1e-12  # regularity below which a self-motion is looked for
 
 
@@ -82,8 +90,7 @@ def forward(
 
     Args:
         joints: (5,) or (..., 5) mm, > 0.
-        mixed_modes: of a simplified design, also the solutions in which the limbs of an
-            arrangement stand in different working modes; takes the general method.
+        mixed_modes: as if no U joint was merged: also solutions in modes that the design has not.
 
     Returns:
         One set for each vector, in their order. No solution, or lengths beyond a stroke, are
@@ -94,11 +101,12 @@ def forward(
     """
     rho = positive_lengths(joints, JOINT_SYMBOLS)
     quick = forward_is_quick(design, mixed_modes=mixed_modes)
+    tied = _ties(design, mixed_modes)
     size = _CHUNK if quick else 1
     answers: list[ForwardSolutions] = []
     for part in (rho[k : k + size] for k in range(0, len(rho), size)):
         began = perf_counter()
-        found = _by_stages(design, part) if quick else [_by_homotopy(design, part[0])]
+        found = _by_stages(design, part) if quick else [_by_homotopy(design, part[0], tied)]
         answers += _answers(design, part, found, began, mixed_modes)
     return tuple(answers)
 
@@ -117,13 +125,19 @@ def forward_from(
     roots = general.roots_from(design, before.roots, before.joints, rho)
     if not roots.complete:
         return forward(design, rho, mixed_modes=before.mixed_modes)[0]
-    found = _by_homotopy(design, rho, roots)
+    found = _by_homotopy(design, rho, _ties(design, before.mixed_modes), roots)
     return _answers(design, rho[None], [found], began, before.mixed_modes)[0]
 
 
 def forward_is_quick(design: FiveRPURDesign, *, mixed_modes: bool = False) -> bool:
-    """A few milliseconds a vector: the design is simplified, its closed form was asked for."""
-    return not mixed_modes and simplified.expected(design) is not None
+    """A few milliseconds a vector: all arrangements of a simplified design are merged."""
+    tied = set(_ties(design, mixed_modes))
+    merged = all(group.limbs in tied for group in arrangements(design).groups)
+    return merged and bool(tied) and simplified.expected(design) is not None
+
+
+def _ties(design: FiveRPURDesign, mixed_modes: bool) -> Ties:
+    return () if mixed_modes else design.merged_joints
 
 
 # --- by the one method and by the other ------------------------------------------------------
@@ -139,12 +153,16 @@ def _by_stages(design: FiveRPURDesign, rho: Array) -> list[_Found]:
         own = roots[:, bounds[k] : bounds[k + 1]]
         count = own.shape[1]
         if count != expected:
-            answer.append(_same_mode_part(design, one, own, expected))
+            found = _by_homotopy(design, one, design.merged_joints)
+            short = f"{count} of {expected} solutions were found."
+            own_way = _Found(own, _once(count), count, expected, False, found.method, (short,))
+            # Where the homotopy lost more than the stages did, theirs are what is known.
+            answer.append(own_way if found.count < count <= (expected or 0) else found)
             continue
         answer.append(
             _Found(
                 own,
-                np.ones(count, dtype=np.intp),
+                _once(count),
                 count,
                 expected,
                 True,
@@ -155,54 +173,28 @@ def _by_stages(design: FiveRPURDesign, rho: Array) -> list[_Found]:
     return answer
 
 
-def _same_mode_part(
-    design: FiveRPURDesign, rho: Array, known: Complex, expected: int | None
+def _once(count: int) -> NDArray[np.intp]:
+    return np.ones(count, dtype=np.intp)
+
+
+def _by_homotopy(
+    design: FiveRPURDesign, rho: Array, tied: Ties, roots: Roots | None = None
 ) -> _Found:
-    """Where the stages come out short: the same-mode part of all solutions."""
-    found = _by_homotopy(design, rho)
-    g = parameters(design, rho)
-    t = terms(g, found.roots)
-    alike = np.ones(found.roots.shape[1], dtype=bool)
-    for group in arrangements(design).groups:
-        first, *others = (i - 1 for i in group.limbs)
-        for i in others:
-            alike &= np.abs(t.q[i] - t.q[first]) <= _ALIKE * (np.abs(t.q[first]) + 1e-2)
-    count = int(found.multiplicity[alike].sum())
-    if count < known.shape[1]:  # the homotopy lost more than the stages did
-        return _Found(
-            known,
-            np.ones(known.shape[1], dtype=np.intp),
-            known.shape[1],
-            expected,
-            False,
-            found.method,
-            (f"{known.shape[1]} of {expected} solutions were found.",),
-        )
-    missing = (expected or 0) - count
-    at_infinity = f"{missing} of {expected} solutions are at infinity for these lengths."
-    return replace(
-        found,
-        roots=found.roots[:, alike],
-        multiplicity=found.multiplicity[alike],
-        count=count,
-        expected=expected,
-        method=f"{found.method}, those with each arrangement in one working mode",
-        notes=((at_infinity,) if missing > 0 else ()) if found.complete else found.notes,
-    )
-
-
-def _by_homotopy(design: FiveRPURDesign, rho: Array, roots: Roots | None = None) -> _Found:
     kept = general.has_own_start_set(design)
     family = membership(design).family
-    found = general.roots_at(design, rho) if roots is None else roots
+    found = general.roots_at(design, rho, tied) if roots is None else roots
     if roots is not None:
         method = f"{found.expected} paths tracked from the last lengths"
-    elif kept:
+    elif kept or tied:
         method = f"{found.expected} paths tracked from the design's own start set"
     else:
         method = f"{family.count} paths tracked from the start set of {family.title}"
+    if tied:
+        method = f"{method}, merged limbs in one working mode"
     reasons = arrangements(design).reasons
-    notes = _completeness(found, family.count)
+    own = general.own_start_set(design)
+    missing = 0 if tied or not own.complete else family.count - own.roots.shape[1]
+    notes = _completeness(found, family, missing)
     if reasons:
         notes = (
             f"{reasons[0]} Solutions in the modes where that holds are not isolated: they lie on "
@@ -212,17 +204,24 @@ def _by_homotopy(design: FiveRPURDesign, rho: Array, roots: Roots | None = None)
         found.values,
         found.multiplicity,
         found.count,
-        family.count,
+        found.expected if tied else family.count,
         found.complete and not reasons,
         method,
         notes,
     )
 
 
-def _completeness(found: Roots, family: int) -> tuple[str, ...]:
+def _completeness(found: Roots, family: Family, missing: int) -> tuple[str, ...]:
     notes = []
-    if found.complete and found.count < family:
-        notes.append(f"{family - found.count} of {family} solutions are at infinity.")
+    if missing > 0:
+        notes.append(
+            f"Of the {family.count} solutions of {family.title}, this design has "
+            f"{family.count - missing}: along two ways to it the others ran off to infinity."
+        )
+    if found.complete and found.infinite:
+        notes.append(
+            f"{found.infinite} of {found.expected} solutions are at infinity for these lengths."
+        )
     return (*notes, *found.doubts)
 
 
@@ -247,7 +246,9 @@ def _answers(
     u = from_real(values, w)
     poses = to_poses(frame, values)
     t = terms(g, u)
-    order = np.lexsort((poses[:, 0], poses[:, 3], poses[:, 4], owner))
+    # Those of one angle, which rounding must not sort, stand by what comes next.
+    phi, theta = np.round(poses[:, 3:], _SORTED).T
+    order = np.lexsort((poses[:, 0], phi, theta, owner))
     table = _Table(
         poses=poses,
         u=u,
@@ -267,12 +268,17 @@ def _answers(
     seconds = (perf_counter() - began) / max(len(rho), 1)
     answers = []
     for k, one in enumerate(found):
-        part, gap = _merged(table.take(np.arange(bounds[k], bounds[k + 1])), length)
+        shortest = min(length, float(rho[k].min()))  # with short limbs solutions are that near
+        part = table.take(np.arange(bounds[k], bounds[k + 1]))
+        part, gap = _merged(part, length, _DOUBLE * shortest)
         count = len(part.mode)
         modes = tuple(MODES[n] for n in part.mode)
         curved = roots[:, singular & (numbers == k)]
         free = self_motions(design, rho[k], frame, curved, length)
-        notes = (*one.notes, *described(part.weight, gap, int(pairs[k])), *(m.text for m in free))
+        loose = not_closed(part.residual, design.size, rho[k])
+        complete = one.complete and not loose
+        about = described(part.weight, gap, int(pairs[k]))
+        notes = (*one.notes, *loose, *about, *(m.text for m in free))
         answers.append(
             ForwardSolutions(
                 joints=tuple(rho[k].tolist()),
@@ -287,10 +293,10 @@ def _answers(
                 identities=tuple(range(1, count + 1)),
                 complex_count=one.count,
                 expected_count=one.expected,
-                complete=one.complete,
+                complete=complete,
                 method=one.method,
                 seconds=seconds,
-                notes=notes if count else (*notes, _none_text(design, one.complete, mixed_modes)),
+                notes=notes if count else (*notes, _none_text(design, complete)),
                 self_motions=free,
                 roots=one.roots,
                 mixed_modes=mixed_modes,
@@ -299,17 +305,10 @@ def _answers(
     return answers
 
 
-def _none_text(design: FiveRPURDesign, complete: bool, mixed_modes: bool) -> str:
+def _none_text(design: FiveRPURDesign, complete: bool) -> str:
     if arrangements(design).reasons:
         return "No isolated solution is real."
-    if not complete:
-        return NONE_FOUND
-    if forward_is_quick(design, mixed_modes=mixed_modes):
-        return (
-            "No solution with each arrangement in one working mode is real; there may be some in "
-            "mixed modes."
-        )
-    return NONE_REAL
+    return NONE_REAL if complete else NONE_FOUND
 
 
 class _Table(NamedTuple):
@@ -336,13 +335,14 @@ class _Table(NamedTuple):
 
 
 def _made_real(g: Parameters, u: Complex) -> tuple[Array, Array]:
-    """The real configurations next to u; polished again where u is real to few digits only."""
+    """The real configurations next to u, polished.
+
+    Arrangements are exact where u was found, and but for rounding in the machine ``g``.
+    """
     values, w = real_part(u)
-    rough = np.flatnonzero(relative_size(u - conjugate(u), u) > _REAL_ENOUGH)
-    if rough.size:
-        fine, error = polish(g.take(rough), from_real(values[:, rough], w[:, rough]), rounds=2)
-        better = rough[error <= _REAL_ENOUGH]
-        values[:, better], w[:, better] = real_part(fine[:, error <= _REAL_ENOUGH])
+    fine, error = polish(g, from_real(values, w), rounds=2)
+    better = error <= _REAL_ENOUGH
+    values[:, better], w[:, better] = real_part(fine[:, better])
     return values, w
 
 
@@ -400,11 +400,11 @@ def _conditioning(
     return {"condition": number, "determinant": np.linalg.det(wrenches)}
 
 
-def _merged(part: _Table, length: float) -> tuple[_Table, Array]:
+def _merged(part: _Table, length: float, near: float) -> tuple[_Table, Array]:
     """Of solutions that coincide one stays, with their number; and the gaps between the rest."""
     count = len(part.mode)
     nearest, gap = _neighbours(part.poses, length)
-    close = np.flatnonzero(gap <= _DOUBLE * length)
+    close = np.flatnonzero(gap <= near)
     if not close.size:
         return part, gap
     groups = grouped(count, np.column_stack([close, nearest[close]]))

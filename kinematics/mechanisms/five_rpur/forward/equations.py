@@ -179,15 +179,23 @@ def steps(
     return answer
 
 
+def extent(u: Complex) -> Array:
+    """How far out: the largest of all moduli and of 1/|e^{iφ}|, 1/|e^{iθ}|, (n,)."""
+    size = np.abs(u)
+    with np.errstate(all="ignore"):
+        answer: Array = np.maximum(size.max(axis=0), (1.0 / size[PHI : THETA + 1]).max(axis=0))
+    return answer
+
+
 def regularity(g: Parameters, u: Complex) -> Array:
     """How far the equations are from singular at configurations u (10, n): 0 … 1, (n,).
 
     |det| of the matrix over (X, θ, y, Z, φ), displacements in the size of the configuration,
     with rows of length one.
     """
-    rows = matrix(terms(g, u))
-    size = np.maximum(np.abs(u[:PHI]).max(axis=0), 1.0)
     with np.errstate(all="ignore"):
+        rows = matrix(terms(g, u))
+        size = np.maximum(np.abs(u[:PHI]).max(axis=0), 1.0)
         rows[:, 0] *= size
         rows[:, 2:4] *= size
         lengths = np.sqrt((rows.real**2 + rows.imag**2).sum(axis=1)).prod(axis=0)
@@ -283,11 +291,7 @@ class Deformation:
         return newton, tangent
 
     def extent(self, u: Complex) -> Array:
-        """The largest of all moduli and of 1/|e^{iφ}|, 1/|e^{iθ}|, (n,)."""
-        size = np.abs(u)
-        angles = size[PHI : THETA + 1]
-        answer: Array = np.maximum(size.max(axis=0), (1.0 / angles).max(axis=0))
-        return answer
+        return extent(u)
 
 
 _NOTHING = np.zeros((1, 1))

@@ -24,8 +24,7 @@ from kinematics.designs.assets import asset_folder
 from kinematics.designs.files import load_design
 from kinematics.errors import ComputationError
 from kinematics.homotopy import solving
-from kinematics.mechanisms.five_rpur.arrangements import TOLERANCE, size
-from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
+from kinematics.mechanisms.five_rpur.design import LIMBS, TOLERANCE, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.forward.equations import Parameters
 
 Kind = Literal["S", "R", "A1", "A2", "A3"]
@@ -80,6 +79,16 @@ class Membership:
     limbs: tuple[int, ...]
 
 
+_SHARED: dict[Kind, tuple[str, ...]] = {
+    "S": ("sy", "sz"),
+    "R": ("rx", "rz"),
+    "A1": ("sx", "sy", "sz", "ry", "link2"),
+    "A2": ("sy", "sz", "rx", "ry", "rz", "link2"),
+    "A3": ("sy", "sz", "ry", "link2"),
+}
+"""The parameters that are the same for both limbs of a relation."""
+
+
 def membership(design: FiveRPURDesign) -> Membership:
     """The family with the fewest solutions that a design belongs to."""
     holds = _relations(design)
@@ -91,7 +100,7 @@ def membership(design: FiveRPURDesign) -> Membership:
 
 
 def _relations(design: FiveRPURDesign) -> dict[Kind, np.ndarray]:
-    equal = TOLERANCE * size(design)
+    equal = TOLERANCE * design.size
 
     def same(values: Array) -> np.ndarray:
         return np.asarray(np.abs(values[:, None] - values) <= equal)
@@ -101,6 +110,16 @@ def _relations(design: FiveRPURDesign) -> dict[Kind, np.ndarray]:
     s, r = sy & sz, rx & rz
     pair = s & ry & same(design.link)
     return {"S": s, "R": r, "A1": pair & sx, "A2": pair & r, "A3": pair}
+
+
+def exact(g: Parameters, member: Membership) -> Parameters:
+    """A machine of a family, whose relations hold but for rounding, with relations that hold."""
+    values = {name: np.array(v) for name, v in g._asdict().items()}
+    for kind, first, second in member.family.relations:
+        i, j = member.limbs[first], member.limbs[second]
+        for name in _SHARED[kind]:
+            values[name][j] = values[name][i]
+    return Parameters(**values)
 
 
 def start_set(member: Membership) -> StartSet:

@@ -8,7 +8,7 @@ and counted is `kinematics.homotopy.solving`.
 
 from __future__ import annotations
 
-from collections import OrderedDict
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,13 +16,16 @@ from numpy.typing import ArrayLike, NDArray
 from kinematics.arrays import Array
 from kinematics.homotopy.assembly_sets import grouped
 from kinematics.homotopy.solving import AROUND, SAME, Roots, solve
+from kinematics.homotopy.start_sets import OwnStartSets, grown, made
 from kinematics.homotopy.tracking import Control, Index, relative_size
-from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
+from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign, Ties
 from kinematics.mechanisms.five_rpur.forward.equations import (
     Complex,
     Deformation,
     Parameters,
+    W,
     conjugate,
+    extent,
     parameters,
     polish,
     regularity,
@@ -30,45 +33,47 @@ from kinematics.mechanisms.five_rpur.forward.equations import (
 )
 from kinematics.mechanisms.five_rpur.forward.families import (
     StartSet,
+    exact,
     kept_set,
     membership,
     start_set,
 )
 
-_KEPT = 16  # own start sets in memory
 _QUICK = Control(first=0.2)  # from a start set with the same geometry
+_NEAR = 10.0  # units within which regular solutions look so
+_FAR, _MOST_FAR = 1e3, 1e3  # units, and how much less two solutions out there need to agree
+_TIED = 1e-6  # relative difference of w of limbs whose U joints are one
+
+_own: OwnStartSets[Parameters] = OwnStartSets(kept=16)
+
 
 # --- a design's own start set ---------------------------------------------------------------
-
-_own: OrderedDict[tuple[object, ...], StartSet] = OrderedDict()
 
 
 def own_start_set(design: FiveRPURDesign) -> StartSet:
     """All solutions for a design's geometry at complex lengths; kept for the next call."""
-    key = tuple((limb.base, limb.platform, limb.link) for limb in design.limbs)
-    found = _own.get(key)
-    if found is None:
-        found = kept_set(design) or make_own(design)
-        _own[key] = found
-        while len(_own) > _KEPT:
-            _own.popitem(last=False)
-    _own.move_to_end(key)
-    return found
+    return _own.get(_key(design), partial(_kept_or_made, design))
 
 
 def has_own_start_set(design: FiveRPURDesign) -> bool:
     """The design's own start set is at hand, so that solving it takes a tenth of a second."""
-    key = tuple((limb.base, limb.platform, limb.link) for limb in design.limbs)
-    return key in _own or kept_set(design) is not None
+    return _key(design) in _own or kept_set(design) is not None
+
+
+def _key(design: FiveRPURDesign) -> tuple[object, ...]:
+    return tuple((limb.base, limb.platform, limb.link) for limb in design.limbs)
+
+
+def _kept_or_made(design: FiveRPURDesign) -> StartSet:
+    return kept_set(design) or make_own(design)
 
 
 def make_own(design: FiveRPURDesign) -> StartSet:
     """Follow the family's start set to the design's geometry."""
-    start = start_set(membership(design))
-    target = parameters(design, np.zeros(LIMBS))
+    member = membership(design)
+    start, target = start_set(member), exact(parameters(design, np.zeros(LIMBS)), member)
     target = target._replace(rho2=_complex_lengths(target))
-    found = _solve(start, target, real=False)
-    return StartSet(target, found.values[:, : found.regular], found.complete)
+    return made(start, target, _solve(start, target, real=False))
 
 
 def _complex_lengths(g: Parameters) -> Complex:
@@ -83,10 +88,35 @@ def _complex_lengths(g: Parameters) -> Complex:
 # --- solving --------------------------------------------------------------------------------
 
 
-def roots_at(design: FiveRPURDesign, joints: ArrayLike) -> Roots:
-    """All complex solutions for actuator lengths (5,), mm."""
-    start = own_start_set(design)
-    return _solve(start, _moved(start.parameters, design, joints), real=True, control=_QUICK)
+def roots_at(design: FiveRPURDesign, joints: ArrayLike, tied: Ties = ()) -> Roots:
+    """All complex solutions for actuator lengths (5,), mm; of limbs that are ``tied`` in one mode.
+
+    Limbs of one U joint stay together on every path, so that theirs are paths of their own.
+    """
+
+    def forth(start: StartSet) -> list[Roots]:
+        some = StartSet(start.parameters, _of_ties(start.roots, tied), start.complete)
+        target = _moved(start.parameters, design, joints)
+        return [_solve(some, target, real=True, control=_QUICK)]
+
+    def grow(start: StartSet, _: int, found: Roots) -> StartSet | None:
+        there = _moved(start.parameters, design, joints)
+        known = StartSet(there, found.values[:, : found.regular])
+        back = _solve(known, start.parameters, real=False)
+        return grown(start, back, cluster, membership(design).family.count)
+
+    (found,) = _own.solve(_key(design), partial(_kept_or_made, design), forth, grow)
+    return found
+
+
+def _of_ties(roots: Complex, tied: Ties) -> Complex:
+    """Those of the roots (10, n) in which tied limbs have one U joint."""
+    one = np.ones(roots.shape[1], dtype=bool)
+    for first, *others in tied:
+        w = roots[W][first - 1]
+        for i in others:
+            one &= np.abs(roots[W][i - 1] - w) <= _TIED * (1.0 + np.abs(w))
+    return roots[:, one]
 
 
 def roots_from(
@@ -142,12 +172,14 @@ class _Equations:
         return polish(self._target, values, rounds=rounds)
 
     def regularity(self, values: Complex, of: Index) -> Array:
-        return regularity(self._target, values)
+        # Far out every solution looks singular; there it counts that Newton's method settles.
+        far = np.maximum(extent(values) / _NEAR, 1.0)
+        return regularity(self._target, values) * far * far
 
     def conjugate(self, values: Complex) -> Complex:
         return conjugate(values)
 
-    def infinite(self, values: Complex) -> NDArray[np.bool_]:
+    def infinite(self, values: Complex, goals: Complex) -> NDArray[np.bool_]:
         return np.zeros(values.shape[1], dtype=bool)
 
     def cluster(self, values: Complex, distance: float) -> Index:
@@ -185,7 +217,9 @@ def cluster(values: Complex, distance: float = SAME) -> NDArray[np.intp]:
     marks = signature(values)
     order = np.argsort(marks.real)
     sorted_marks, ordered = marks[order], values[:, order]
-    scale = distance * (1.0 + np.abs(sorted_marks))
+    # Far out digits are lost with the square of the size, as `tracking` has it.
+    far = np.clip((extent(ordered) / _FAR) ** 2, 1.0, _MOST_FAR)
+    scale = distance * far * (1.0 + np.abs(sorted_marks))
     pairs = [np.zeros((0, 2), dtype=np.intp)]
     for k in range(1, count):  # ends at once unless many share a real part
         near = sorted_marks[k:].real - sorted_marks[:-k].real <= 16.0 * scale[k:]
@@ -193,6 +227,6 @@ def cluster(values: Complex, distance: float = SAME) -> NDArray[np.intp]:
             break
         left = np.flatnonzero(near)
         away = relative_size(ordered[:, left] - ordered[:, left + k], ordered[:, left])
-        one = left[away <= distance]
+        one = left[away <= (distance * far)[left]]
         pairs.append(np.stack([order[one], order[one + k]], axis=1))
     return grouped(count, np.concatenate(pairs))

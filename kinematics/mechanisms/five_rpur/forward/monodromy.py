@@ -31,7 +31,14 @@ from kinematics.mechanisms.five_rpur.forward.equations import (
     polish,
     residuals,
 )
-from kinematics.mechanisms.five_rpur.forward.families import FAMILIES, MACHINES, Family, StartSet
+from kinematics.mechanisms.five_rpur.forward.families import (
+    FAMILIES,
+    MACHINES,
+    Family,
+    Membership,
+    StartSet,
+    exact,
+)
 from kinematics.mechanisms.five_rpur.forward.general import cluster, make_own
 
 _PATIENCE = 4  # loops without anything new, after which a set is taken to be whole
@@ -89,18 +96,9 @@ def _distinct(machine: Parameters, roots: Complex) -> Complex:
 
 def _random_machine(rng: np.random.Generator, family: Family) -> Parameters:
     """A random complex machine of a family."""
-    rx, ry, rz, sx, sy, sz = (_SPREAD * random_complex(rng, LIMBS, 1) for _ in range(6))
-    link2, rho2 = random_complex(rng, LIMBS, 1), random_complex(rng, LIMBS, 1)
-    for kind, i, j in family.relations:
-        if kind != "R":
-            sy[j], sz[j] = sy[i], sz[i]
-        if kind in ("R", "A2"):
-            rx[j], rz[j] = rx[i], rz[i]
-        if kind in ("A1", "A2", "A3"):
-            ry[j], link2[j] = ry[i], link2[i]
-        if kind == "A1":
-            sx[j] = sx[i]
-    return Parameters(rx, ry, rz, sx, sy, sz, link2, rho2)
+    points = (_SPREAD * random_complex(rng, LIMBS, 1) for _ in range(6))
+    squares = (random_complex(rng, LIMBS, 1) for _ in range(2))
+    return exact(Parameters(*points, *squares), Membership(family, tuple(range(LIMBS))))
 
 
 def write(folder: Path, name: str, found: StartSet) -> None:

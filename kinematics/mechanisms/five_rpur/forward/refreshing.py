@@ -1,8 +1,8 @@
 """The assembly modes of a 5-RPUR while its actuators move, see `homotopy.assembly_tracking`.
 
 Solutions are followed along the straight line in joint space from the lengths before to those now.
-Where only the solutions are known in which each arrangement stands in one working mode, its limbs
-are followed as one: they pass v ∥ e1 together, where they could part if they were not.
+Limbs that share a merged U joint are followed as one: they pass v ∥ e1 together, where they could
+part if they were not merged.
 """
 
 from __future__ import annotations
@@ -17,8 +17,7 @@ from kinematics.arrays import Array
 from kinematics.facets.forward import ForwardFacet
 from kinematics.homotopy.assembly_tracking import CAREFULLY, arrivals, became, told_apart
 from kinematics.homotopy.tracking import Control, Ending, Index, Tracked, track
-from kinematics.mechanisms.five_rpur.arrangements import arrangements
-from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
+from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign, Ties
 from kinematics.mechanisms.five_rpur.forward.assembly import (
     MODE_SIGNS,
     forward,
@@ -44,8 +43,6 @@ from kinematics.mechanisms.five_rpur.forward.equations import (
 )
 from kinematics.mechanisms.five_rpur.inverse import joint_points
 
-Ties = tuple[tuple[int, ...], ...]
-
 _AT_ONCE = Control(first=1.0, error=2e-2, shortest=1e-4, most=200)
 _THERE = 1e-6  # of the machine's size: an end and the solution that it is
 _TOGETHER = 0.2  # of the machine's size: solutions left at the same fold
@@ -66,7 +63,8 @@ class Forward(ForwardFacet[FiveRPURDesign]):
         frame, length = Frame.of(design), design.length
         starts = _configurations(design, frame, before)
         g0, g1 = (parameters(design, s.joints, frame) for s in (before, now))
-        tied = () if before.mixed_modes else _ties(design)
+        merged = () if before.mixed_modes else design.merged_joints
+        tied = tuple(tuple(i - 1 for i in limbs) for limbs in merged)
         way = _Following(Deformation(g0, g0._replace(rho2=g1.rho2)), tied)
         sides = _sides(g0, starts, tied), _sides(g1, _configurations(design, frame, now), tied)
 
@@ -97,13 +95,6 @@ def _followed(way: _Following, starts: Complex, control: Control) -> Tracked:
         for _ in range(2):
             ends.values[:, arrived] += way.take(arrived).step(ends.values[:, arrived], there)[0]
     return ends
-
-
-def _ties(design: FiveRPURDesign) -> Ties:
-    """Limbs (from 0) that are followed as one."""
-    if not forward_is_quick(design):
-        return ()
-    return tuple(tuple(i - 1 for i in group.limbs) for group in arrangements(design).groups)
 
 
 class _Following:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur import inverse
-from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
+from kinematics.mechanisms.five_rpur.design import LIMBS, MODES, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.offsets import SAME_SOLIDS, aligned_offsets
 from kinematics.screws.spatial import rotation_y
 
@@ -67,7 +67,7 @@ def formula(modes: tuple[str, ...] | None) -> Formula:
     """
     codes = np.arange(1 << SETS)
     table = np.zeros(len(codes), dtype=bool)
-    for mode in inverse.MODES if modes is None else modes:
+    for mode in MODES if modes is None else modes:
         need = sum(1 << (2 * i + int(sign < 0)) for i, sign in enumerate(inverse.signs(mode)))
         table |= (codes & need) == need
     used = [k for k in range(SETS) if (table[codes | 1 << k] & ~table[codes & ~(1 << k)]).any()]
@@ -108,7 +108,7 @@ class Region:
         offset = aligned_offsets(design, phi, theta, SAME_SOLIDS)
         turn = rotation_y(theta)
         offset = offset @ turn.T
-        chosen = formula(None if modes is None else tuple(modes))
+        chosen = formula(inverse.chosen(design, modes))
         return cls(offset, design.link, design.stroke, turn[[0, 2], 2], chosen)
 
     @cached_property

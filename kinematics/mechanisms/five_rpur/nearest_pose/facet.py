@@ -8,7 +8,6 @@ from kinematics.answers.clearances import DesignChanges
 from kinematics.answers.solutions import Posture
 from kinematics.facets.clearances import ClearancesFacet, Nearest, mm
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
-from kinematics.mechanisms.five_rpur.inverse import MODES
 from kinematics.mechanisms.five_rpur.nearest_pose.projection import nearest
 from kinematics.mechanisms.five_rpur.nearest_pose.redesign import changes
 from kinematics.mechanisms.five_rpur.nearest_pose.turning import turned
@@ -49,7 +48,7 @@ def _nearest(design: FiveRPURDesign, wanted: Posture) -> tuple[Nearest | None, s
             f"the nearest pose that working mode {shown(wanted.mode)} can hold is "
             f"{mm(found.distance)} away"
         )
-    for mode in MODES:
+    for mode in design.modes:
         closer = nearest(design, pose, mode, float("inf") if found is None else found.distance)
         found = closer or found
     if found is not None:
@@ -79,7 +78,7 @@ def _nearest(design: FiveRPURDesign, wanted: Posture) -> tuple[Nearest | None, s
 def _nearer(design: FiveRPURDesign, wanted: Posture, found: Nearest) -> str:
     """That another mode comes nearer at the same orientation, if one does."""
     best = found
-    for mode in MODES:
+    for mode in design.modes:
         best = nearest(design, wanted.pose, mode, best.distance) or best
     if best.posture.mode == wanted.mode or best.distance >= found.distance - found.error:
         return ""

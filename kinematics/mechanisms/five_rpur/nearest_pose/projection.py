@@ -161,7 +161,8 @@ def _meetings(cx: Array, cz: Array, radius: Array) -> tuple[Array, Array]:
 
 def annuli(design: FiveRPURDesign, phi: float, theta: float, mode: str) -> Annuli:
     """The workspace of one mode at one orientation."""
-    return Annuli(offset_points(design, phi, theta), design.link, design.stroke, signs(mode))
+    offset = offset_points(design, phi, theta)
+    return Annuli(offset, design.link, design.stroke, signs(mode, design))
 
 
 def nearest(

@@ -15,7 +15,7 @@ from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
 from kinematics.facets.clearances import Nearest
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
-from kinematics.mechanisms.five_rpur.inverse import MODES, inside, limb_lengths
+from kinematics.mechanisms.five_rpur.inverse import inside, limb_lengths
 from kinematics.mechanisms.five_rpur.nearest_pose.projection import nearest
 from kinematics.mechanisms.five_rpur.offsets import offset_points
 from kinematics.screws.spatial import rotation_y, wrap_angle
@@ -135,7 +135,7 @@ class _Search:
         phi, theta = wrap_angle(starts[best, 3:]).tolist()
         x, y, z = target[:3].tolist()
         found = None
-        for each in MODES if mode is None else (mode,):
+        for each in design.modes if mode is None else (mode,):
             if inside(design, starts[best], [each]):
                 within = np.inf if found is None else found.distance
                 found = nearest(design, (x, y, z, phi, theta), each, within) or found
@@ -151,7 +151,11 @@ def _shortfalls(design: FiveRPURDesign, poses: Array) -> Array:
     stroke = np.maximum(design.stroke[:, :1] - lengths, lengths - design.stroke[:, 1:])
     # A limb that cannot close is worse than one that is only beyond its stroke.
     far = design.link[:, None] + design.stroke[:, 1:] + across[..., None]
-    return np.where(np.isfinite(stroke), stroke, far)
+    short: Array = np.where(np.isfinite(stroke), stroke, far)
+    for limbs in design.merged_joints:  # in one mode: as short as the worst of them
+        together = [i - 1 for i in limbs]
+        short[..., together, :] = short[..., together, :].max(axis=-2, keepdims=True)
+    return short
 
 
 def _of(shortfalls: Array, mode: str | None) -> Array:

@@ -214,7 +214,7 @@ def _section(design: FiveRPURDesign, pose: Array, mode: str, at: float | None) -
 
 
 def _orientation(design: FiveRPURDesign, pose: Array, mode: str) -> LocusCurves:
-    sign = inverse.signs(mode)
+    sign = inverse.signs(mode, design)
     size = float((design.link + design.stroke[:, 1]).max())
     across = np.linspace(-np.pi, np.pi, _ACROSS + 1)
     curves = _Curves()

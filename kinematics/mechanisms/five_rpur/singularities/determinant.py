@@ -79,7 +79,7 @@ class Determinant:
         return cls(
             offset=offset,
             tip=np.asarray(design.platform @ rotation_x(phi).T),
-            sign=inverse.signs(mode),
+            sign=inverse.signs(mode, design),
             link=design.link,
             size=float((design.link + design.stroke[:, 1]).max()),
             span=(float((y - design.link).max()), float((y + design.link).min())),

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinematics.arrays import Array, Ints
-from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign, Limb
+from kinematics.mechanisms.five_rpur.inverse import chosen
 from kinematics.mechanisms.five_rpur.offsets import SAME_NUMBERS, aligned_offsets
 from kinematics.mechanisms.five_rpur.slicing import acceleration
 
@@ -88,7 +88,8 @@ class Cutter:
     ) -> None:
         offsets = aligned_offsets(design, phi, theta, SAME_NUMBERS)
         self.limbs = np.array([*offsets.T, design.link, *design.stroke.T])
-        self.signs, self.table = _halves(None if modes is None else frozenset(modes))
+        wanted = chosen(design, modes)
+        self.signs, self.table = _halves(None if wanted is None else frozenset(wanted))
         wx, wy, wz, link, _, high = self.limbs
         self.size = float((link + high).max())
         self.origin = np.array([wy.mean(), wz.mean()])
@@ -247,10 +248,6 @@ def _halves(modes: frozenset[str] | None) -> tuple[NDArray[np.bool_], NDArray[np
         signs = np.zeros((LIMBS, 2), dtype=bool)
         table = np.zeros(4**LIMBS, dtype=bool)
         for mode in modes:
-            if len(mode) != LIMBS or set(mode) - set("+-"):
-                raise InputError(
-                    f"a working mode is {LIMBS} signs such as '+-+++', one a limb, got {mode!r}"
-                )
             wanted = 0
             for i, sign in enumerate(mode):
                 signs[i, int(sign == "-")] = True

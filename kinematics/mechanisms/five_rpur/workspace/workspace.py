@@ -17,6 +17,7 @@ import numpy as np
 from kinematics.errors import InputError
 from kinematics.facets.solids import SURFACES, Resolution, SurfaceKind
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
+from kinematics.mechanisms.five_rpur.inverse import chosen
 from kinematics.mechanisms.five_rpur.offsets import SAME_SOLIDS, aligned_offsets
 from kinematics.mechanisms.five_rpur.workspace.true_surface import true_surface
 from kinematics.mechanisms.five_rpur.workspace.vertex_space import (
@@ -97,7 +98,7 @@ def raw_workspace(
     """The workspace as it comes from the Booleans, see `workspace`."""
     placed = aligned_offsets(design, phi, theta, SAME_SOLIDS)
     solids = []
-    for choice in _products(modes):
+    for choice in _products(chosen(design, modes)):
         operands = [
             _Operand(limb.link, *limb.stroke, _CHOICE[sign], (x, y, z))
             for limb, sign, (x, y, z) in zip(design.limbs, choice, placed.tolist(), strict=True)
@@ -189,21 +190,16 @@ def _products(modes: Iterable[str] | None) -> list[str]:
     if modes is None:
         return ["*" * LIMBS]
     wanted = frozenset(modes)
-    for mode in wanted:
-        if len(mode) != LIMBS or set(mode) - set("+-"):
-            raise InputError(
-                f"a working mode is {LIMBS} signs such as '+-+++', one a limb, got {mode!r}"
-            )
     # The largest products first; each must bring a mode that is still missing.
-    chosen, missing = [], set(wanted)
+    answer, missing = [], set(wanted)
     for choice in sorted(product("*+-", repeat=LIMBS), key=lambda c: -c.count("*")):
         if not missing:
             break
         members = {"".join(m) for m in product(*("+-" if c == "*" else c for c in choice))}
         if members <= wanted and members & missing:
-            chosen.append("".join(choice))
+            answer.append("".join(choice))
             missing -= members
-    return chosen
+    return answer
 
 
 # --- the error of volume -------------------------------------------------------------------------

@@ -14,6 +14,7 @@ from kinematics.homotopy.assembly_sets import (
     NONE_REAL,
     described,
     grouped,
+    not_closed,
 )
 from kinematics.homotopy.solving import Roots
 from kinematics.homotopy.tracking import Complex
@@ -22,7 +23,7 @@ from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
 from kinematics.mechanisms.four_sps_spr.following import Following, state_of, unknowns_of
 from kinematics.mechanisms.four_sps_spr.forward.equations import Frame, normal_form, to_transforms
 from kinematics.mechanisms.four_sps_spr.forward.roots import own_start_set, roots_at
-from kinematics.mechanisms.four_sps_spr.forward.start_set import GENERAL_COUNT
+from kinematics.mechanisms.four_sps_spr.forward.start_set import GENERAL_COUNT, StartSet
 from kinematics.mechanisms.four_sps_spr.inverse import (
     STROKE_SLACK,
     leg_lengths,
@@ -37,7 +38,7 @@ from kinematics.screws.wrenches import determinant
 REAL = 1e-7
 """Largest imaginary part of a real solution, relative to its size; of a double one its root."""
 _DOUBLE_REAL = 1e-4  # as REAL, of solutions where several coincide
-_DOUBLE = 1e-5  # of the characteristic length: closer ones are one, seen twice
+_DOUBLE = 1e-5  # of the machine and the shortest leg: closer solutions are one, seen twice
 _CURVES_FAR = 1e2  # units, of singular solutions that are looked at
 _MOST = 16  # of these
 _FAR = 500.0  # units: with longer legs the platform is a point to them, and digits are lost
@@ -58,10 +59,13 @@ class Solving(ForwardFacet[FourSPSSPRDesign]):
 
 
 class _Real:
-    """The real solutions at one vector of lengths: poses (n, 6), and how many each stands for."""
+    """The real solutions at one vector of lengths: poses (n, 6), and how many each stands for.
 
-    def __init__(self, poses: Array, weights: NDArray[np.intp], pairs: int) -> None:
-        self.poses, self.weights, self.pairs = poses, weights, pairs
+    Also how many complex pairs are nearly real, and how many roots that seem real were not closed.
+    """
+
+    def __init__(self, poses: Array, weights: NDArray[np.intp], pairs: int, open_: int) -> None:
+        self.poses, self.weights, self.pairs, self.open = poses, weights, pairs, open_
 
 
 def _real_ones(design: FourSPSSPRDesign, joints: Array, roots: Roots) -> _Real:
@@ -85,7 +89,8 @@ def _real_ones(design: FourSPSSPRDesign, joints: Array, roots: Roots) -> _Real:
     weights = roots.multiplicity[real[kept]] if kept else np.zeros(0, dtype=np.intp)
     table = np.array(poses).reshape(-1, 6)
     order = np.lexsort((table[:, 1], table[:, 0], -table[:, 2]))
-    return _Real(table[order], weights[order], _nearly_real(design, frame, form, away, limit))
+    pairs = _nearly_real(design, frame, form, away, limit)
+    return _Real(table[order], weights[order], pairs, len(real) - len(kept))
 
 
 def _self_motions(
@@ -117,23 +122,27 @@ def _nearly_real(
 
 
 def _answer(design: FourSPSSPRDesign, joints: Array, roots: Roots, real: _Real) -> ForwardSolutions:
-    poses, weights, gap = _merged(design, real)
+    poses, weights, gap = _merged(design, joints, real)
     count = len(poses)
-    generic = own_start_set(design).roots.shape[1]
+    own = own_start_set(design)
     low, high = design.stroke[:, 0] - STROKE_SLACK, design.stroke[:, 1] + STROKE_SLACK
     reach = bool(((joints >= low) & (joints <= high)).all())
     free = _self_motions(design, joints, roots.values[:, roots.regular :])
     far = bool(joints.max() > _FAR * Frame.of(design).unit)
-    notes = (*_completeness(roots, generic), *described(weights, gap, real.pairs))
-    if far:
-        notes = (*notes, "The legs are so much longer than the machine that digits are lost.")
-    notes = (*notes, *(motion.text for motion in free))
-    if not count:
-        notes = (*notes, NONE_REAL if roots.complete and not far else NONE_FOUND)
     residual = np.zeros(count)
     if count:
         error = np.abs(leg_lengths(design, poses) - joints).max(axis=-1)
         residual = np.maximum(error, np.abs(violation(design, poses)))
+    loose = not_closed(residual, design.size, joints)
+    if real.open:
+        loose = (*loose, f"{real.open} roots that seem real could not be closed.")
+    if far:
+        loose = (*loose, "The legs are so much longer than the machine that digits are lost.")
+    complete = roots.complete and not free and not loose
+    notes = (*_completeness(roots, own), *described(weights, gap, real.pairs), *loose)
+    notes = (*notes, *(motion.text for motion in free))
+    if not count:
+        notes = (*notes, NONE_REAL if complete else NONE_FOUND)
     rows = wrenches(design, placement(design, poses)).rows
     return ForwardSolutions(
         joints=tuple(joints.tolist()),
@@ -147,8 +156,8 @@ def _answer(design: FourSPSSPRDesign, joints: Array, roots: Roots, real: _Real) 
         gap=gap,
         identities=tuple(range(1, count + 1)),
         complex_count=roots.count,
-        expected_count=generic,
-        complete=roots.complete and not free and not far,
+        expected_count=own.roots.shape[1],
+        complete=complete,
         method=f"{roots.expected} paths tracked from the design's own start set",
         seconds=0.0,
         notes=notes,
@@ -157,12 +166,15 @@ def _answer(design: FourSPSSPRDesign, joints: Array, roots: Roots, real: _Real) 
     )
 
 
-def _merged(design: FourSPSSPRDesign, real: _Real) -> tuple[Array, NDArray[np.intp], Array]:
+def _merged(
+    design: FourSPSSPRDesign, joints: Array, real: _Real
+) -> tuple[Array, NDArray[np.intp], Array]:
     """Of solutions that coincide one stays, with their number; and the gaps between the rest."""
     poses, weights = real.poses, real.weights
     apart = pose_distances(design, poses, poses)
     np.fill_diagonal(apart, np.inf)
-    close = np.argwhere(np.triu(apart <= _DOUBLE * design.length, 1))
+    near = _DOUBLE * min(design.length, float(joints.min()))
+    close = np.argwhere(np.triu(apart <= near, 1))
     if close.size:
         groups = grouped(len(poses), close)
         firsts = np.unique(groups, return_index=True)[1]
@@ -186,13 +198,13 @@ def _points(design: FourSPSSPRDesign, poses: Array) -> Array:
     return np.hstack([poses[:, :3], turns])
 
 
-def _completeness(found: Roots, generic: int) -> tuple[str, ...]:
-    notes = []
-    if generic < GENERAL_COUNT:
+def _completeness(found: Roots, own: StartSet) -> tuple[str, ...]:
+    notes, generic = [], own.roots.shape[1]
+    if own.complete and generic < GENERAL_COUNT:
         notes.append(
-            f"This design has {generic} solutions where the general one has {GENERAL_COUNT}; the "
-            "others are at infinity whatever the lengths."
+            f"Of the {GENERAL_COUNT} solutions of the general 4-SPS + 1-SPR this design has "
+            f"{generic}: along two ways to it the others ran off to infinity."
         )
     if found.complete and found.infinite:
-        notes.append(f"{found.infinite} of {generic} solutions are at infinity.")
+        notes.append(f"{found.infinite} of {generic} solutions are at infinity for these lengths.")
     return (*notes, *found.doubts)

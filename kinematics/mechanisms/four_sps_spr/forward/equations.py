@@ -178,44 +178,50 @@ def _solve(matrix: Complex, right: Complex) -> Complex:
 
 
 class Deformation:
-    """The equations while the parameters move straight from one machine to another."""
+    """The equations while the parameters move straight from one machine to another.
 
-    def __init__(self, start: Parameters, end: Parameters, bend: Complex | None = None) -> None:
-        """``bend``: (..., 5), added to l² as t (1 − t) times this: a way around through complex
-        lengths."""
+    ``around``: how far t leads through complex values on the way, as t + i t (1 − t) around.
+    """
+
+    def __init__(self, start: Parameters, end: Parameters, around: float = 0.0) -> None:
         # C is of degree two in the parameters, so three points tell it.
         middle = Parameters(*(0.5 * (a + b) for a, b in zip(start, end, strict=True)))
         c0, c1, c2 = (coefficients(g) for g in (start, middle, end))
         self._c0 = c0
         self._c1 = 4.0 * c1 - 3.0 * c0 - c2
         self._c2 = 2.0 * (c0 + c2) - 4.0 * c1
-        if bend is not None:
-            turn = np.zeros_like(np.broadcast_arrays(c0, bend[..., None, None][..., 0, :, :])[0])
-            turn[..., :LIMBS, 0] = -bend
-            self._c1, self._c2 = self._c1 + turn, self._c2 - turn
+        self._around = 1j * around
 
     def take(self, columns: Index) -> Deformation:
         part = object.__new__(Deformation)
+        part._around = self._around
         for name in ("_c0", "_c1", "_c2"):
             value = getattr(self, name)
             setattr(part, name, value[columns] if value.ndim == 3 else value)
         return part
 
     def extent(self, u: Complex) -> Real:
-        norm = np.abs((u[:4] * u[:4]).sum(axis=0))
-        size: Real = (np.abs(u) ** 2).sum(axis=0) / np.maximum(norm, 1e-300)
-        return size
+        return extent(u)
 
     def step(self, u: Complex, t: Complex | Real) -> tuple[Complex, Complex]:
-        s = np.asarray(t)[:, None, None]
+        at = np.asarray(t)[:, None, None]
+        s = at * (1.0 + (1.0 - at) * self._around)
+        ds = 1.0 + (1.0 - 2.0 * at) * self._around
         c = self._c0 + s * (self._c1 + s * self._c2)
-        dc = self._c1 + 2.0 * s * self._c2
+        dc = ds * (self._c1 + 2.0 * s * self._c2)
         values, by_u, monomials = _system(c, u)
         right = np.zeros((len(values), UNKNOWNS, 2), dtype=complex)
         right[:, :, 0] = -values
         right[:, : LIMBS + 1, 1] = -(dc @ monomials[..., None])[..., 0]
         solved = _solve(by_u, right)
         return np.ascontiguousarray(solved[..., 0].T), np.ascontiguousarray(solved[..., 1].T)
+
+
+def extent(u: Complex) -> Real:
+    """|u|² / |N|, (n,): about the square of how far out a pose is, in units."""
+    norm = np.abs((u[:4] * u[:4]).sum(axis=0))
+    size: Real = (np.abs(u) ** 2).sum(axis=0) / np.maximum(norm, 1e-300)
+    return size
 
 
 def polish(g: Parameters, u: Complex, rounds: int = 3) -> tuple[Complex, Real]:

@@ -7,7 +7,7 @@ How paths are settled and counted is `kinematics.homotopy.solving`.
 
 from __future__ import annotations
 
-from collections import OrderedDict
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,40 +15,40 @@ from numpy.typing import NDArray
 from kinematics.arrays import Array
 from kinematics.homotopy.assembly_sets import grouped
 from kinematics.homotopy.solving import AROUND, SAME, Roots, solve
+from kinematics.homotopy.start_sets import OwnStartSets, grown, made
 from kinematics.homotopy.tracking import Complex, Control, Index
 from kinematics.mechanisms.four_sps_spr.design import LIMBS, FourSPSSPRDesign
 from kinematics.mechanisms.four_sps_spr.forward.equations import (
     Deformation,
     Parameters,
     conjugate,
+    extent,
     marks,
     parameters,
     polish,
     regularity,
 )
-from kinematics.mechanisms.four_sps_spr.forward.start_set import StartSet, general_set
+from kinematics.mechanisms.four_sps_spr.forward.start_set import (
+    GENERAL_COUNT,
+    StartSet,
+    general_set,
+)
 
 SINGULAR = 1e-11
 """Regularity of a solution on a curve of them, but for rounding."""
-_INFINITE = 1e10  # extent of what is a solution of the equations but no pose
-_KEPT = 64  # own start sets in memory
+_FAR, _INFINITE = 1e5, 1e10  # extent of what solves the equations but is no pose
 _QUICK = Control(first=0.1)
 
-# --- a design's own start set ---------------------------------------------------------------
-
-_own: OrderedDict[tuple[object, ...], StartSet] = OrderedDict()
+_own: OwnStartSets[Parameters] = OwnStartSets(kept=64)
 
 
 def own_start_set(design: FourSPSSPRDesign) -> StartSet:
     """All solutions for a design's geometry at complex lengths; kept for the next call."""
-    key = (*((limb.base, limb.platform) for limb in design.limbs), design.revolute_axis)
-    found = _own.get(key)
-    if found is None:
-        found = _own[key] = _make_own(design)
-        while len(_own) > _KEPT:
-            _own.popitem(last=False)
-    _own.move_to_end(key)
-    return found
+    return _own.get(_key(design), partial(_make_own, design))
+
+
+def _key(design: FourSPSSPRDesign) -> tuple[object, ...]:
+    return (*((limb.base, limb.platform) for limb in design.limbs), design.revolute_axis)
 
 
 def _make_own(design: FourSPSSPRDesign) -> StartSet:
@@ -57,19 +57,27 @@ def _make_own(design: FourSPSSPRDesign) -> StartSet:
     turns = np.exp(1j * np.array([0.9, -1.3, 0.5, 1.7, -0.7]))
     size = 1.0 + float(np.mean((np.asarray(target.base).real ** 2).sum(axis=-1)))
     target = target._replace(squares=size * np.array([1.1, 0.8, 1.3, 0.9, 1.0]) * turns)
-    (found,) = _solve(general_set(), target, 1, real=False)
-    return StartSet(target, found.values[:, : found.regular], found.complete)
-
-
-# --- solving --------------------------------------------------------------------------------
+    start = general_set()
+    (found,) = _solve(start, target, 1, real=False)
+    return made(start, target, found)
 
 
 def roots_at(design: FourSPSSPRDesign, joints: Array) -> list[Roots]:
     """All complex solutions for each of some vectors of lengths (B, 5), mm."""
-    start = own_start_set(design)
     squares = np.asarray(parameters(design, joints).squares, dtype=complex)
-    target = start.parameters._replace(squares=squares)
-    return _solve(start, target, len(joints), real=True)
+
+    def forth(start: StartSet) -> list[Roots]:
+        target = start.parameters._replace(squares=squares)
+        return _solve(start, target, len(squares), real=True)
+
+    def grow(start: StartSet, n: int, found: Roots) -> StartSet | None:
+        there = StartSet(
+            start.parameters._replace(squares=squares[n]), found.values[:, : found.regular]
+        )
+        (back,) = _solve(there, start.parameters, 1, real=False)
+        return grown(start, back, cluster, GENERAL_COUNT)
+
+    return _own.solve(_key(design), partial(_make_own, design), forth, grow)
 
 
 def _solve(start: StartSet, target: Parameters, batch: int, *, real: bool) -> list[Roots]:
@@ -92,13 +100,10 @@ class _Equations:
         return self._target._replace(squares=self._squares[columns])
 
     def way(self, targets: Index, attempt: int) -> Deformation:
-        """The first is straight, others lead around through other complex lengths."""
-        start = self._start.parameters
+        """The first is straight, others lead around through other complex machines."""
         target = self._of(np.repeat(targets, self._start.roots.shape[1]))
-        if attempt == 0:
-            return Deformation(start, target)
-        around: Complex = 1j * AROUND[attempt - 1] * (target.squares - start.squares)
-        return Deformation(start, target, around)
+        around = 0.0 if attempt == 0 else AROUND[attempt - 1]
+        return Deformation(self._start.parameters, target, around)
 
     def polish(self, values: Complex, of: Index, rounds: int = 3) -> tuple[Complex, Array]:
         return polish(self._of(of), values, rounds)
@@ -109,10 +114,8 @@ class _Equations:
     def conjugate(self, values: Complex) -> Complex:
         return conjugate(values)
 
-    def infinite(self, values: Complex) -> NDArray[np.bool_]:
-        norm = np.abs((values[:4] * values[:4]).sum(axis=0))
-        extent = (np.abs(values) ** 2).sum(axis=0) / np.maximum(norm, 1e-300)
-        return ~(np.asarray(extent) < _INFINITE)
+    def infinite(self, values: Complex, goals: Complex) -> NDArray[np.bool_]:
+        return ~((extent(values) < _FAR) | (extent(goals) < _INFINITE))
 
     def cluster(self, values: Complex, distance: float) -> Index:
         return cluster(values, distance)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,10 +18,20 @@ from kinematics.mechanisms.five_rpur.mechanism import FiveRPUR
 from kinematics.mechanisms.five_rpur.sections import Sections
 
 
-def preset(name: str) -> FiveRPURDesign:
+def preset(name: str, *, merged: bool = False) -> FiveRPURDesign:
+    """A preset; as if none of its U joints were merged, so that it has all 32 modes."""
     design = load_design(name)
     assert isinstance(design, FiveRPURDesign)
-    return design
+    return design if merged else replace(design, merged_joints=())
+
+
+def made(base: Any, platform: Any, link: Any) -> FiveRPURDesign:
+    """Five limbs with long strokes."""
+    one, two, three, four, five = (
+        Limb(tuple(map(float, a)), tuple(map(float, c)), float(length), (1.0, 1000.0))
+        for a, c, length in zip(base, platform, link, strict=True)
+    )
+    return FiveRPURDesign((one, two, three, four, five))
 
 
 def following(design: FiveRPURDesign) -> Following:

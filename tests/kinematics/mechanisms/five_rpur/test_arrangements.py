@@ -14,15 +14,13 @@ from hypothesis import strategies as st
 
 from kinematics.designs.files import presets
 from kinematics.mechanisms.five_rpur.arrangements import (
-    TOLERANCE,
     Pair,
     arrangements,
     findings,
     singular_modes,
-    size,
 )
-from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
-from kinematics.mechanisms.five_rpur.inverse import MODES, inside, joint_points
+from kinematics.mechanisms.five_rpur.design import MODES, TOLERANCE, FiveRPURDesign, Limb
+from kinematics.mechanisms.five_rpur.inverse import inside, joint_points
 from tests.kinematics.mechanisms.five_rpur.asked import wrench_matrix
 from tests.kinematics.mechanisms.five_rpur.machines import preset
 from tests.kinematics.references import read
@@ -135,8 +133,8 @@ def test_each_condition_counts() -> None:
     limb = design.limbs[0]
     x, y, z = limb.base
     sx, sy, sz = limb.platform
-    assert size(design) == 400.0
-    for by, expected in ((1e-3, "{A1}"), (0.4 * TOLERANCE * size(design), "{A1A1}")):
+    assert design.size == 400.0
+    for by, expected in ((1e-3, "{A1}"), (0.4 * TOLERANCE * design.size, "{A1A1}")):
         for changed in (
             replace(limb, base=(x, y + by, z)),
             replace(limb, link=limb.link + by),

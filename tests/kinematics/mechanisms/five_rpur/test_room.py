@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinematics.designs.files import load_design
 from kinematics.facets import inverse as generic
 from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur import inverse
@@ -15,13 +14,14 @@ from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.feet import feet
 from kinematics.mechanisms.five_rpur.inscribed import largest
 from kinematics.screws.spatial import rotation_x, rotation_y
+from tests.kinematics.mechanisms.five_rpur.machines import preset
 
 TABLES = ("rpur-table1", "rpur-table1-icee", "rpur-table2", "rpur-a1a1")
 
 
 def a_posture(seed: int, reachable: bool = True):
     rng = np.random.default_rng(seed)
-    design = load_design(TABLES[seed % len(TABLES)])
+    design = preset(TABLES[seed % len(TABLES)])
     assert isinstance(design, FiveRPURDesign)
     while True:
         poses = np.column_stack([rng.uniform(-500, 500, (4000, 3)), rng.uniform(-1, 1, (4000, 2))])

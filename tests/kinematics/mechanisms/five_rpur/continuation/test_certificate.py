@@ -18,7 +18,7 @@ from kinematics.homotopy.curve import LAMBDA, Curve, Middle, Piece, Place
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.forward.assembly import forward
 from tests.kinematics.mechanisms.five_rpur.asked import inverse_jacobian
-from tests.kinematics.mechanisms.five_rpur.machines import following
+from tests.kinematics.mechanisms.five_rpur.machines import following, preset
 from tests.kinematics.references import read
 
 FOLDS: dict[str, Any] = read("rpur_folds.json")
@@ -27,7 +27,7 @@ FOLDS: dict[str, Any] = read("rpur_folds.json")
 @cache
 def solutions(name: str, seed: int) -> tuple[FiveRPURDesign, tuple[Posture, ...]]:
     """All assembly modes (of a simplified design those with each arrangement in one mode)."""
-    design = load_design(name)
+    design = preset(name)
     assert isinstance(design, FiveRPURDesign)
     rng = np.random.default_rng(seed)
     found = forward(design, rng.uniform(260, 390, 5))[0]

@@ -18,6 +18,8 @@ from kinematics.errors import InputError
 from kinematics.mechanisms.five_rpur.arrangements import arrangements
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.forward.assembly import MODE_SIGNS, forward, forward_is_quick
+from kinematics.mechanisms.five_rpur.forward.equations import Frame, conjugate, real_part, to_poses
+from kinematics.mechanisms.five_rpur.forward.simplified import same_mode_roots
 from kinematics.mechanisms.five_rpur.inverse import MODES, closure_residual, limb_lengths
 from tests.kinematics.mechanisms.five_rpur.asked import condition, wrench_matrix
 from tests.kinematics.mechanisms.five_rpur.machines import of_forward_case
@@ -44,16 +46,41 @@ def apart(poses, others, length=100.0):
     return np.sqrt((d * d).sum(axis=-1))
 
 
+def merged(design: FiveRPURDesign) -> FiveRPURDesign:
+    """The design with one U joint wherever limbs can have one."""
+    groups = arrangements(design).groups
+    return replace(
+        design,
+        merged_joints=tuple(
+            pair.limbs for group in groups for pair in group.pairs if pair.kind == "A1"
+        ),
+    )
+
+
+def alike(mode: str, groups) -> bool:
+    """Whether the limbs, from 1, of each group stand in one working mode."""
+    return all(len({mode[i - 1] for i in limbs}) == 1 for limbs in groups)
+
+
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["name"])
 def test_every_solution_of_the_case_is_found_and_no_other(case):
-    design = of_forward_case(case)
+    """The cases of simplified designs are of solutions with each arrangement in one mode."""
+    design = merged(of_forward_case(case))
     (found,) = forward(design, case["rho"])
     known = [[s[k] for k in ("x", "y", "z", "phi", "theta")] for s in case["solutions"]]
-    assert len(found) == case["n_real"] == len(known)
-    assert (found.complex_count, found.expected_count) == (case["complex_count"],) * 2
+    groups = [[i + 1 for i in limbs] for limbs in case.get("same_working_mode_groups") or ()]
+    same = [n for n, mode in enumerate(found.modes) if alike(mode, groups)]
+    assert len(same) == case["n_real"] == len(known)
+    if {tuple(limbs) for limbs in groups} <= set(design.merged_joints):
+        assert (found.complex_count, found.expected_count) == (case["complex_count"],) * 2
+        assert len(found) == len(same)
+    else:
+        assert same_mode_roots(design, case["rho"])[0].shape[1] == case["complex_count"]
+        assert found.complex_count > case["complex_count"]
     assert found.complete
     distance = apart(known, found.poses)
     nearest = distance.argmin(axis=1)
+    assert set(nearest.tolist()) == set(same)
     assert distance.min(axis=1).max() < 1e-9
     assert len(set(nearest.tolist())) == len(known)
     for n, solution in zip(nearest, case["solutions"], strict=True):
@@ -93,10 +120,10 @@ def reachable(design, modes, count, seed):
 
 @pytest.mark.parametrize("name", CLASSES)
 def test_simplified_designs_give_back_the_pose_of_the_inverse_kinematics(name):
+    """In whatever working mode the design has."""
     design = load_design(f"rpur-{name}")
-    groups = [group.limbs for group in arrangements(design).groups]
-    same = [m for m in MODES if all(len({m[i - 1] for i in limbs}) == 1 for limbs in groups)]
-    poses, modes, rho = reachable(design, same, 250, len(name))
+    count = 250 if forward_is_quick(design) else 12
+    poses, modes, rho = reachable(design, list(design.modes), count, len(name))
     answers = forward(design, rho)
     for pose, mode, joints, found in zip(poses, modes, rho, answers, strict=True):
         distance = apart(pose, found.poses)[0]
@@ -122,25 +149,40 @@ def test_general_designs_give_back_the_pose_of_the_inverse_kinematics(name):
         assert found.residual.max() < 1e-10
 
 
-@pytest.mark.parametrize("name", ["a1a2", "a2a3", "mpa2"])
-def test_all_modes_contain_the_same_mode_solutions_and_more(name):
+@pytest.mark.parametrize("name", ["a1a1", "a1a2", "a1a3", "mpa1"])
+def test_merged_joints_leave_the_solutions_of_the_modes_that_they_allow(name):
     design = load_design(f"rpur-{name}")
     joints = [303.0, 317.0, 322.0, 331.0, 342.0]
-    (same,), (mixed,) = forward(design, joints), forward(design, joints, mixed_modes=True)
-    assert forward_is_quick(design)
+    (some,), (mixed,) = forward(design, joints), forward(design, joints, mixed_modes=True)
+    assert forward_is_quick(design) == (name == "a1a1")
     assert not forward_is_quick(design, mixed_modes=True)
-    assert len(mixed) > len(same) > 0
-    assert apart(same.poses, mixed.poses).min(axis=1).max() < 1e-8
-    groups = [group.limbs for group in arrangements(design).groups]
-    together = [
-        n
-        for n, mode in enumerate(mixed.modes)
-        if all(len({mode[i - 1] for i in limbs}) == 1 for limbs in groups)
-    ]
-    extra = [n for n in together if apart(mixed.poses[n], same.poses).min() > 1e-6]
-    # In one mode and yet not same-mode solutions: only where the limbs are folded alike by chance.
-    assert len(together) - len(extra) == len(same)
+    assert len(mixed) > len(some) > 0
+    assert set(some.modes) <= set(design.modes) < set(MODES)
+    assert apart(some.poses, mixed.poses).min(axis=1).max() < 1e-8
+    there = [n for n, mode in enumerate(mixed.modes) if mode in design.modes]
+    assert len(there) == len(some)
+    assert some.complete
     assert mixed.complete
+    assert some.complex_count < mixed.complex_count
+    (apart_,) = forward(replace(design, merged_joints=()), joints)
+    assert apart_.modes == mixed.modes
+
+
+@pytest.mark.parametrize("name", ["a2a3", "a3a3", "mpa2"])
+def test_what_is_not_merged_stands_in_any_mode(name):
+    """The tied solutions of the closed forms are some of all, each once."""
+    design = load_design(f"rpur-{name}")
+    joints = [303.0, 317.0, 322.0, 331.0, 342.0]
+    (found,), (asked,) = forward(design, joints), forward(design, joints, mixed_modes=True)
+    assert found.modes == asked.modes
+    groups = [group.limbs for group in arrangements(design).groups]
+    u, _ = same_mode_roots(design, joints)
+    real = u[:, np.abs(u - conjugate(u)).max(axis=0) < 1e-7]
+    tied = to_poses(Frame.of(design), real_part(real)[0])
+    same = [n for n, mode in enumerate(found.modes) if alike(mode, groups)]
+    assert 0 < len(tied) == len(same) < len(found)
+    assert apart(tied, found.poses[same]).min(axis=1).max() < 1e-8
+    assert found.complete
 
 
 def test_batches_are_answered_one_by_one_in_their_order():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,7 @@ from kinematics.mechanisms.five_rpur.forward.linkage import Machine
 from kinematics.mechanisms.five_rpur.forward.simplified import expected, same_mode_roots
 from kinematics.mechanisms.five_rpur.inverse import MODES, inverse, joint_points
 from kinematics.screws.spatial import rotation_x, rotation_y
+from tests.kinematics.mechanisms.five_rpur.machines import made
 from tests.kinematics.references import read
 
 CASES: list[dict[str, Any]] = [
@@ -51,14 +53,6 @@ COUNTS = {
 CLASSES = tuple(COUNTS)
 
 
-def made(base: Any, platform: Any, link: Any) -> FiveRPURDesign:
-    one, two, three, four, five = (
-        Limb(tuple(map(float, a)), tuple(map(float, c)), float(length), (1.0, 1000.0))
-        for a, c, length in zip(base, platform, link, strict=True)
-    )
-    return FiveRPURDesign((one, two, three, four, five))
-
-
 def of_case(case: dict[str, Any]) -> FiveRPURDesign:
     return made(case["r"], case["s_prime"], case["l"])
 
@@ -66,7 +60,7 @@ def of_case(case: dict[str, Any]) -> FiveRPURDesign:
 def preset(name: str) -> FiveRPURDesign:
     design = load_design(f"rpur-{name.lower()}")
     assert isinstance(design, FiveRPURDesign)
-    return design
+    return replace(design, merged_joints=())
 
 
 def shaped(name: str, base: Array, platform: Array, link: Array) -> FiveRPURDesign:

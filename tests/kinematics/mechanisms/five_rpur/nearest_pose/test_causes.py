@@ -16,6 +16,7 @@ from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.nearest_pose.projection import nearest
+from tests.kinematics.mechanisms.five_rpur.machines import preset
 
 MECHANISM = mechanism_class("five_rpur")
 TABLES = ("rpur-table1", "rpur-table2", "rpur-a1a1")
@@ -33,7 +34,7 @@ def allows(design, wanted: Posture, way, share: float = 1.0) -> bool:
 
 def beyond(seed: int):
     rng = np.random.default_rng(seed)
-    design = load_design(TABLES[seed % 3])
+    design = preset(TABLES[seed % 3])
     while True:
         pose = (*rng.uniform(-450, 450, 3).tolist(), *rng.uniform(-1, 1, 2).tolist())
         posture = machine_of(design).inverse.posture(pose, str(rng.choice(inverse.MODES)))

@@ -11,6 +11,7 @@ from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.inscribed.region import Region
 from kinematics.mechanisms.five_rpur.nearest_pose.projection import nearest
 from kinematics.screws.spatial import rotation_y
+from tests.kinematics.mechanisms.five_rpur.machines import preset
 
 TABLES = ("rpur-table1", "rpur-table2", "rpur-a1a1", "rpur-mpa2")
 ZERO = (0.0, 0.0, 0.0)
@@ -18,7 +19,7 @@ ZERO = (0.0, 0.0, 0.0)
 
 def case(seed: int):
     rng = np.random.default_rng(seed)
-    design = load_design(TABLES[seed % len(TABLES)])
+    design = preset(TABLES[seed % len(TABLES)])
     pose = (*rng.uniform(-500, 500, 3).tolist(), *rng.uniform(-0.8, 0.8, 2).tolist())
     return design, pose, str(rng.choice(inverse.MODES))
 

@@ -13,6 +13,7 @@ from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from tests.kinematics.mechanisms.five_rpur.asked import wrench_matrix
+from tests.kinematics.mechanisms.five_rpur.machines import preset
 from tests.kinematics.references import read
 
 MECHANISM = mechanism_class("five_rpur")
@@ -21,7 +22,7 @@ TABLES = ("rpur-table1", "rpur-table2", "rpur-a1a1")
 
 def a_way(seed: int):
     rng = np.random.default_rng(seed)
-    design = load_design(TABLES[seed % 3])
+    design = preset(TABLES[seed % 3])
     while True:
         a = np.concatenate([rng.uniform(-300, 300, 3), rng.uniform(-1, 1, 2)])
         held = np.flatnonzero(inverse.inverse(design, a).within_stroke)
