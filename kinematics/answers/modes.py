@@ -122,7 +122,10 @@ def one_of(text: str, modes: Sequence[Mode]) -> Mode:
     example, called = modes[len(modes) // 2 - 1], noun(modes)
     if example.signs and not example.operation:
         limbs = len(example.signs)
-        said = f"has one sign, + or -, for each of the {limbs} limbs, as {str(example)!r};"
+        said = (
+            f"has one sign, + or -, for each of the {limbs} limbs: {limbs} signs, "
+            f"as {str(example)!r};"
+        )
     else:
         said = f"is {' or '.join(modes[:40])}," if called else "need not be named;"
     article = "an" if called.startswith("o") else "a"
