@@ -250,7 +250,7 @@ def test_every_command_tells_what_it_does(here: Run, capsys: pytest.CaptureFixtu
         (["trajectory", "rpur-table1", "line"], "there is no such path 'line' of a 5-RPUR"),
         (["trajectory", "five-bar", "lines"], "paths by name are line, rest-to-rest"),
         (["trajectory", "five-bar", "lines.csv"], "there is no file 'lines.csv'"),
-        (["trajectory", "five-bar", "/dev/zero"], "there is no file '/dev/zero'"),
+        (["trajectory", "five-bar", "/dev/zero"], "/dev/zero: cannot be read (no regular file"),
     ],
 )
 def test_mistakes_name_the_remedy(here: Run, words: list[str], said: str) -> None:

@@ -58,11 +58,11 @@ def read_points(
     if lines[0].strip().lower().startswith("sep=") and len(lines[0].strip()) == 5:
         part, lines[0] = lines[0].strip()[4], ""
     kept = [n for n, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")]
-    if not kept:
-        raise InputError(f"{origin}: a path needs a header and at least two points, found nothing")
-    first = lines[kept[0]]
+    first = lines[kept[0]] if kept else ""
     part = part or next((sign for sign in ";\t," if sign in first), ",")
-    header = [_heading(name) for name in _cells(first, part, f"{origin}, line {kept[0] + 1}")]
+    header = [
+        _heading(name) for name in _cells(first, part, f"{origin}, line {(kept or [0])[0] + 1}")
+    ]
     found = [_column(header, axis, origin) for axis in axes]
     missing = [n for n, column in enumerate(found) if column is None]
     left = missing[0] if len(missing) == 1 and missing[0] in dependent else None
