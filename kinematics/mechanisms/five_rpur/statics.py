@@ -51,7 +51,7 @@ def wrenches(design: FiveRPURDesign, placement: Array, mode: str | ArrayLike) ->
     edge = np.nan if np.iscomplexobj(square) else 0.0
     closes = np.abs(y.real) <= design.link * (1.0 + LINK_SLACK)
     square = np.where(closes, np.where(square.real > 0.0, square, edge), np.nan)
-    q = signs(mode, design) * np.sqrt(square)
+    q = signs(mode) * np.sqrt(square)
     p = z - q
     rho = np.sqrt(x * x + p * p)
     fx, fy, fz = q * x, p * y, p * q  # of −f ρ l
