@@ -10,7 +10,7 @@ from the others.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import NamedTuple
 
@@ -266,6 +266,7 @@ def _answers(
         axis=1,
     )
     seconds = (perf_counter() - began) / max(len(rho), 1)
+    machine = replace(design, merged_joints=()) if mixed_modes else design
     answers = []
     for k, one in enumerate(found):
         shortest = min(length, float(rho[k].min()))  # with short limbs solutions are that near
@@ -274,7 +275,7 @@ def _answers(
         count = len(part.mode)
         modes = tuple(MODES[n] for n in part.mode)
         curved = roots[:, singular & (numbers == k)]
-        free = self_motions(design, rho[k], frame, curved, length)
+        free = self_motions(machine, rho[k], frame, curved)
         loose = not_closed(part.residual, design.size, rho[k])
         complete = one.complete and not loose
         about = described(part.weight, gap, int(pairs[k]))

@@ -20,11 +20,11 @@ import numpy as np
 from kinematics.answers.singularities import AT, NEAR, Singularity
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
+from kinematics.facets.following import ClosureFollowing
 from kinematics.facets.motion import MotionFacet
 from kinematics.facets.statics import StaticsFacet
 from kinematics.mechanisms.five_rpur.arrangements import Group, arrangements
 from kinematics.mechanisms.five_rpur.design import LIMBS, SUBSCRIPTS, FiveRPURDesign
-from kinematics.mechanisms.five_rpur.forward.coincidence import finite_motion
 from kinematics.mechanisms.five_rpur.inverse import joint_points
 from kinematics.mechanisms.five_rpur.singularities.curves import Loci
 from kinematics.screws.singularity_geometry import listed, point_text
@@ -56,7 +56,8 @@ class Singularities(Loci):
         cause = f"{name}; {found.cause}" if name else found.cause
         if found.measure >= AT or found.motion is None:
             return replace(found, cause=cause)
-        if finite_motion(design, posture.pose, _elbows(design, posture), posture.joints):
+        following: ClosureFollowing[FiveRPURDesign] = self.mechanism.facet("following")
+        if following.moves_on(posture):
             text = found.text.replace("Parallel singularity", "Self-motion").removesuffix(".")
             text = f"{text}; this goes on over a finite way."
             return replace(found, kind="self-motion", cause=cause, text=text)
