@@ -5,17 +5,17 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import count
 from time import perf_counter
-from typing import NamedTuple, overload
+from typing import overload
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinematics.answers.solutions import ForwardSolutions, Merged, Refreshed
+from kinematics.answers.solutions import ForwardSolutions, Refreshed
 from kinematics.arrays import Array, finite
 from kinematics.facets.facet import Facet
 from kinematics.homotopy.assembly_sets import positive_lengths
+from kinematics.homotopy.assembly_tracking import told_apart
 from kinematics.mechanism import D
 
 _CLEAR = 0.35  # of the distance to the next solution: what one may move in a piece
@@ -116,9 +116,10 @@ class ForwardFacet(Facet[D]):
         """
         (now,) = self([joints], mixed_modes=before.mixed_modes)
         start, end = np.array(before.joints), np.array(now.joints)
-        names = np.array(before.identities, dtype=int)
-        lost: list[_Lost] = []
+        who = np.arange(len(before))  # of ``before``, each of the present set; −1 of new ones
+        last, piece = before.poses.copy(), np.full(len(before), -1)
         pending = [(0.0, 1.0, before, now, 0)]
+        done = 0
         while pending:
             low, high, a, b, depth = pending.pop()
             became = self._became(a, b)
@@ -131,17 +132,23 @@ class ForwardFacet(Facet[D]):
                     (low, middle, a, between, depth + 1),
                 ]
                 continue
-            # Pieces are worked off in their order, so ``names`` are those of ``a``.
-            gone = np.flatnonzero(became < 0).tolist()
-            lost += [_Lost(int(names[n]), a, n) for n in gone]
-            renamed = np.full(len(b), -1)
-            renamed[became[became >= 0]] = names[became >= 0]
-            names = renamed
-        fresh = count(max((*before.identities, -1)) + 1)
-        identities = tuple(int(name) if name >= 0 else next(fresh) for name in names)
-        appeared = tuple(i for i, name in zip(identities, names, strict=True) if name < 0)
-        merged = tuple(self._merged(one, lost) for one in lost if one.identity >= 0)
-        return Refreshed(replace(now, identities=identities), appeared, merged)
+            # Pieces are worked off in their order, so ``who`` is of ``a``.
+            gone = np.flatnonzero((became < 0) & (who >= 0))
+            last[who[gone]], piece[who[gone]], done = a.poses[gone], done, done + 1
+            kept = became >= 0
+            here = np.full(len(b), -1)
+            here[became[kept]] = who[kept]
+            who = here
+        which = np.full(len(before), -1)
+        which[who[who >= 0]] = np.flatnonzero(who >= 0)
+        # Two that met left in the same piece.
+        apart = self.distances(last, before.modes, last, before.modes)
+        meets = piece[:, None] == piece[None, :]
+        if self.keeps_mode:
+            meets &= np.array(before.modes)[:, None] == np.array(before.modes)[None, :]
+        near = _TOGETHER * self.mechanism.length
+        side = np.sign(before.determinant)
+        return told_apart(before, now, which, last, side, np.where(meets, apart, np.inf), near)
 
     def _became(self, a: ForwardSolutions, b: ForwardSolutions) -> Array:
         """(len(a),) which solution of ``b`` each of ``a`` is; −1 where that is not beyond doubt."""
@@ -169,31 +176,6 @@ class ForwardFacet(Facet[D]):
         apart = self._alike(found, found)
         np.fill_diagonal(apart, np.inf)
         return np.asarray(apart.min(axis=1))
-
-    def _merged(self, gone: _Lost, lost: Sequence[_Lost]) -> Merged:
-        """Whom it met: the nearest of those that left in the same piece from the other side."""
-        found, n = gone.found, gone.row
-        partner, best = None, _TOGETHER * self.mechanism.length
-        apart = self.distances(found.poses[[n]], (found.modes[n],), found.poses, found.modes)[0]
-        for other in lost:
-            m = other.row
-            if other.found is not found or m == n or other.identity < 0:
-                continue
-            if self.keeps_mode and found.modes[m] != found.modes[n]:
-                continue
-            if np.sign(found.determinant[m]) == np.sign(found.determinant[n]):
-                continue
-            if apart[m] < best:
-                partner, best = other.identity, float(apart[m])
-        return Merged(gone.identity, partner, tuple(found.poses[n].tolist()), found.modes[n])
-
-
-class _Lost(NamedTuple):
-    """A solution that ended: who it was, and where it stood in the last set that had it."""
-
-    identity: int
-    found: ForwardSolutions
-    row: int
 
 
 def placed_apart(a: Array, b: Array, length: float) -> Array:

@@ -70,7 +70,7 @@ def told_apart(
     became: Index,
     last: Array,
     side: Array,
-    distances: Callable[[Array, Array], Array],
+    apart: Array,
     together: float,
 ) -> Refreshed:
     """The solutions with their identities.
@@ -79,7 +79,7 @@ def told_apart(
         became: (N,) which solution of ``now`` each of ``before`` is, −1 of those that ended.
         last: (N, P) the poses where their paths ended.
         side: (N,) the sign of the determinant.
-        distances: between poses (n, P) and (m, P), (n, m).
+        apart: (N, N) distances of these poses; infinite between those that never meet.
         together: up to which distance two that ended have met.
     """
     stayed = became >= 0
@@ -90,7 +90,7 @@ def told_apart(
     )
     appeared = tuple(name for n, name in enumerate(identities) if n not in names)
     gone = np.flatnonzero(~stayed)
-    met = _meetings(distances(last[gone], last[gone]), side[gone], together)
+    met = _meetings(apart[np.ix_(gone, gone)], side[gone], together)
     merged = tuple(
         Merged(
             before.identities[n],

@@ -84,7 +84,7 @@ class Forward(ForwardFacet[FiveRPURDesign]):
 
         ends, which = became(follow, at_ends)
         last, near = to_poses(frame, real_part(ends.values)[0]), _TOGETHER * frame.unit
-        return told_apart(before, now, which, last, sides[0], distances, near)
+        return told_apart(before, now, which, last, sides[0], distances(last, last), near)
 
 
 def _followed(way: _Following, starts: Complex, control: Control) -> Tracked:

@@ -54,7 +54,7 @@ class Forward(Solving):
 
         ends, which = became(follow, at_ends)
         last, near = _poses(frame, ends), _TOGETHER * design.length
-        return told_apart(before, now, which, last, sides[0], distances, near)
+        return told_apart(before, now, which, last, sides[0], distances(last, last), near)
 
 
 def _poses(frame: Frame, ends: Tracked) -> Array:
