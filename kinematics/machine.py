@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from math import nan
+from os import PathLike
+from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -221,7 +223,7 @@ class Machine(Faceted[D]):
 
     def trajectory(
         self,
-        way: str | Path | ArrayLike,
+        way: str | PathLike[str] | Path | ArrayLike,
         *,
         mode: str | None = None,
         law: str | None = None,
@@ -229,21 +231,24 @@ class Machine(Faceted[D]):
         samples: int = 101,
         load: Sequence[float] | None = None,
         limits: Limits | None = None,
+        straight: bool = True,
         blend: float = 0.0,
         distances: bool = True,
     ) -> Trajectory:
         """Joints, rates, accelerations and forces along a path, and what is wrong with it.
 
         Args:
-            way: the name of one of ``machine.paths.named()``; points (N, P), mm and rad, joined by
-                straight lines; or a path of `kinematics.trajectories`.
+            way: the name of one of ``machine.paths.named()``; a CSV file, see
+                `kinematics.trajectories.points`; points (N, P), mm and rad; or a path of
+                `kinematics.trajectories`.
             mode: None: the named path's own, or home's.
             law: one of `kinematics.trajectories.LAWS`; None: the named path's own, or quintic.
-            duration: s; None: the named path's own, or so long that it runs at 100 mm/s.
+            duration: s; None: the path's own, or so long that it runs at 100 mm/s.
             samples: at even times.
             load: [F, T] (6,) N and N·mm at O′, base frame; None: no forces.
             limits: of the actuators.
-            blend: mm by which corners between points are rounded; 0: sharp.
+            straight: points are joined by straight lines, and not by a spline.
+            blend: mm by which corners between straight lines are rounded; 0: sharp.
             distances: ask for the distance to singularities at every sample.
 
         Raises:
@@ -256,30 +261,34 @@ class Machine(Faceted[D]):
             ((101, 2), True)
         """
         from kinematics import trajectories
+        from kinematics.trajectories import points
 
-        named = None
-        if isinstance(way, str):
-            known = {each.name: each for each in self.paths.named()}
-            if way not in known:
-                raise InputError(
-                    f"a {self.title} has no path {way!r}; it has {', '.join(known) or 'none'}"
-                )
-            named = known[way]
-            path: Path = named.path
+        scale = [self.length if axis.unit == "rad" else 1.0 for axis in self.coordinates]
+        known = {each.name: each for each in self.paths.named()}
+        named = known.get(way) if isinstance(way, str) else None
+        if named is not None:
+            path, own, mode = named.path, named.law, mode or named.mode
         elif hasattr(way, "at") and hasattr(way, "knots"):
             path = cast("Path", way)
+            own = trajectories.law("quintic", max(1.0, path.length / points.PACE))
         else:
-            scale = [self.length if axis.unit == "rad" else 1.0 for axis in self.coordinates]
-            path = trajectories.polyline(cast(ArrayLike, way), scale, blend)
-        if mode is None:
-            mode = self.home.mode if named is None else named.mode
-        own = None if named is None else named.law
-        if own is None or law is not None or duration is not None:
-            kind = law or (own.kind if own is not None else "quintic")
-            seconds = duration or (
-                own.duration if own is not None else max(1.0, path.length / _PACE)
+            poses: object = way
+            times: tuple[float, ...] = ()
+            if isinstance(way, str | PathLike):
+                if not FilePath(way).exists():
+                    names = f"its paths by name are {', '.join(known) or 'none'}"
+                    raise InputError(f"there is no file {str(way)!r}, and {names}")
+                said = points.read_file(FilePath(way), self.coordinates, dependent=self.dependent)
+                poses, times = said.poses, said.times or ()
+                if said.dependent is not None:
+                    at = mode or self.home.mode
+                    poses = [self.complete_pose(pose, at) for pose in said.poses]
+            path, own = points.through(
+                cast(ArrayLike, poses), scale, times, straight=straight, blend=blend
             )
-            own = trajectories.law(kind, seconds)
+        if law is not None or duration is not None:
+            own = trajectories.law(law or own.kind, duration or own.duration)
+        mode = self.home.mode if mode is None else mode
         return trajectories.trajectory(
             self,
             path,
@@ -318,6 +327,3 @@ def machine_of(design: D) -> Machine[D]:
 @lru_cache(maxsize=64)
 def _machine_of(design: Design) -> Machine[Any]:
     return Machine(design)
-
-
-_PACE = 100.0  # mm/s

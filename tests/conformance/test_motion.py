@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+import kinematics as kin
 from kinematics.answers.motion import Motion
 from kinematics.arrays import Array
-from tests.conformance.machines import PRESETS, STEP, held, machine, sizes
+from tests.conformance.machines import ONE_EACH, PRESETS, STEP, held, machine, sizes
 
 
 def moving(name: str, seed: int = 1) -> list[tuple[object, Motion]]:
@@ -120,3 +123,16 @@ def test_a_straight_trajectory_between_held_postures_is_sound(name: str) -> None
     assert found.joints[0] == pytest.approx(m.home.joints, abs=1e-9)
     step = np.linalg.norm((end - m.home.pose) / sizes(m))
     assert found.length == pytest.approx(step, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ONE_EACH)
+def test_a_path_is_read_from_a_file_or_told_why_not(name: str, tmp_path: Path) -> None:
+    m = machine(name)
+    rows = [m.at(posture).pose.to_dict() for posture in (m.home, held(name, spread=4.0)[1])]
+    file = tmp_path / "way.csv"
+    lines = [";".join(rows[0]), *(";".join(map(repr, row.values())) for row in rows)]
+    file.write_text("\n".join(lines), encoding="utf-8")
+    found = m.trajectory(file, samples=5, distances=False)
+    assert found.poses[-1] == pytest.approx(held(name, spread=4.0)[1].pose, abs=1e-9)
+    with pytest.raises(kin.InputError, match="no file"):
+        m.trajectory("nowhere.csv")

@@ -25,11 +25,10 @@ from kinematics.trajectories import (
     drawn,
     law,
     line,
-    polyline,
-    spline,
     trapezoidal,
 )
 from kinematics.trajectories.fits import HIGHEST
+from kinematics.trajectories.points import PACE, through
 
 Pose = tuple[float, ...]
 Through = Literal["spline", "lines"]
@@ -39,7 +38,6 @@ SPEEDS = (0.25, 0.5, 1.0, 2.0, 4.0)
 STRAIGHT, POINTS, FILE, STROKE = "straight", "points", "file", "stroke"
 OWN = (STRAIGHT, POINTS, FILE, STROKE)  # ways of one's own; all others are the mechanism's
 PLOTS = ("all", "joints", "rates", "accelerations", "forces", "distance")
-PACE = 100.0  # mm/s, where no duration is given
 MOST_POINTS = 2000  # that a session keeps of one path
 MOST_SAMPLES = 2001  # on the page; the command line takes more
 TRIMMED = 300  # points of a stroke that are kept
@@ -312,15 +310,11 @@ def path_of(plan: Plan, machine: Machine[Any]) -> tuple[Path, TimeLaw]:
         path: Path = line(plan.start, plan.end, scale)
     elif plan.way == STROKE:
         path = drawn(plan.stroke, scale, plan.smooth)
-    elif plan.way == FILE and plan.times:
-        path = spline(plan.file, scale, plan.times, corners=plan.through == "lines")
-        return path, _law(plan, path, law("linear", plan.times[-1] - plan.times[0]))
     else:
-        points = plan.points if plan.way == POINTS else plan.file
-        if plan.through == "lines":
-            path = polyline(points, scale, plan.blend)
-        else:
-            path = spline(points, scale)
+        points, times = (plan.points, ()) if plan.way == POINTS else (plan.file, plan.times)
+        straight = plan.through == "lines"
+        path, own = through(points, scale, times, straight=straight, blend=plan.blend)
+        return path, _law(plan, path, own)
     return path, _law(plan, path, law("quintic", max(1.0, path.length / PACE)))
 
 
