@@ -67,6 +67,9 @@ _GENERIC = {
     "motion": "kinematics.facets.motion:MotionFacet",
     "statics": "kinematics.facets.statics:StaticsFacet",
     "singularities": "kinematics.facets.singularities:SingularitiesFacet",
+    "measures": "kinematics.facets.measures:MeasuresFacet",
+    "clearances": "kinematics.facets.clearances:ClearancesFacet",
+    "paths": "kinematics.facets.paths:PathsFacet",
 }
 
 

@@ -15,7 +15,10 @@ V = TypeVar("V", bound="Values")
 
 @dataclass(frozen=True, slots=True)
 class Coordinate:
-    """One pose or joint coordinate: how it is called, its unit and the range worth offering."""
+    """One pose or joint coordinate: how it is called, its unit and the range worth offering.
+
+    ``signed``: it may be negative, as an angle or the place of a slider, and not a leg's length.
+    """
 
     key: str
     symbol: str
@@ -23,6 +26,7 @@ class Coordinate:
     lower: float
     upper: float
     limb: int | None = None
+    signed: bool = False
 
     @property
     def json_key(self) -> str:

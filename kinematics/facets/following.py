@@ -176,8 +176,10 @@ class ClosureFollowing(FollowingFacet[D]):
 
     def fold_ahead(self, posture: Posture, joints: ArrayLike) -> Fold | None:
         wanted = self.wanted(joints)
-        if (wanted < 0.0).any():
-            limb = int((wanted < 0.0).argmax())
+        lengths = [c.unit == "mm" and not c.signed for c in self.mechanism.actuators]
+        short = (wanted < 0.0) & lengths
+        if short.any():
+            limb = int(short.argmax())
             symbol = self.mechanism.actuators[limb].symbol
             raise InputError(f"the joints must not be negative, got {symbol} = {wanted[limb]:g} mm")
         if not posture.closes:

@@ -69,7 +69,7 @@ class ForwardFacet(Facet[D]):
         """
         coordinates = self.mechanism.actuators
         symbols = [c.symbol for c in coordinates]
-        if all(c.unit == "mm" for c in coordinates):
+        if all(c.unit == "mm" and not c.signed for c in coordinates):
             flat = positive_lengths(joints, symbols, self.noun)
         else:
             flat = finite(joints, name="the joints", last=len(symbols)).reshape(-1, len(symbols))

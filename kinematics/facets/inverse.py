@@ -97,6 +97,7 @@ class InverseFacet(Facet[D]):
             joints = np.where(np.abs(joints - wanted) <= mechanism.snap, wanted, joints)
         values = joints.tolist()
         at = {c.limb: v for c, v in zip(mechanism.actuators, values, strict=True)}
+        placed = {c.limb for c in mechanism.actuators if c.signed}
         margins: list[Margin] = []
         reasons: list[Reason] = []
         amounts = mechanism.margins(p, mode, joints).tolist()
@@ -107,7 +108,7 @@ class InverseFacet(Facet[D]):
             margins.append(Margin(limb, bound, amount, bound.unit))
             if amount < 0.0 and (not isfinite(joint) if bound.end == "link" else amount < -SLACK):
                 text = mechanism.why_not(bound, p, mode, -amount)
-                text = text or _beyond_text(bound, -amount, joint)
+                text = text or _beyond_text(bound, -amount, joint, bound.limb in placed)
                 reasons.append(Reason(limb, bound, -amount, text, bound.unit))
         return Posture(
             pose=tuple(p.tolist()),
@@ -157,8 +158,8 @@ def inside(
     return facet.inside(poses, modes)
 
 
-def _beyond_text(bound: Bound, amount: float, joint: float) -> str:
-    """How far a joint, or what else is bounded, is beyond a bound."""
+def _beyond_text(bound: Bound, amount: float, joint: float, placed: bool) -> str:
+    """How far a joint, or what else is bounded, is beyond a bound; ``placed``: it has no length."""
     low = bound.end == "min"
     end = joint + amount if low else joint - amount
     turned = bound.unit == "rad"
@@ -166,10 +167,10 @@ def _beyond_text(bound: Bound, amount: float, joint: float) -> str:
     digits, unit = decimals(shown), "°" if turned else " mm"
     if bound.end not in ("min", "max"):
         return f"{bound.place} is exceeded by {shown:.{digits}f}{unit}"
-    if turned:
+    if turned or placed:
         return (
-            f"{bound.joint} is {shown:.{digits}f}° {'below' if low else 'beyond'} its range "
-            f"({joint:.{digits}f}°, the end is {end:g}°)"
+            f"{bound.joint} is {shown:.{digits}f}{unit} {'below' if low else 'beyond'} its range "
+            f"({joint:.{digits}f}{unit}, the end is {end:g}{unit})"
         )
     return (
         f"limb {bound.limb} is {shown:.{digits}f} mm too {'short' if low else 'long'} "

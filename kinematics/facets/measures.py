@@ -22,6 +22,7 @@ from kinematics.screws.wrenches import condition, normalised, scale, singular_va
 
 CONDITIONING = Measure("conditioning", "Conditioning", "", "high", (0.0, 1.0))
 MANIPULABILITY = Measure("manipulability", "Manipulability", "", "high", (0.0, 1.0))
+FORCE = Measure("force", "Largest actuator force", "N", "low", (0.0, None), needs_load=True)
 TRANSMISSION = Measure("transmission", "Transmission index", "", "high", (0.0, 1.0))
 _SINGULAR = 1e-14  # determinant of the wrenches below which there is no transmission
 
@@ -31,7 +32,7 @@ class MeasuresFacet(Facet[D]):
 
     topic = "measures"
 
-    specs: tuple[Measure, ...] = ()
+    specs: tuple[Measure, ...] = (CONDITIONING, MANIPULABILITY, FORCE)
 
     def __call__(
         self,

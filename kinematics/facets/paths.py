@@ -143,11 +143,12 @@ class PathsFacet(Facet[D]):
             )
             if away < WARNED:
                 parts.append(f"about {away:.{decimals(away)}f} mm from a parallel singularity")
+        lengths = {c.limb for c in self.mechanism.actuators if c.unit == "mm" and not c.signed}
         for margin in posture.margins:
             amount = float("inf")
             if margin.bound.end == "link":
                 amount = max(margin.amount, 0.0)
-            elif margin.bound.end == "min" and margin.unit == "mm":
+            elif margin.bound.end == "min" and margin.limb in lengths:
                 amount = posture.joints[margin.limb - 1]
             if amount < WARNED:
                 away_text = f"{amount:.{decimals(amount)}f} mm from a serial singularity"

@@ -211,6 +211,11 @@ class Space(Generic[D]):
             facet, spec = self._solids("workspace")
             poses = facet.poses(spec.key, self.pose, self._present[0], flat)
         except InputError:  # a plane workspace, or one whose orientation is all held
+            if not {"x", "y"} <= set(keys):
+                raise InputError(
+                    f"where a {self.machine.title} is is not told by places alone; ask "
+                    "machine.inverse.inside(poses)"
+                ) from None
             poses = np.tile(np.asarray(self.pose), (len(flat), 1))
             for n, key in enumerate(keys):
                 if key in ("x", "y", "z"):

@@ -24,6 +24,12 @@ def space_of(name: str) -> Space[object]:  # type: ignore[type-var]
 @pytest.mark.parametrize("name", ONE_EACH)
 def test_it_holds_home_and_not_what_is_far(name: str) -> None:
     m, space = machine(name), space_of(name)
+    if m.solids is None and m.regions is None:
+        with pytest.raises(kin.InputError):
+            space.volume()
+        with pytest.raises(kin.InputError):
+            space.section()
+        return
     if m.solids is None:
         place = m.transform(m.home.pose, m.home.mode)[:3, 3]
     else:
@@ -37,6 +43,8 @@ def test_it_holds_home_and_not_what_is_far(name: str) -> None:
 @pytest.mark.parametrize("name", ONE_EACH)
 def test_its_size_has_an_error_and_its_files_are_written(name: str, tmp_path: Path) -> None:
     m, space = machine(name), space_of(name)
+    if m.solids is None and m.regions is None:
+        pytest.skip("a mechanism without a workspace that is drawn")
     if m.solids is None:
         section = space.section()
         assert section.area > 0.0
@@ -59,7 +67,7 @@ def test_its_size_has_an_error_and_its_files_are_written(name: str, tmp_path: Pa
 def test_its_aspects_are_told_or_refused(name: str) -> None:
     m, space = machine(name), space_of(name)
     if "aspects" not in {spec.key for spec in (*m.solid_specs, *m.region_specs)}:
-        with pytest.raises(kin.InputError, match="aspects"):
+        with pytest.raises(kin.InputError, match=r"aspects|plane"):
             space.aspects("preview")
         return
     found = space.aspects("preview")

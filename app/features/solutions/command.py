@@ -146,18 +146,19 @@ def _other_poses(pose: Given, taken: Place) -> list[tuple[float, ...]]:
 
 def _within(place: Place, loose: Sequence[int]) -> str:
     """ "yes", or why not, short enough for a table, and what is free: "ρ₃ 40.3 too long"."""
-    symbols = {joint.limb: joint.symbol for joint in place.machine.joints}
-    told = [_beyond(reason, symbols) for reason in place.posture.reasons] or ["yes"]
+    told = [_beyond(reason, place.machine.joints) for reason in place.posture.reasons] or ["yes"]
     return ", ".join([*told, *(f"{place.machine.joints[k].symbol} is free" for k in loose)])
 
 
-def _beyond(reason: Reason, symbols: dict[int | None, str]) -> str:
+def _beyond(reason: Reason, joints: Sequence[Coordinate]) -> str:
     low, turned = reason.bound == "rho_min", reason.unit == "rad"
     amount = degrees(reason.amount) if turned else reason.amount
     size = f"{amount:.1f}" if amount >= 0.05 else f"{amount:.1g}"  # not zero
-    side = f"° {'below' if low else 'beyond'} its range"
-    side = side if turned else f" too {'short' if low else 'long'}"
-    return f"{symbols.get(reason.limb, f'limb {reason.limb}')} {size}{side}"
+    joint = next((each for each in joints if each.limb == reason.limb), None)
+    side = f"{'°' * turned} {'below' if low else 'beyond'} its range"
+    if not turned and not (joint and joint.signed):
+        side = f" too {'short' if low else 'long'}"
+    return f"{joint.symbol if joint else f'limb {reason.limb}'} {size}{side}"
 
 
 @command("fk")

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
-from kinematics.answers.singularities import Measure
-from kinematics.facets.measures import CONDITIONING, MANIPULABILITY, TRANSMISSION, MeasuresFacet
+from kinematics.facets.measures import (
+    CONDITIONING,
+    FORCE,
+    MANIPULABILITY,
+    TRANSMISSION,
+    MeasuresFacet,
+)
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 
 
@@ -14,5 +19,5 @@ class Measures(MeasuresFacet[FiveRPURDesign]):
         CONDITIONING,
         MANIPULABILITY,
         TRANSMISSION,
-        Measure("force", "Largest actuator force", "N", "low", (0.0, None), needs_load=True),
+        FORCE,
     )

@@ -10,11 +10,11 @@ from __future__ import annotations
 import numpy as np
 
 from kinematics.arrays import Array
-from kinematics.mechanisms.tripods.design import TripodDesign, mode_sign
-from kinematics.mechanisms.tripods.posing import LEVEL
+from kinematics.mechanisms.tripods.design import mode_sign
+from kinematics.mechanisms.tripods.posing import LEVEL, Triangles
 
 
-def velocity_axes(design: TripodDesign, poses: Array, mode: str) -> Array:
+def velocity_axes(design: Triangles, poses: Array, mode: str) -> Array:
     """(..., 6, 3), see `Mechanism.velocity_axes`; NaN where no finite position has the altitude."""
     z, tilt, azimuth = (poses[..., n] for n in range(3))
     c, s, versed = np.cos(tilt), np.sin(tilt), np.sin(0.5 * tilt) ** 2
@@ -27,7 +27,7 @@ def velocity_axes(design: TripodDesign, poses: Array, mode: str) -> Array:
         return np.stack([-np.sin(n * azimuth), np.cos(n * azimuth)])
 
     if design.revolute_on_base:  # (X, Y) = k sin² θ/2 (cos 2φ, −sin 2φ)
-        k = mode_sign(mode) * design.platform_radius
+        k = mode_sign(mode) * design.spherical_radius
         lifted = np.stack([zero, zero])
         tilted = 0.5 * k * s * around(-2)
         swung = -2.0 * k * versed * turned(-2)
