@@ -94,12 +94,12 @@ class Machine(Faceted[D]):
 
     # --- poses
 
-    def pose(self, **named: float | None) -> Pose:
+    def pose(self, mode: str | None = None, **named: float | None) -> Pose:
         """A pose by its coordinates' names, mm and rad; what is not named is home's.
 
         An angle may be given in degrees by the name that it has in files, as ``phi_deg=5``. Where a
         machine has a coordinate that follows from the others, one that is None, or else one that is
-        not named, is made to follow.
+        not named, is made to follow, in a mode (None: home's).
 
         Raises:
             InputError: there is no such coordinate, or no such pose.
@@ -118,7 +118,7 @@ class Machine(Faceted[D]):
                 break  # home itself
             try:
                 open_one = [nan if k == n else v for k, v in enumerate(values)]
-                return Pose(self.complete_pose(open_one, home.mode), axes)
+                return Pose(self.complete_pose(open_one, mode or home.mode), axes)
             except InputError:
                 if free:
                     raise

@@ -12,7 +12,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import degrees, isfinite, nan, radians
 
-from app.terminal import tables
 from kinematics.answers.motion import WrenchName
 from kinematics.errors import InputError
 from kinematics.mechanism import Coordinate
@@ -67,9 +66,9 @@ def read_points(
     missing = [n for n, column in enumerate(found) if column is None]
     left = missing[0] if len(missing) == 1 and missing[0] in dependent else None
     if missing and left is None:
-        wanted = ",".join(map(tables.key, axes))
+        wanted = ",".join(axis.json_key for axis in axes)
         raise InputError(
-            f"{origin}: the first line must name a column {tables.key(axes[missing[0]])}; write "
+            f"{origin}: the first line must name a column {axes[missing[0]].json_key}; write "
             f"{wanted}, with a column t (s) if the points have times"
         )
     time = _named(header, TIMES, SECONDS, "s", origin)
@@ -194,15 +193,15 @@ def columns_of(
     """
     columns: dict[str, list[float]] = {"t": found.times.tolist()}
     for n, axis in enumerate(axes):
-        columns[tables.key(axis)] = _outer(found.poses[:, n].tolist(), axis)
+        columns[axis.json_key] = _outer(found.poses[:, n].tolist(), axis)
     for n, joint in enumerate(joints):
-        columns[tables.key(joint)] = _outer(found.joints[:, n].tolist(), joint)
+        columns[joint.json_key] = _outer(found.joints[:, n].tolist(), joint)
     for what, values in (
         ("per_s", found.joint_rates),
         ("per_s2", found.joint_accelerations),
     ):
         for n, joint in enumerate(joints):
-            columns[f"{tables.key(joint)}_{what}"] = _outer(values[:, n].tolist(), joint)
+            columns[f"{joint.json_key}_{what}"] = _outer(values[:, n].tolist(), joint)
     for n, key in enumerate(force_keys(found.names, joints)):
         columns[key] = found.forces[:, n].tolist()
     columns["within_stroke"] = [float(ok) for ok in found.reachable.tolist()]
