@@ -109,16 +109,16 @@ class Machine(Faceted[D]):
             >>> kin.open("rpur-table1").pose(x=90, y=110, z=430, phi_deg=5, theta=0)
             Pose(x = 90 mm, y = 110 mm, z = 430 mm, φ = 5°, θ = 0°)
         """
-        axes, home = self.coordinates, self.home
-        given = self._named(named)
-        values = [float(given.get(n, v)) for n, v in enumerate(home.pose)]
+        axes, given = self.coordinates, self._named(named)
+        start = self.home.pose if len(given) < len(axes) else (0.0,) * len(axes)
+        values = [float(given.get(n, v)) for n, v in enumerate(start)]
         free = [n for n, value in enumerate(values) if value != value]
         for n in free if free else [n for n in self.dependent if n not in given]:
             if len(given) == len(free):
                 break  # home itself
             try:
                 open_one = [nan if k == n else v for k, v in enumerate(values)]
-                return Pose(self.complete_pose(open_one, mode or home.mode), axes)
+                return Pose(self.complete_pose(open_one, mode or self.home.mode), axes)
             except InputError:
                 if free:
                     raise
