@@ -96,12 +96,12 @@ class Machine(Faceted[D]):
 
     # --- poses
 
-    def pose(self, **named: float | None) -> Pose:
+    def pose(self, mode: str | None = None, **named: float | None) -> Pose:
         """A pose by its coordinates' names, mm and rad; what is not named is home's.
 
         An angle may be given in degrees by the name that it has in files, as ``phi_deg=5``. Where a
         machine has a coordinate that follows from the others, one that is None, or else one that is
-        not named, is made to follow.
+        not named, is made to follow, in a mode (None: home's).
 
         Raises:
             InputError: there is no such coordinate, or no such pose.
@@ -111,16 +111,16 @@ class Machine(Faceted[D]):
             >>> kin.open("rpur-table1").pose(x=90, y=110, z=430, phi_deg=5, theta=0)
             Pose(x = 90 mm, y = 110 mm, z = 430 mm, φ = 5°, θ = 0°)
         """
-        axes, home = self.coordinates, self.home
-        given = self._named(named)
-        values = [float(given.get(n, v)) for n, v in enumerate(home.pose)]
+        axes, given = self.coordinates, self._named(named)
+        start = self.home.pose if len(given) < len(axes) else (0.0,) * len(axes)
+        values = [float(given.get(n, v)) for n, v in enumerate(start)]
         free = [n for n, value in enumerate(values) if value != value]
         for n in free if free else [n for n in self.dependent if n not in given]:
             if len(given) == len(free):
                 break  # home itself
             try:
                 open_one = [nan if k == n else v for k, v in enumerate(values)]
-                return Pose(self.complete_pose(open_one, home.mode), axes)
+                return Pose(self.complete_pose(open_one, mode or self.home.mode), axes)
             except InputError:
                 if free:
                     raise

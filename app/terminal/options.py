@@ -177,6 +177,9 @@ def resolution(what: str = "", default: str | None = "normal") -> Any:
     return choice(help, "preview", "normal", "fine", default=default)
 
 
+RESOLUTION = resolution()
+
+
 def tolerance(default: str) -> Any:
     def read(option: str, text: str, machine: Any) -> float:
         value = values.number(f"{option}: the tolerance", text)

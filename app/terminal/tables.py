@@ -1,45 +1,41 @@
-"""What the command line says in words and tables: results → text. Angles are degrees here."""
+"""What the command line says: results → JSON, tables and text. Angles are degrees here."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from math import degrees, isfinite, radians
+from collections.abc import Iterable, Mapping, Sequence
+from math import degrees, isfinite
 from typing import TYPE_CHECKING, Any
 
 from kinematics.answers.modes import Mode
 
 if TYPE_CHECKING:
+    from kinematics.answers.coordinates import Coordinate
     from kinematics.answers.solutions import ForwardSolutions
     from kinematics.machine import Machine
-    from kinematics.mechanism import Coordinate
     from kinematics.solids.csg import BuiltSolid
 
 LOCUS = "locus"
 """What the part of a solid is called where control is lost, in commands and in file names."""
 NEAR_DOUBLE = 1.0  # mm between two solutions: a small error of a length may make them one
+UNITS = ("mm", "mm2", "mm3", "mm4", "deg", "s", "N", "Nmm")
 
 
-def unit(axis: Coordinate) -> str:
-    """The unit that people read and write."""
-    return "degrees" if axis.unit == "rad" else axis.unit
+# --- JSON ----------------------------------------------------------------------------------
 
 
-def key(axis: Coordinate) -> str:
-    """The coordinate's key in JSON, which names degrees."""
-    return f"{axis.key}_deg" if axis.unit == "rad" else axis.key
-
-
-def inner(value: float, axis: Coordinate) -> float:
-    """mm stay, degrees become radians."""
-    return radians(value) if axis.unit == "rad" else value
-
-
-def outer(values: Sequence[float], axes: Sequence[Coordinate]) -> list[float]:
+def outer(values: Iterable[float], axes: Sequence[Coordinate]) -> list[float]:
     """mm stay, radians become degrees."""
-    return [
-        degrees(value) if axis.unit == "rad" else float(value)
-        for value, axis in zip(values, axes, strict=True)
-    ]
+    return [axis.outer(float(value)) for value, axis in zip(values, axes, strict=True)]
+
+
+def inner(values: Iterable[float], axes: Sequence[Coordinate]) -> list[float]:
+    """mm stay, degrees become radians."""
+    return [axis.inner(value) for value, axis in zip(values, axes, strict=True)]
+
+
+def listed(values: Iterable[float], axes: Sequence[Coordinate]) -> list[float | None]:
+    """Numbers (mm, rad) for JSON in people's units."""
+    return [finite(value) for value in outer(values, axes)]
 
 
 def named(
@@ -50,27 +46,14 @@ def named(
     Args:
         per: 1 for rates, 2 for accelerations: their keys name the whole unit.
     """
-    tail = f"_per_s{per if per > 1 else ''}"
-    keys = [unit_key(axis) + tail if per else key(axis) for axis in axes]
+    tail = ("", "_per_s", "_per_s2")[per]
+    keys = [unit_key(axis) + tail if per else axis.json_key for axis in axes]
     return dict(zip(keys, listed(values, axes), strict=True))
 
 
 def unit_key(axis: Coordinate) -> str:
     """The coordinate's key with its unit, mm too."""
     return f"{axis.key}_{'deg' if axis.unit == 'rad' else axis.unit}"
-
-
-def listed(values: Iterable[float], axes: Sequence[Coordinate]) -> list[float | None]:
-    """Numbers (mm, rad) for JSON in people's units."""
-    return [finite(value) for value in outer([*values], axes)]
-
-
-def finite(value: float) -> float | None:
-    """JSON has no infinity."""
-    return float(value) if isfinite(value) else None
-
-
-UNITS = ("mm", "mm2", "mm3", "mm4", "deg", "s", "N", "Nmm")
 
 
 def record(found: object, *keys: str, at: Any = ..., **named: str) -> dict[str, Any]:
@@ -99,6 +82,11 @@ def plain(value: Any, scale: float = 1.0) -> Any:
     return finite(value * scale) if isinstance(value, float) else value
 
 
+def finite(value: float) -> float | None:
+    """JSON has no infinity."""
+    return float(value) if isfinite(value) else None
+
+
 def mode_entry(machine: Machine[Any], mode: str) -> dict[str, str]:
     """The mode under the mechanism's own key, or keys; nothing where there is only one."""
     noun = machine.mode_noun
@@ -112,23 +100,47 @@ def modes_entry(modes: Sequence[str] | None) -> dict[str, Any]:
     return {"modes": "all" if modes is None else list(modes)}
 
 
-def solid_entry(built: BuiltSolid) -> dict[str, Any]:
-    """What every solid is said to be."""
-    entry = record(
-        *(built, "watertight", "triangles"), volume_mm3="volume", volume_error_mm3="volume_error"
+# --- tables --------------------------------------------------------------------------------
+
+
+def records(found: Sequence[Mapping[str, Any]], *columns: tuple[Any, ...]) -> str:
+    """What JSON lists, as a table.
+
+    Args:
+        columns: of each the title, the key ("#" counts) and, if it is not `number_text`, how its
+            values are written: a format, a dictionary, or a function; "" for None then.
+    """
+
+    def cell(value: Any, how: Any = None) -> str:
+        if how is None:
+            return number_text(value) if value is None or isinstance(value, float) else str(value)
+        if isinstance(how, dict):
+            return str(how[value])
+        return "" if value is None else how(value) if callable(how) else format(value, how)
+
+    rows = [
+        [cell(n if key == "#" else record[key], *how) for _, key, *how in columns]
+        for n, record in enumerate(found, start=1)
+    ]
+    return table([title for title, *_ in columns], rows)
+
+
+def table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Columns as wide as their widest cell."""
+    cells = [header, *rows]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    return "\n".join(
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in cells
     )
-    volumes = [piece.volume for piece in built.pieces]
-    return {**entry, "pieces": len(volumes), "piece_volumes_mm3": volumes}
-
-
-def mode_text(machine: Machine[Any], mode: str) -> str:
-    """ ", working mode +-+++", to be put behind a pose; "" where there is only one."""
-    return f", {machine.mode_noun} {mode}" if machine.mode_noun else ""
 
 
 def headings(axes: Sequence[Coordinate], degrees: str = "degrees") -> list[str]:
     """Of columns: "ρ₁ (mm)", "θ (degrees)"."""
     return [f"{axis.symbol} ({degrees if axis.unit == 'rad' else axis.unit})" for axis in axes]
+
+
+# --- text ----------------------------------------------------------------------------------
 
 
 def with_units(typed: Sequence[float], axes: Sequence[Coordinate]) -> str:
@@ -139,29 +151,16 @@ def with_units(typed: Sequence[float], axes: Sequence[Coordinate]) -> str:
     )
 
 
-Cell = str | Callable[[Any], str]
+def mode_text(machine: Machine[Any], mode: str) -> str:
+    """ ", working mode +-+++", to be put behind a pose; "" where there is only one."""
+    return f", {machine.mode_noun} {mode}" if machine.mode_noun else ""
 
 
-def records(found: Sequence[Mapping[str, Any]], *columns: tuple[str, Cell]) -> str:
-    """What JSON lists as a table: of each column its title, and the key or what is said of it."""
-
-    def cell(record: Mapping[str, Any], key: Cell) -> str:
-        if not isinstance(key, str):
-            return key(record)
-        value = record[key]
-        return number_text(value) if value is None or isinstance(value, float) else str(value)
-
-    rows = [[cell(record, key) for _, key in columns] for record in found]
-    return table([title for title, _ in columns], rows)
-
-
-def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Columns as wide as their widest cell."""
-    widths = [max(map(len, column)) for column in zip(header, *rows, strict=True)]
-    return "\n".join(
-        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        for row in (header, *rows)
-    )
+def modes_text(modes: Sequence[str] | None, noun: str = "working mode") -> str:
+    """ "working mode +-+++"; None is all of them together."""
+    if modes is None:
+        return f"all {noun}s"
+    return f"{noun}{'s' if len(modes) > 1 else ''} {', '.join(modes)}"
 
 
 def real_of_complex(found: ForwardSolutions) -> str:
@@ -212,13 +211,6 @@ def surface_text(built: BuiltSolid) -> str:
     if built.unplaced:
         text += f"; {built.unplaced} of them not on all that meet there"
     return text
-
-
-def modes_text(modes: Sequence[str] | None, noun: str = "working mode") -> str:
-    """ "working mode +-+++"; None is all of them together."""
-    if modes is None:
-        return f"all {noun}s"
-    return f"{noun}{'s' if len(modes) > 1 else ''} {', '.join(modes)}"
 
 
 def pieces_text(volumes: Sequence[float]) -> str:

@@ -80,6 +80,11 @@ def of_joints(option: str, text: str, machine: Machine[Any]) -> list[float]:
     return of_axes(option, text, machine.joints)
 
 
+def of_pose(option: str, text: str, machine: Machine[Any]) -> list[float]:
+    """One number for each coordinate of the pose, as typed; NaN for one that is open."""
+    return of_axes(option, text, machine.coordinates, dash=True)
+
+
 def load(option: str, text: str, machine: Any) -> list[float]:
     """A force (N) and a moment (N·mm)."""
     return numbers(option, text, ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz"), " (N and N·mm)")

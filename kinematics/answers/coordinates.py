@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from math import degrees
+from math import degrees, radians
 from typing import Any, Literal, TypeVar
 
 from kinematics.answers.bounds import Unit
@@ -36,6 +36,10 @@ class Coordinate:
     def outer(self, value: float) -> float:
         """A value, mm or rad, as people write it: mm or degrees."""
         return degrees(value) if self.unit == "rad" else value
+
+    def inner(self, value: float) -> float:
+        """The other way: mm or rad of what people write."""
+        return radians(value) if self.unit == "rad" else value
 
 
 class Values(tuple[float, ...]):

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from kinematics.answers.sections import MapCells, MapSpec
     from kinematics.arrays import Array, Ints
-    from kinematics.facets.map_sweeps import Map, MapRequest
+    from kinematics.facets.map_sweeps import Map
     from kinematics.machine import Machine
 
 RANGE = "-90:90:37"  # every 5°
@@ -35,10 +35,6 @@ def _quantities(option: str, text: str, machine: Machine[Any]) -> list[str]:
                 f"{option}: there is no {word!r}; it is one of {', '.join(known)}, or 'all'"
             )
     return [key for key in known if key == "volume" or {key, "all"} & set(wanted)]
-
-
-def _span(key: str, typed: dict[str, str]) -> list[float]:
-    return values.span(f"--{key}", typed.get(key, RANGE), RANGE)
 
 
 def _spec(machine: Machine[Any]) -> MapSpec:
@@ -82,14 +78,12 @@ def chart(
     kind = output.kind(files.FORMATS, "a map")
     if jobs is not None and scheduler is not None:
         raise InputError("--jobs is for this machine, --scheduler for a cluster; give one of them")
-    typed, axes = said(), {machine.coordinates[n].key: n for n in _spec(machine).axes}
-    for key in typed:
-        if key not in axes:
-            raise InputError(f"--{key}: the map runs over --{' and --'.join(axes)}")
-    grid = [
-        [tables.inner(value, machine.coordinates[n]) for value in _span(key, typed)]
-        for key, n in axes.items()
-    ]
+    typed, axes = said(), [machine.coordinates[n] for n in _spec(machine).axes]
+    keys = [axis.json_key for axis in axes]
+    for key in typed.keys() - {axis.key for axis in axes}:
+        raise InputError(f"--{key}: the map runs over --{' and --'.join(a.key for a in axes)}")
+    spans = [values.span(f"--{a.key}", typed.get(a.key, RANGE), RANGE) for a in axes]
+    grid = [[axis.inner(value) for value in row] for row, axis in zip(spans, axes, strict=True)]
     request = map_sweeps.map_request(
         machine.design, *grid, modes=modes, quantities=quantity, relative=tolerance
     )
@@ -111,7 +105,7 @@ def chart(
             request,
             workers.executor,
             in_flight=2 * workers.count,
-            on_cells=_Progress(request, show),
+            on_cells=_counting(request.shape[0] * request.shape[1], show),
             cancelled=cancelled,
         )
     seconds = time.monotonic() - began
@@ -121,7 +115,18 @@ def chart(
     kept = f"; {output.written} holds those" if output.written else ""
     stopped = "" if found.complete else f"stopped after {done} of {points} orientations{kept}"
     lines = _lines(machine, found, seconds) if done else ["Nothing is done."]
-    data = {**tables.modes_entry(modes), **_grids(found), "seconds": seconds}
+    data = {
+        **tables.modes_entry(modes),
+        **dict(zip(keys, files.axis_values(request), strict=True)),
+        **{
+            name: tables.plain(grid)  # null where a point was not done
+            for names, *both in zip(files.columns(request), found.values, found.errors, strict=True)
+            for name, grid in zip(names, both, strict=True)
+        },
+        "points": points,
+        "done": done,
+        "seconds": seconds,
+    }
     return Answer(data, lines, stopped)
 
 
@@ -141,46 +146,19 @@ def _interruptible() -> Iterator[Callable[[], bool]]:
         signal.signal(signal.SIGINT, before)
 
 
-class _Progress:
+def _counting(points: int, show: Callable[[str], None]) -> Callable[[Ints, MapCells], None]:
     """Shows how far the map is and how long it will take."""
+    times: list[tuple[float, int]] = []  # when, and how many were done then
 
-    def __init__(self, request: MapRequest, show: Callable[[str], None]) -> None:
-        self._points = request.shape[0] * request.shape[1]
-        self._show = show
-        self._done = 0
-        self._first: tuple[float, int] | None = None
+    def count(indices: Ints, cells: MapCells) -> None:
+        done = len(indices) + (times[-1][1] if times else 0)
+        times.append((time.monotonic(), done))  # until the first they were only starting
+        (since, before), (now, _) = times[0], times[-1]
+        each = (now - since) / (done - before) if done > before else 0.0
+        rest = f", {each * (points - done):.0f} s left" if each else ""
+        show(f"Map: {done} of {points}{rest}")
 
-    def __call__(self, indices: Ints, cells: MapCells) -> None:
-        self._done += len(indices)
-        now = time.monotonic()
-        if self._first is None:  # until now they were only starting
-            self._first = now, self._done
-        since, done = self._first
-        rest = ""
-        if self._done > done:
-            each = (now - since) / (self._done - done)
-            rest = f", {each * (self._points - self._done):.0f} s left"
-        self._show(f"Map: {self._done} of {self._points}{rest}")
-
-
-# --- what comes out ------------------------------------------------------------------------
-
-
-def _grids(found: Map) -> dict[str, Any]:
-    """The grid and the values on it; null where a point was not done."""
-    from app.features.map import files
-
-    request = found.request
-    return {
-        **dict(zip(map(tables.key, request.coordinates), files.axis_values(request), strict=True)),
-        **{
-            name: tables.plain(grid)
-            for names, *both in zip(files.columns(request), found.values, found.errors, strict=True)
-            for name, grid in zip(names, both, strict=True)
-        },
-        "points": found.done.size,
-        "done": int(found.done.sum()),
-    }
+    return count
 
 
 def _lines(machine: Machine[Any], found: Map, seconds: float) -> list[str]:

@@ -59,7 +59,7 @@ def columns(request: MapRequest) -> tuple[tuple[str, str], ...]:
 def axis_values(request: MapRequest) -> tuple[list[float], list[float]]:
     """The values of both coordinates in people's units, as they were typed."""
     first, second = (
-        [round(value, 10) + 0.0 for value in tables.outer(values, [axis] * len(values))]
+        [round(value, 10) + 0.0 for value in map(axis.outer, values)]
         for values, axis in zip((request.first, request.second), request.coordinates, strict=True)
     )
     return first, second
@@ -71,7 +71,7 @@ def map_csv(found: Map) -> str:
     written = io.StringIO()
     rows = csv.writer(written, lineterminator="\n")
     named = (name for pair in columns(request) for name in pair)
-    rows.writerow([*map(tables.key, request.coordinates), *named])
+    rows.writerow([*(axis.json_key for axis in request.coordinates), *named])
     first, second = axis_values(request)
     for i, j in np.argwhere(found.done).tolist():
         pairs = zip(found.values[:, i, j].tolist(), found.errors[:, i, j].tolist(), strict=True)
@@ -83,7 +83,7 @@ def map_npz(found: Map) -> bytes:
     """NumPy arrays: both coordinates (n,) and (m,), each quantity (n, m), what is done, names."""
     request = found.request
     arrays: dict[str, Any] = dict(
-        zip(map(tables.key, request.coordinates), axis_values(request), strict=True)
+        zip((axis.json_key for axis in request.coordinates), axis_values(request), strict=True)
     )
     for (name, error), values, errors in zip(
         columns(request), found.values, found.errors, strict=True
@@ -193,7 +193,7 @@ def _scale(quantity: Quantity, values: Array) -> tuple[float, str]:
 
 def _axis_label(found: Map, axis: int) -> str:
     coordinate = found.request.coordinates[axis]
-    return f"{coordinate.symbol} ({tables.unit(coordinate)})"
+    return f"{coordinate.symbol} ({'degrees' if coordinate.unit == 'rad' else coordinate.unit})"
 
 
 def _edges(values: list[float]) -> Array:

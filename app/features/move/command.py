@@ -20,10 +20,6 @@ if TYPE_CHECKING:
 Numbers = list[float] | None
 
 
-def _of_pose(option: str, text: str, machine: Machine[Any]) -> list[float]:
-    return values.of_axes(option, text, machine.coordinates, dash=True)
-
-
 @command("velocity")
 def velocity(
     machine: Machine[Any] = DESIGN,
@@ -32,12 +28,14 @@ def velocity(
     rates: Numbers = option(
         "v1,v2,...",
         "d(pose)/dt, /s, - for one that the constraint gives; joint rates are computed",
-        _of_pose,
+        values.of_pose,
     ),
     joint_rates: Numbers = option(
         "v1,v2,...", "actuator rates, /s; the platform's are computed", values.of_joints
     ),
-    accelerations: Numbers = option("a1,a2,...", "goes with --rates, /s² (default 0)", _of_pose),
+    accelerations: Numbers = option(
+        "a1,a2,...", "goes with --rates, /s² (default 0)", values.of_pose
+    ),
     joint_accelerations: Numbers = option(
         "a1,a2,...", "goes with --joint-rates, /s² (default 0)", values.of_joints
     ),
@@ -58,16 +56,13 @@ def velocity(
         )
     place, axes, joints = pose.place(mode), machine.coordinates, machine.joints
     turned, ask = (axes, machine.motion.inverse) if rates else (joints, machine.motion.forward)
-    first, second = (
-        typed and [tables.inner(value, axis) for value, axis in zip(typed, turned, strict=True)]
-        for typed in (rates or joint_rates, accelerations or joint_accelerations)
-    )
-    found = ask(place.pose, mode, first or [], second)
+    first = tables.inner(rates or joint_rates or [], turned)
+    second = accelerations or joint_accelerations
+    found = ask(place.pose, mode, first, second and tables.inner(second, turned))
     moved = (found.pose_rates, found.pose_accelerations)
     driven = (found.joint_rates, found.joint_accelerations)
-    reasons, warnings = _judged(
-        place, [*moved[1].tolist(), *driven[1].tolist()], serial=bool(rates)
-    )
+    numbers = [*moved[1].tolist(), *driven[1].tolist()]
+    reasons, warnings = _judged(place, numbers, serial=bool(rates))
     data = {
         **place.entries,
         "joints": tables.listed(place.posture.joints, joints),
@@ -92,7 +87,7 @@ def velocity(
     move = ", ".join(map(tables.number_text, data["twist"]["v"]))
     table = tables.table(("", "rate /s", "acceleration /s²"), rows)
     twist = f"twist  ω = ({turn}) °/s, v = ({move}) mm/s"
-    return Answer(data, [f"Pose {place.where}", "", table, "", twist, *reasons])
+    return Answer(data, [place.where, "", table, "", twist, *reasons])
 
 
 def _judged(place: Place, numbers: Iterable[float], *, serial: bool) -> tuple[list[str], list[str]]:
@@ -157,9 +152,9 @@ def statics(
         "reasons": reasons,
         "warnings": warnings,
     }
-    unit = ("", lambda force: force["unit"].replace(" ", "·"))
+    unit = ("", "unit", {"N": "N", "N mm": "N·mm"})
     columns = (("wrench", "symbol"), ("", "kind"), ("force", "value"), unit)
-    lines = [f"Pose {place.where}", "", tables.records(forces, *columns), *reasons]
+    lines = [place.where, "", tables.records(forces, *columns), *reasons]
     return Answer(data, lines)
 
 

@@ -31,31 +31,32 @@ def volume(
     ),
 ) -> Answer:
     """The workspace's exact volume, from its sections."""
-    sections, turned = _sections(machine), pose.orientation()
-    began = time.perf_counter()
+    _sections(machine)
+    angles, began = pose.angles(), time.perf_counter()
+    space = angles.space(modes)
     with progress("Volume"):
-        found = sections.volume(turned.pose, modes, relative=tolerance, pieces=not no_pieces)
-    seconds, pieces = time.perf_counter() - began, list(found.pieces)
-    centroid = found.centroid.tolist() if found.value > 0.0 else None
-    data = {
-        **turned.entries(),
+        found = space.volume(tolerance, pieces=not no_pieces)
+    seconds = time.perf_counter() - began
+    centroid = tables.plain(found.centroid) if found.value > 0.0 else None
+    data: dict[str, Any] = {
+        **angles.entries(),
         **tables.modes_entry(modes),
         **tables.record(found, "sections", volume_mm3="value", error_mm3="error"),
         "centroid_mm": centroid,
-        **({} if no_pieces else {"pieces": len(pieces), "piece_volumes_mm3": pieces}),
         "seconds": seconds,
     }
+    if not no_pieces:
+        data |= {"pieces": len(found.pieces), "piece_volumes_mm3": found.pieces}
     lines = [
-        f"{turned.text()}, {tables.modes_text(modes)}",
+        f"{angles.text()}, {tables.modes_text(modes)}",
         f"volume    {tables.volume_text(found.value)} ± {tables.volume_text(found.error)}",
-        *([] if no_pieces else [f"pieces    {tables.pieces_text(pieces)}"]),
+        *([] if no_pieces else [f"pieces    {tables.pieces_text(found.pieces)}"]),
         *([f"centroid  {_place(centroid)}"] if centroid else []),
         f"sections  {found.sections}, in {tables.seconds_text(seconds)}",
     ]
     if usable or around is not None:
         with progress("Largest sphere and box"):
-            sphere = sections.ball(turned.pose, modes, around)
-            box = sections.box(turned.pose, modes, around)
+            sphere, box = space.largest_ball(around), space.largest_box(around)
         data["sphere"] = sphere and tables.record(sphere, "center_mm", "radius_mm", "error_mm")
         data["box"] = box and tables.record(box, "low_mm", "high_mm", "volume_mm3", "error_mm")
         lines += [f"sphere    {_sphere(sphere)}", f"box       {_box(box)}"]
@@ -78,6 +79,10 @@ def _box(found: Box | None) -> str:
     return f"{edges} mm, {_place(found.low.tolist())} to {_place(found.high.tolist())}"
 
 
+def _place(point: Sequence[float]) -> str:
+    return f"({', '.join(f'{value:.4f}' for value in point)}) mm"
+
+
 @command("section")
 def section(
     machine: Machine[Any] = DESIGN,
@@ -94,18 +99,18 @@ def section(
     """
     from app.features.section import files
 
-    kind = output.kind(files.FORMATS, "a section")
-    sections, turned = _sections(machine), pose.orientation()
-    spec, where = sections.spec, f"{turned.text()}, {tables.modes_text(modes)}"
+    kind, facet, angles = output.kind(files.FORMATS, "a section"), _sections(machine), pose.angles()
+    spec, where = facet.spec, f"{angles.text()}, {tables.modes_text(modes)}"
+    space = angles.space(modes)
     with progress(f"{spec.title} = {at:g} mm"):
-        found = sections.at(turned.pose, modes, at)
-        reach = sections.range(turned.pose, modes)
+        found = space.section(at)
+        reach = facet.range(space.pose, modes)
     if kind:
         title = f"{machine.design.title or machine.design.name}, {where}, {spec.normal} = {at:g} mm"
         output.write(files.section_bytes(found, spec, kind, title=title))
     moments = dict(zip(("yy", "zz", "yz"), found.second_moments.tolist(), strict=True))
     data = {
-        **turned.entries(),
+        **angles.entries(),
         **tables.modes_entry(modes),
         "x_mm": at,
         **tables.record(found, "area_mm2", "perimeter_mm", "pieces", loop_pieces="loop_piece"),
@@ -129,27 +134,16 @@ def section(
     elif reach is None:
         lines.append("empty, as the whole workspace is")
     else:
-        low, high = reach
-        lines.append(
-            f"empty; the workspace lies between {spec.normal} = {low:.4f} mm and {high:.4f} mm"
-        )
+        between = f"{spec.normal} = {reach[0]:.4f} mm and {reach[1]:.4f} mm"
+        lines.append(f"empty; the workspace lies between {between}")
     return Answer(data, lines)
 
 
 def _sections(machine: Machine[Any]) -> SectionsFacet[Any]:
-    name = machine.design.name
     if machine.sections is not None:
         return machine.sections
+    name = machine.design.name
+    why = f"has no exact sections; bohemia workspace {name} gives the volume of its solid"
     if machine.region_specs:
-        raise InputError(
-            f"{name}: the workspace of a {machine.title} lies in a plane, so it has no volume and "
-            f"no sections; bohemia workspace {name} gives its area"
-        )
-    raise InputError(
-        f"{name}: a {machine.title} has no exact sections; bohemia workspace {name} gives the "
-        "volume of its solid"
-    )
-
-
-def _place(point: Sequence[float]) -> str:
-    return f"({', '.join(f'{value:.4f}' for value in point)}) mm"
+        why = f"has a workspace that lies in a plane; bohemia workspace {name} gives its area"
+    raise InputError(f"{name}: a {machine.title} {why}")

@@ -6,13 +6,12 @@ from collections.abc import Sequence
 from math import degrees
 from typing import TYPE_CHECKING, Any
 
-from app.features.singularities import aspects_command
 from app.terminal import tables, values
 from app.terminal.command import Answer, Output, command, progress
 from app.terminal.options import DESIGN, MODE, option, output
 from app.terminal.options import pose as posed
 from app.terminal.options import resolution as fineness
-from kinematics.errors import InputError
+from kinematics.errors import ComputationError, InputError
 
 if TYPE_CHECKING:
     from app.terminal.poses import Given, Place
@@ -21,7 +20,8 @@ if TYPE_CHECKING:
     from kinematics.facets.solids import Resolution
     from kinematics.machine import Machine
 
-
+ASPECTS = "aspects"
+"""Of a mechanism's solids: the one that its singular surface parts."""
 CLEARANCE = (
     *("kind", "distance_mm", "error_mm", "angle_deg", "point_mm", "limb", "bound", "text"),
 )
@@ -67,11 +67,11 @@ def singularity(
     in it.
     """
     somewhere = pose.whole or pose.positioned
-    if not somewhere and any(spec.key == aspects_command.KEY for spec in machine.solid_specs):
+    if not somewhere and any(spec.key == ASPECTS for spec in machine.solid_specs):
         for name, value in {"chart": chart, "at": at, "tolerance": tolerance}.items():
             if value is not None:
                 raise InputError(f"--{name} goes with --pose")
-        return aspects_command.surfaces(machine, pose, mode, resolution or "normal", what, output)
+        return _surfaces(machine, pose, mode, resolution or "normal", what, output)
     for name, value in (("--resolution", resolution), ("--what", what)):
         if value is not None:
             raise InputError(f"{name} is for all positions together; leave it or --pose out")
@@ -89,7 +89,7 @@ def _at_pose(place: Place, tolerance: float | None) -> Answer:
 
     if tolerance is not None and not 0.0 < tolerance <= 1.0:
         raise InputError(f"--tolerance must lie between 0 and 1, got {tolerance:g}")
-    machine, posture = place.machine, place.posture
+    machine, posture, mode = place.machine, place.posture, place.mode
     lost = machine.singularities.at(posture, tolerance or AT) if posture.closes else ()
     near = machine.singularities.at(posture, NEAR) if posture.closes and not lost else ()
     with progress("Clearances"):
@@ -105,24 +105,32 @@ def _at_pose(place: Place, tolerance: float | None) -> Answer:
         "tolerance": tolerance or AT,
         "singular": any(each.measure < AT for each in lost) if posture.closes else None,
         "kinds": list(dict.fromkeys(each.kind for each in lost)),
-        "singularities": [_singular(each, place) for each in lost],
+        "singularities": [
+            {
+                **tables.record(each, "kind", "limbs", "cause", "text", "measure"),
+                "motion": each.motion and tables.named(each.motion, machine.coordinates),
+                "twist": each.twist and _twist(each.twist),
+            }
+            for each in lost
+        ],
         "conditioning": _conditioning(place),
-        "measures": _measures(place),
+        "measures": [
+            {
+                **tables.record(each, "key", "title", "unit"),
+                "value": tables.plain(float(machine.measures(place.pose, mode, each.key))),
+            }
+            for each in machine.measures.specs
+            if not each.needs_load
+        ],
         "clearances": [tables.record(each, *CLEARANCE) for each in clearances],
         "remedy": None if remedy is None else _remedy(remedy, place),
     }
-    return Answer(data, [f"Pose {place.where}", *_lost_lines(data, near)])
+    return Answer(data, [place.where, *_lost_lines(data, near)])
 
 
-def _singular(lost: Singularity, place: Place) -> dict[str, Any]:
-    entry = tables.record(lost, "kind", "limbs", "cause", "text", "measure")
-    entry["motion"] = lost.motion and tables.named(lost.motion, place.machine.coordinates)
-    entry["twist"] = lost.twist and {
-        "omega_deg": [degrees(value) for value in lost.twist[:3]],
-        "v_mm": list(lost.twist[3:]),
-        "v": list(lost.twist[3:]),
-    }
-    return entry
+def _twist(twist: Sequence[float]) -> dict[str, list[float]]:
+    move = list(twist[3:])
+    return {"omega_deg": [degrees(value) for value in twist[:3]], "v_mm": move, "v": move}
 
 
 def _conditioning(place: Place) -> dict[str, float | None]:
@@ -137,18 +145,6 @@ def _conditioning(place: Place) -> dict[str, float | None]:
         "determinant": tables.finite(float(system.determinant)),
         "characteristic_length_mm": length,
     }
-
-
-def _measures(place: Place) -> list[dict[str, Any]]:
-    asked = place.machine.measures
-    return [
-        {
-            **tables.record(each, "key", "title", "unit"),
-            "value": tables.finite(float(asked(place.pose, place.mode, each.key))),
-        }
-        for each in asked.specs
-        if not each.needs_load
-    ]
 
 
 def _remedy(remedy: Remedy, place: Place) -> dict[str, Any]:
@@ -226,7 +222,8 @@ def _chart(pose: Given, mode: str, key: str | None, at: float | None, output: Ou
         found = machine.singularities.locus(key, place.pose, mode, at)
     if kind:
         title = f"{machine.design.title or machine.design.name}: {spec.title}"
-        output.write(files.locus_bytes(found, spec, kind, title=title, note=place.where))
+        note = place.where.removeprefix("Pose ")
+        output.write(files.locus_bytes(found, spec, kind, title=title, note=note))
     curves = files.curves(found, spec)
     data = {
         **place.entries,
@@ -239,13 +236,98 @@ def _chart(pose: Given, mode: str, key: str | None, at: float | None, output: Ou
         "bounds": files.outer(found.bounds.T, spec).T.tolist(),
     }
     table = tables.records(
-        [{**curve, "number": n} for n, curve in enumerate(curves, start=1)],
-        ("curve", "number"),
-        ("kind", "kind"),
-        ("limb", lambda curve: str(curve["limb"] or "")),
-        ("points", lambda curve: str(len(curve["points"]))),
-        ("", lambda curve: "closed" if curve["closed"] else "open"),
-        ("residual", lambda curve: f"{curve['residual']:.1e}"),
+        curves,
+        *(("curve", "#"), ("kind", "kind"), ("limb", "limb", "")),
+        ("points", "points", lambda points: str(len(points))),
+        *(("", "closed", {True: "closed", False: "open"}), ("residual", "residual", ".1e")),
     )
     told = ["", table, ""] if curves else ["There is no singularity in the chart."]
-    return Answer(data, [f"Pose {place.where}", spec.title, *told])
+    return Answer(data, [place.where, spec.title, *told])
+
+
+# --- surfaces ------------------------------------------------------------------------------
+
+
+def _surfaces(
+    machine: Machine[Any],
+    pose: Given,
+    mode: str,
+    resolution: Resolution,
+    what: str | None,
+    output: Output,
+) -> Answer:
+    """The pieces of the workspace of a mode, and the singular surface between them."""
+    from app.features.review import files
+    from kinematics.solids.meshes import face_parts
+
+    wanted = (what or tables.LOCUS).strip().lower()
+    if wanted != tables.LOCUS and not wanted.isdecimal():
+        raise InputError(f"--what must be {tables.LOCUS} or the number of a piece, got {what!r}")
+    clouds = ("csv",) if wanted == tables.LOCUS else ()
+    kind = output.kind((*files.FORMATS, *clouds), "a singular surface" if clouds else "a solid")
+    angles = pose.angles(ASPECTS)
+    with progress(f"Aspects, {resolution}"):
+        shown = angles.space((mode,)).solid(resolution, key=ASPECTS)
+    built, placement = shown.built, shown.placement
+    locus = built.locus_mesh()
+    areas = face_parts(locus.vertices, locus.faces)[1]  # mm² twice
+    if kind:
+        mesh = locus if wanted == tables.LOCUS else built.piece_mesh(int(wanted) - 1)
+        if not len(mesh.faces):
+            raise ComputationError(
+                f"there is no singularity inside the workspace of mode {mode} at this "
+                f"orientation, so {str(output.path)!r} was not written"
+            )
+        output.write(files.mesh_bytes(mesh, placement, kind, is_open=wanted == tables.LOCUS))
+    pieces = [
+        {
+            **tables.record(piece, "volume_mm3", "sign", volume_error_mm3="volume_error"),
+            "centroid_mm": (placement[:3, :3] @ piece.centroid + placement[:3, 3]).tolist(),
+        }
+        for piece in built.pieces
+    ]
+    data = {
+        **angles.entries(),
+        "mode": mode,
+        **tables.mode_entry(machine, mode),
+        "resolution": resolution,
+        **shown.to_dict(),
+        "pieces": pieces,
+        "locus_area_mm2": float(areas.sum()) / 2.0,
+        **tables.record(built, "locus_unplaced", locus_residual_mm="locus_residual"),
+    }
+    where = f"At {angles.text()}" if angles.held else "All orientations"
+    head = f"{where}{tables.mode_text(machine, mode)}, {resolution}"
+    return Answer(data, [head, "", *_surface_lines(data)])
+
+
+def _surface_lines(data: dict[str, Any]) -> list[str]:
+    resolution, area, residual = (
+        data[key] for key in ("resolution", "locus_area_mm2", "locus_residual_mm")
+    )
+    triangles = f"{data['triangles']} triangles, {'' if data['watertight'] else 'not '}watertight"
+    if not data["pieces"]:
+        return ["The workspace of this mode is empty at this orientation.", triangles]
+    table = tables.records(
+        data["pieces"],
+        ("piece", "#"),
+        ("volume (mm³)", "volume_mm3", ",.0f"),
+        ("±", "volume_error_mm3", ",.0f"),
+        ("", "sign", {1: "det > 0", -1: "det < 0", 0: ""}),
+    )
+    finer = "" if resolution == "fine" else "; a finer one may show thin layers"
+    locus = f"No singularity inside is found at this resolution{finer}."
+    if area > 0.0 and residual is not None:
+        unplaced = f" but for {data['locus_unplaced']}" if data["locus_unplaced"] else ""
+        exact = f"its vertices exact to {residual:.1g} mm{unplaced}"
+        locus = f"singular surface {area:,.0f} mm², {exact}"
+    return [
+        table,
+        "",
+        f"together {data['volume_mm3']:,.0f} ± {data['volume_error_mm3']:,.0f} mm³",
+        locus,
+        f"At {resolution} resolution: pieces thinner than a cell may be missed, and are told by a "
+        "finer one.",
+        "These are slices of the aspects at one orientation: pieces may be joined through others.",
+        triangles,
+    ]

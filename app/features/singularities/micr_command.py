@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import degrees, isfinite
+from math import degrees
 from typing import TYPE_CHECKING, Any
 
 from app.terminal import tables, values
@@ -11,7 +11,6 @@ from app.terminal.options import argument, flag, option, output
 from kinematics.errors import InputError
 
 if TYPE_CHECKING:
-    from kinematics.answers.circles import MicrTable
     from kinematics.mechanism import Mechanism
 
 RATIOS = "0.25,0.5,0.75,1,1.25,1.5,1.75,2"
@@ -108,16 +107,14 @@ def _one(kind: type[Mechanism[Any]], base: float, platform: float, altitude: flo
         "note": found.note,
     }
 
-    def shown(key: str, digits: int, otherwise: str = "") -> tables.Cell:
-        return lambda row: otherwise if row["deg"] is None else f"{row[key]:.{digits}f}"
-
     table = tables.records(
-        rows,
+        [{**row, "none": "" if row["deg"] else "no tilt is singular"} for row in rows],
         (kind.mode_noun, "mode"),
-        ("MICR (°)", shown("deg", 9, "no tilt is singular")),
-        ("met at φ (°)", shown("contact_azimuth_deg", 3)),
-        ("as the paper would print (°)", shown("printed_deg", 2)),
-        ("", lambda row: "crosses the ring at 90°" if row["crosses_ring"] else ""),
+        ("MICR (°)", "deg", ".9f"),
+        ("met at φ (°)", "contact_azimuth_deg", ".3f"),
+        ("as the paper would print (°)", "printed_deg", ".2f"),
+        ("", "none"),
+        ("", "crosses_ring", {True: "crosses the ring at 90°", False: ""}),
     )
     head = f"{kind.title}, h1 = {base:g}, h2 = {platform:g}, Z = {altitude:g}"
     return Answer(data, [head, "", table, "", found.note])
@@ -137,7 +134,7 @@ def _curves(
     if file:
         data = micr_files.micr_bytes(kind.kind, kind.title, ratios, heights, found, file)
         output.write(data)
-    answer = {
+    answer: dict[str, Any] = {
         "mechanism": kind.kind,
         "ratios": ratios,
         "heights": heights,
@@ -147,17 +144,13 @@ def _curves(
         },
         "note": found.note,
     }
+    rows = [  # of each curve its largest MICR, and at how many heights no tilt is singular
+        (f"{ratio:g}", mode, f"{max(some):.3f}" if some else "", str(len(row) - len(some) or ""))
+        for r, ratio in enumerate(ratios)
+        for mode in found.modes
+        for row in [answer[f"mode{mode}_deg"][r]]
+        for some in [[value for value in row if value is not None]]
+    ]
+    table = tables.table(("h2/h1", "mode", "largest MICR (°)", "heights without any"), rows)
     head = f"{kind.title}: MICR of {len(ratios)} ratios at {len(heights)} heights"
-    return Answer(answer, [head, "", _summary(found, ratios), "", found.note])
-
-
-def _summary(found: MicrTable, ratios: list[float]) -> str:
-    """Of each curve its largest MICR, and at how many heights no tilt is singular."""
-    rows = []
-    for r, ratio in enumerate(ratios):
-        for n, mode in enumerate(found.modes):
-            circles = [value for value in found.radius[n, r].tolist() if isfinite(value)]
-            free = len(found.radius[n, r]) - len(circles)
-            largest = f"{degrees(max(circles)):.3f}" if circles else ""
-            rows.append((f"{ratio:g}", mode, largest, str(free or "")))
-    return tables.table(("h2/h1", "mode", "largest MICR (°)", "heights without any"), rows)
+    return Answer(answer, [head, "", table, "", found.note])

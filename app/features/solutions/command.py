@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import degrees, isfinite, pi, remainder
+from math import degrees, isfinite, isnan, pi, remainder
 from typing import TYPE_CHECKING, Any
 
 from app.terminal import tables, values
@@ -13,9 +13,9 @@ from kinematics.errors import InputError
 
 if TYPE_CHECKING:
     from app.terminal.poses import Given, Place
+    from kinematics.answers.coordinates import Coordinate
     from kinematics.answers.solutions import ForwardSolutions, Posture, Reason
     from kinematics.machine import Machine
-    from kinematics.mechanism import Coordinate
 
 _NUDGE = 1e-9  # of the characteristic length: how far beside a pose joints are compared
 _APART = 0.1  # rad; a limb at the end of its reach turns by far less
@@ -57,7 +57,7 @@ def ik(
         "other_poses": [tables.named(other, axes) for other in others],
         "solutions": solutions,
     }
-    lines = [f"Pose {tables.with_units(nearest.shown, axes)}", ""]
+    lines = [nearest.pose_text, ""]
     if closing:
         rows = [
             [place.mode, *(f"{joint:.4f}" for joint in solution["joints"]), within]
@@ -131,8 +131,9 @@ def _warnings(
 def _other_poses(pose: Given, taken: Place) -> list[tuple[float, ...]]:
     """The poses that the constraint allows besides the one taken, where an angle was left out."""
     machine = pose.machine
-    left = next((n for n in machine.dependent if pose.typed[n] != pose.typed[n]), None)
-    if left is None or machine.coordinates[left].unit != "rad":
+    axes = machine.coordinates
+    left = next((n for n in machine.dependent if isnan(pose.typed.get(axes[n].key, 0.0))), None)
+    if left is None or axes[left].unit != "rad":
         return []
     found: list[tuple[float, ...]] = []
     for turn in (pi, 2.0 * pi / 3.0, -2.0 * pi / 3.0):  # the value nearest to there
@@ -178,7 +179,7 @@ def fk(
     JSON has no infinity: a condition of null is a singularity, a gap_mm of null an only solution.
     """
     actuators, axes = machine.joints, machine.coordinates
-    inner = [tables.inner(value, axis) for value, axis in zip(joints, actuators, strict=True)]
+    inner = tables.inner(joints, actuators)
     with progress("All assembly modes"):
         (found,) = machine.forward([inner], mixed_modes=mixed_modes)
     shown = sorted(

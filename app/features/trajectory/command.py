@@ -17,9 +17,9 @@ from kinematics.errors import InputError
 if TYPE_CHECKING:
     from app.features.trajectory.files import Points
     from app.features.trajectory.state import Through
+    from kinematics.answers.coordinates import Coordinate
     from kinematics.answers.solutions import Followed
     from kinematics.machine import Machine
-    from kinematics.mechanism import Coordinate
     from kinematics.trajectories import Fits, Trajectory
 
 DRIVEN = 400  # poses, about, through which a machine is driven to see where it stops
@@ -36,7 +36,11 @@ def _most(mm: str, turned: str, help: str) -> Any:
         joints = machine.joints
         every = text if "," in text else ",".join([text] * len(joints))
         typed = values.of_axes(option, every, joints, (mm, turned))
-        return tuple(typed if mm == "N" else map(tables.inner, typed, joints))
+        return tuple(
+            typed
+            if mm == "N"
+            else (joint.inner(value) for value, joint in zip(typed, joints, strict=True))
+        )
 
     return option("v1,...", f"limits, one for all actuators or one for each, {help}", read)
 
@@ -197,13 +201,13 @@ def _data(
         bare = key.removesuffix("_Nmm").removesuffix("_N")
         whole[key] = wrench["key"] = f"{bare}_{wrench['unit'].replace(' ', '')}"
     for axis in (*axes, *joints):
-        whole |= {f"{tables.key(axis)}{tail}": f"{tables.unit_key(axis)}{tail}" for tail in TAILS}
+        whole |= {f"{axis.json_key}{tail}": f"{tables.unit_key(axis)}{tail}" for tail in TAILS}
 
     def both(named: dict[str, Any]) -> dict[str, Any]:
         return {**{whole.get(key, key): value for key, value in named.items()}, **named}
 
     largest: dict[str, Any] = {}
-    rates, accelerations = ([tables.key(j) + tail for j in joints] for tail in TAILS[1:])
+    rates, accelerations = ([j.json_key + tail for j in joints] for tail in TAILS[1:])
     for what, named in (("rate", rates), ("acceleration", accelerations), ("force", keys)):
         sizes, times = found.largest(what)  # type: ignore[arg-type]
         shown = tables.plain(sizes) if what == "force" else tables.listed(sizes, joints)
@@ -233,7 +237,7 @@ def _data(
     if fits is not None:  # polynomials in rad as the papers print them, errors in people's units
         rows = dict(zip((joint.key for joint in joints), fits.coefficients.tolist(), strict=True))
         errors = {
-            f"{tables.key(axis)}{tail}": {"deviation": one, "largest": two}
+            f"{axis.json_key}{tail}": {"deviation": one, "largest": two}
             for tail, spread, most in zip(TAILS, fits.deviation, fits.largest, strict=True)
             for axis, one, two in zip(
                 axes, tables.listed(spread, axes), tables.listed(most, axes), strict=True

@@ -10,7 +10,6 @@ import io
 from collections.abc import Sequence
 from math import degrees, isfinite
 
-from app.terminal import tables
 from kinematics.answers.motion import WrenchName
 from kinematics.mechanism import Coordinate
 from kinematics.trajectories import Trajectory
