@@ -123,6 +123,10 @@ class Seated:
         """What is of the way here and not of the review is taken back."""
         self.call(self.page.part(TrajectoryPart).playing.go_back)
         self.call(self.page.part(ControlPart).clear_log)
+        explorer = self.page.part(SolutionsPart)._explorer
+        if explorer.known is not None:  # nobody is new
+            explorer.known = replace(explorer.known, appeared=frozenset(), merged=())
+        self.call(self.page.part(SolutionsPart).redraw)
         self.settle()
         self.page._notes = ()
         self.page.put("redraw")
