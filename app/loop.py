@@ -291,8 +291,9 @@ class Page:
         self.gui.main_panel.dock_right()
         self.gui.main_panel.set_width(PANEL_WIDTH)
         self.gui.set_panel_label("Bohemia")
-        self.scene.prepare(self._view.drawing.size, review.machine.coordinates)
-        for part in self._parts:
+        self.scene.prepare(review.machine.coordinates)
+        for part in sorted(self._parts, key=lambda part: part.DRAWN_LAST):
+            part.answers.renew()
             part.prepare()
         sheet = self.sheet()
         self._header = Header(self, sheet)

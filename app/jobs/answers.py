@@ -31,6 +31,7 @@ class Question(Generic[Q, A]):
         lane: who does it.
         answer: called in the lane's process with the request, or with the arguments instead of it.
         rest, slow, tries: as in `Job`.
+        urgent: its failure is told at once, not only where its answer would stand.
         kept: how many answers are kept for requests that are made again.
     """
 
@@ -40,6 +41,7 @@ class Question(Generic[Q, A]):
     rest: float = 0.0
     slow: bool = False
     tries: int = 1
+    urgent: bool = False
     kept: int = 8
 
     def __call__(

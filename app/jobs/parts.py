@@ -28,6 +28,33 @@ A = ParamSpec("A")
 P = TypeVar("P")
 
 
+class Grip:
+    """Whose hands hold something in the scene; one grip is one step of undo.
+
+    Attributes:
+        number: of the newest grip.
+    """
+
+    def __init__(self) -> None:
+        self._hands: set[int] = set()
+        self.number = 0
+
+    @property
+    def held(self) -> bool:
+        """Somebody holds it, and decides where it is."""
+        return bool(self._hands)
+
+    def take(self, phase: str, client_id: int | None) -> bool:
+        """A hand moves it, or with the phase "end" lets it go: then false."""
+        who = -1 if client_id is None else client_id
+        if phase == "end":
+            self._hands.discard(who)
+            return False
+        self.number += not self._hands
+        self._hands.add(who)
+        return True
+
+
 class Stage(Protocol):
     """The page as its parts see it; all of it on the loop's thread, but for `put`."""
 
@@ -82,6 +109,7 @@ class Part:
     """
 
     LANES: ClassVar[tuple[str, ...]] = ()
+    DRAWN_LAST: ClassVar[bool] = False  # its nodes are translucent, and others are within them
 
     def __init__(self, stage: Stage) -> None:
         self.stage = stage
@@ -103,15 +131,22 @@ class Part:
         """What is to be known for a review, the first to be answered first."""
         return ()
 
-    def save(self, make: Callable[[], ExportedFile], client: Client) -> None:
-        """Make a file where nobody waits for it, and have it downloaded."""
-        self.stage.apart(client, lambda: self.stage.download(make(), client))
+    def save(
+        self, of: P | None, make: Callable[[P], ExportedFile], client: Client, missing: str = ""
+    ) -> None:
+        """Make a file of something where nobody waits for it, and have it downloaded; with None it
+        is told that it is ``missing``.
+        """
+        if of is None:
+            self.stage.complain(missing, client)
+        else:
+            self.stage.apart(client, lambda: self.stage.download(make(of), client))
 
     def came(self, asked: Asked[Any, Any], answer: Any) -> bool:
         """A question of the present review was answered; as above."""
         return False
 
-    def lost(self, asked: Asked[Any, Any], text: str) -> None:
+    def lost(self, asked: Asked[Any, Any]) -> None:
         """A question of the present review was given up."""
 
     def show(self, sheet: Sheet) -> None:
@@ -181,9 +216,12 @@ class Part:
         if asked is None:
             return False
         self.late = True
+        redraw = False
         if isinstance(event, Lost):
-            self.lost(asked, event.text)
-            redraw = False
+            self.lost(asked)
+            if event.text and asked.question.urgent:
+                self.stage.complain(event.text)
+                self.stage.note(event.text)  # whoever opens the page later reads it too
         else:
             redraw = self.came(asked, event.result)
         self.ask()  # more may be asked now

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -47,6 +47,13 @@ def number(value: Any, what: str) -> float:
             if math.isfinite(value):
                 return float(value)
     raise InputError(f"{what} must be a finite number")
+
+
+def listed(value: object, known: Iterable[object], what: str) -> None:
+    """Raise an InputError that begins with ``what`` unless a value is one of those known."""
+    names = tuple(known)
+    if value not in names:
+        raise InputError(f"{what} {', '.join(str(n) for n in names if n)}, not {value!r}")
 
 
 def key_of(c: Coordinate) -> str:

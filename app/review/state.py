@@ -7,6 +7,7 @@ feature: their slices are found in the files `state` of their folders.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, fields, replace
 from functools import cache
 from typing import Any, ClassVar, Self, TypeVar
@@ -44,10 +45,11 @@ class Slice:
 
     def carried(self, before: Review, review: Review) -> Self:
         """What of it serves another machine; the review has that one's fresh slice."""
-        try:
-            return self.checked(review)
-        except InputError:
-            return review[type(self)]
+        kept = review[type(self)]
+        for f in fields(self):
+            with suppress(InputError):
+                kept = replace(kept, **{f.name: getattr(self, f.name)}).checked(review)
+        return kept
 
     # --- in a session file
 

@@ -45,7 +45,7 @@ class Scene(Nodes):
         for known in (self._nodes, self._shape, self._slots):
             known.clear()
 
-    def prepare(self, size: float, axes: Sequence[Coordinate]) -> None:
+    def prepare(self, axes: Sequence[Coordinate]) -> None:
         """The things that do not depend on the pose: light and the handle."""
         scene = self.server.scene
         scene.set_up_direction("+z")
@@ -65,19 +65,20 @@ class Scene(Nodes):
         # A machine in a plane is dragged in it; one that turns may shift on the way, so any axis.
         turns = any(c.unit == "rad" for c in axes)
         keys = {c.key for c in axes}
-        self.handle = scene.add_transform_controls(
+        handle = scene.add_transform_controls(
             "/handle",
-            scale=0.42 * size,
             line_width=3.0,
             active_axes=(turns or "x" in keys, turns or "y" in keys, turns or "z" in keys),
             disable_rotations=not turns,
             depth_test=False,
             opacity=0.85,
         )
+        self.handle = self.sized(handle, scale=0.42)
 
     def show(self, view: View, *, dragging: bool) -> None:
         """Bring the machine, its frames and marks to a view."""
         options, drawing = view.review[Options], view.drawing
+        self.resize(drawing.size)
         rows, bars, bodies = view.joints, drawing.bars, drawing.bodies
         if view.beside is not None:
             other = view.beside
@@ -185,7 +186,7 @@ class Scene(Nodes):
             name, start, along = f"/axes/{mark.name}", np.array(mark.position), mark.direction
             end = start + 0.55 * drawing.size * np.array(along)
             if name not in self._nodes:
-                self._nodes[name] = self.arrows(name, drawing.size, 0.006)
+                self._nodes[name] = self.arrows(name, 0.006)
             node = self._nodes[name]
             if options.axes:
                 self.set(node, colors=np.array(palette.rgb(ink), dtype=np.uint8))
@@ -199,17 +200,11 @@ class Scene(Nodes):
         self.text(self._nodes[name], text, position)
 
     def _frames(self, view: View, visible: bool) -> None:
-        size = view.drawing.size
         for name, at in (("/frames/base", np.eye(4)), ("/frames/platform", view.platform)):
-            if self._shape.get(name) != size:
-                self._nodes[name] = self.server.scene.add_frame(
-                    name,
-                    axes_length=0.16 * size,
-                    axes_radius=0.004 * size,
-                    origin_radius=0.01 * size,
-                )
-                self._shape[name] = size
-                self.forget(name)
+            if name not in self._nodes:
+                frame = self.server.scene.add_frame(name)
+                parts = {"axes_length": 0.16, "axes_radius": 0.004, "origin_radius": 0.01}
+                self._nodes[name] = self.sized(frame, **parts)
             self.set(self._nodes[name], visible=visible)
             self.pose(self._nodes[name], at)
 

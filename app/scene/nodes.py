@@ -25,11 +25,14 @@ class Nodes:
     def __init__(self, server: viser.ViserServer) -> None:
         self.server = server
         self._set: dict[tuple[str, str], object] = {}
+        self.size = 1.0  # of the machine, mm
+        self._sized: list[tuple[Any, dict[str, float]]] = []
 
     def clear(self) -> None:
         """Take everything off the scene, as another mechanism's things come."""
         self.server.scene.reset()
         self._set.clear()
+        self._sized.clear()
 
     # --- making
 
@@ -58,17 +61,34 @@ class Nodes:
             visible=False,
         )
 
-    def arrows(self, name: str, size: float, shaft: float, color: str = palette.INK) -> Any:
-        """Arrows in a scene of this size; ``shaft`` is their radius as a part of it."""
-        return self.server.scene.add_arrows(
-            name,
-            np.array([[[0, 0, 0], [0, 0, 1]]], np.float32),
-            palette.rgb(color),
-            shaft_radius=shaft * size,
-            head_radius=3.0 * shaft * size,
-            head_length=0.06 * size,
-            visible=False,
-        )
+    def arrows(
+        self,
+        name: str,
+        shaft: float,
+        wide: float = 0.0,
+        head: float = 0.06,
+        color: str = palette.INK,
+    ) -> Any:
+        """Arrows: their radius, that of their heads and the length of these, of the machine's
+        size.
+        """
+        points = np.array([[[0, 0, 0], [0, 0, 1]]], np.float32)
+        made = self.server.scene.add_arrows(name, points, palette.rgb(color), visible=False)
+        wide = wide or 3.0 * shaft
+        return self.sized(made, shaft_radius=shaft, head_radius=wide, head_length=head)
+
+    def sized(self, node: Any, **parts: float) -> Any:
+        """A node some of whose properties are parts of the machine's size."""
+        self._sized.append((node, parts))
+        self.set(node, **{key: part * self.size for key, part in parts.items()})
+        return node
+
+    def resize(self, size: float) -> None:
+        """The machine has another size, mm."""
+        if size != self.size:
+            self.size = size
+            for node, parts in self._sized:
+                self.set(node, **{key: part * size for key, part in parts.items()})
 
     def label(self, name: str) -> Any:
         """A text above a point."""

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.review.units import number
 from app.scene import palette
@@ -14,6 +15,7 @@ from app.widgets.texts import esc
 from kinematics.mechanism import Coordinate
 
 Range = tuple[float, float]
+Words = Callable[[float], str] | None
 STEPS = (1.0, 2.0, 5.0)  # round numbers, times powers of ten
 TURN = (1.5, 3.0, 4.5, 9.0)  # round degrees, times powers of ten
 
@@ -93,38 +95,47 @@ def ticks(low: float, high: float, most: int, steps: Sequence[float] = STEPS) ->
     return [n * step for n in range(math.ceil(low / step), math.floor(high / step + 1e-9) + 1)]
 
 
+def label(x: float, y: float, text: str, anchor: str = "middle", opacity: float = 1.0) -> str:
+    """A text in the page's own colour; nothing for none."""
+    if not text:
+        return ""
+    faint = "" if opacity == 1.0 else f' fill-opacity="{opacity:g}"'
+    return (
+        f'<text x="{x:.5g}" y="{y:.5g}" text-anchor="{anchor}" fill="currentColor"{faint}>'
+        f"{esc(text)}</text>"
+    )
+
+
 def scales(
-    axes: Axes, x_title: str, y_title: str, x_ticks: Sequence[float], y_ticks: Sequence[float]
+    axes: Axes,
+    x_title: str,
+    y_title: str,
+    x_ticks: Sequence[float],
+    y_ticks: Sequence[float],
+    words: tuple[Words, Words] = (number, number),
 ) -> str:
-    """The box of a plot with ticks and titles, in the page's own colour."""
+    """The box of a plot with ticks and titles, in the page's own colour; ``words`` of its ticks,
+    None for none.
+    """
     wide, high = axes.inner
-    low = axes.top + high
-    parts = [
-        f'<rect x="{axes.left:g}" y="{axes.top:g}" width="{wide:g}" height="{high:g}" fill="none" '
-        'stroke="currentColor" stroke-opacity=".45"/>'
-    ]
+    left, low = axes.left, axes.top + high
+    marks, texts = [], []
     for value in x_ticks:
         x, _ = axes.px(value, axes.y[0])
-        parts.append(
-            f'<path d="M{x:.2f} {low:g}v4" stroke="currentColor" stroke-opacity=".6"/>'
-            f'<text x="{x:.2f}" y="{low + 15:g}" text-anchor="middle" fill="currentColor">'
-            f"{number(value)}</text>"
-        )
+        marks.append(f"M{x:.2f} {low:g}v4")
+        texts.append(label(x, low + 15, words[0](value) if words[0] else ""))
     for value in y_ticks:
         _, y = axes.px(axes.x[0], value)
-        parts.append(
-            f'<path d="M{axes.left:g} {y:.2f}h-4" stroke="currentColor" stroke-opacity=".6"/>'
-            f'<text x="{axes.left - 6:g}" y="{y + 3.85:.2f}" text-anchor="end" fill="currentColor">'
-            f"{number(value)}</text>"
-        )
+        marks.append(f"M{left:g} {y:.2f}h-4")
+        texts.append(label(left - 6, y + 3.85, words[1](value) if words[1] else "", "end"))
     middle = axes.top + high / 2
-    parts.append(
-        f'<text x="{axes.left + wide / 2:g}" y="{low + 29:g}" text-anchor="middle" '
-        f'fill="currentColor">{esc(x_title)}</text>'
-        f'<text x="12" y="{middle:g}" text-anchor="middle" fill="currentColor" '
-        f'transform="rotate(-90 12 {middle:g})">{esc(y_title)}</text>'
+    up = label(12, middle, y_title).replace(">", f' transform="rotate(-90 12 {middle:g})">', 1)
+    return (
+        f'<rect x="{left:g}" y="{axes.top:g}" width="{wide:g}" height="{high:g}" fill="none" '
+        'stroke="currentColor" stroke-opacity=".45"/>'
+        f'<path d="{"".join(marks)}" stroke="currentColor" stroke-opacity=".6"/>{"".join(texts)}'
+        f"{label(left + wide / 2, low + 29, x_title)}{up}"
     )
-    return "".join(parts)
 
 
 def steps(axis: Coordinate) -> Sequence[float]:
@@ -142,6 +153,24 @@ def cross(axes: Axes, x: float, y: float, reach: float = 7.0) -> str:
         f'<path class="here" d="{path}" stroke="#FFFFFF" stroke-width="4" stroke-opacity=".8"/>'
         f'<path d="{path}" stroke="{palette.INK}" stroke-width="1.8"/>'
     )
+
+
+def runs(cells: NDArray[np.bool_]) -> Iterator[tuple[int, int, int]]:
+    """Row, first column and number of the neighbours in a row that are set."""
+    edges = np.diff(np.pad(cells.astype(np.int8), ((0, 0), (1, 1))), axis=1)
+    rows, first = np.nonzero(edges == 1)
+    behind = np.nonzero(edges == -1)[1]
+    yield from zip(rows.tolist(), first.tolist(), (behind - first).tolist(), strict=True)
+
+
+def columns(axes: Axes, cells: NDArray[np.bool_]) -> str:
+    """Cells (N, M) that fill the box, the second upwards, as a path of rectangles."""
+    wide, high = axes.inner[0] / cells.shape[0], axes.inner[1] / cells.shape[1]
+    path = []
+    for column, first, count in runs(cells):
+        x, y = axes.left + column * wide, axes.top + (cells.shape[1] - first - count) * high
+        path.append(f"M{x:.2f} {y:.2f}h{wide:.2f}v{count * high:.2f}h{-wide:.2f}z")
+    return "".join(path)
 
 
 def nearest(values: Sequence[float], value: float) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import itertools
 from collections.abc import Iterable, Sequence
 from typing import Literal
 
@@ -55,25 +56,40 @@ def chip(color: str) -> str:
     )
 
 
-def table(rows: Iterable[Sequence[str]], styles: Sequence[str] = (), style: str = "") -> str:
-    """A table as wide as the panel; ``styles`` are those of its columns."""
+def table(
+    rows: Iterable[Sequence[str]],
+    styles: Sequence[str] = (),
+    style: str = "",
+    heads: Sequence[str] = (),
+) -> str:
+    """A table as wide as the panel; ``styles`` are those of its columns, ``heads`` their titles."""
+    styled = [f' style="{each}"' if each else "" for each in styles]
     lines = []
-    for row in rows:
-        cells = "".join(
-            f'<td style="{styles[n]}">{cell}</td>'
-            if n < len(styles) and styles[n]
-            else f"<td>{cell}</td>"
-            for n, cell in enumerate(row)
-        )
+    for tag, row in [("th", heads)] * bool(heads) + [("td", row) for row in rows]:
+        looks = itertools.chain(styled, itertools.repeat(""))
+        pairs = zip(looks, row, strict=False)
+        cells = "".join(f"<{tag}{look}>{cell}</{tag}>" for look, cell in pairs)
         lines.append(f"<tr>{cells}</tr>")
     return f'<table style="width:100%;{style}">{"".join(lines)}</table>'
 
 
 def bar(share: float, color: str, height: str = ".5em") -> str:
     """A share of 1 as a bar."""
-    wide = 100.0 * min(max(share, 0.0), 1.0)
+    return track([(0.0, share, color)], height)
+
+
+def track(spans: Iterable[tuple[float, float | None, str]], height: str = ".5em") -> str:
+    """What lies on a bar from 0 to 1: from, to (None for a mark), colour."""
+    parts = []
+    for low, high, color in spans:
+        left, right = (100.0 * min(max(v, 0.0), 1.0) for v in (low, low if high is None else high))
+        place = f"width:{right - left:.1f}%;top:0;bottom:0;border-radius:3px"
+        if high is None:
+            place = "width:3px;margin-left:-1px;top:-2px;bottom:-2px"
+        parts.append(
+            f'<div style="position:absolute;left:{left:.1f}%;{place};background:{color}"></div>'
+        )
     return (
-        f'<div style="height:{height};border-radius:3px;background:rgba(128,138,150,.25)">'
-        f'<div style="height:100%;width:{wide:.1f}%;border-radius:3px;background:{color}"></div>'
-        "</div>"
+        f'<div style="position:relative;height:{height};border-radius:3px;'
+        f'background:rgba(128,138,150,.25)">{"".join(parts)}</div>'
     )

@@ -85,7 +85,7 @@ def test_a_measure_is_asked_for_once_and_then_painted(
     both = built["workspace"], built["aspects"]
     shaded, _ = change(review, SetControl("shade", "conditioning"))
     shop.coats(shaded, *both)
-    assert shop.painter.scale(shaded) is None
+    assert shop.painter.scale("workspace") is None
     assert len(shop.wanted) == 2
     for job in shop.wanted:
         assert len(job.function(*job.arguments)) == len(job.arguments[-1])
@@ -93,7 +93,7 @@ def test_a_measure_is_asked_for_once_and_then_painted(
     coats, _ = shop.coats(shaded, *both)
     assert shop.wanted == []
     assert len(coats) > 3
-    steps = shop.painter.scale(shaded)
+    steps = shop.painter.scale("workspace")
     assert steps is not None
     ramp = {steps.color(n) for n in range(painting.STEPS)}
     assert {coat.color for coat in coats} <= ramp | {palette.WORKSPACE}
@@ -101,9 +101,10 @@ def test_a_measure_is_asked_for_once_and_then_painted(
     # Another measure has other steps; none has no colours.
     other, _ = change(shaded, SetControl("shade", "singular_value"))
     shop.coats(other, *both)
-    assert shop.painter.scale(other) is None
+    assert shop.painter.scale("workspace") is None
     assert shop.wanted
-    assert shop.painter.scale(review) is None
+    shop.coats(review, *both)
+    assert shop.painter.scale("workspace") is None
 
 
 def test_the_load_counts_for_measures_that_need_it(review: Review, built: dict[str, Any]) -> None:

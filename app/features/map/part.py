@@ -6,7 +6,6 @@ import threading
 import time
 from collections.abc import Callable, Iterable
 from contextlib import ExitStack
-from functools import partial
 from typing import Any
 
 from app.features.map.compute import MAP, Charted, Known, chart_request, key_of, of, same_places
@@ -25,12 +24,6 @@ from kinematics.facets.map_sweeps import Map, MapRequest, OnCells, sweep
 PAUSE = 0.35  # s between two pictures of a map that is being computed
 SHARE = 4.0  # and so many times as long as a picture takes
 TICK = 0.5  # s between two looks at the clock while nothing comes
-MEDIA_TYPES = {
-    "csv": "text/csv",
-    "npz": "application/octet-stream",
-    "png": "image/png",
-    "svg": "image/svg+xml",
-}
 
 
 class MapPart(Part):
@@ -158,10 +151,9 @@ class MapPart(Part):
     def save_map(self, kind: str, client: Client = None) -> None:
         """Save the map that is shown as a file of this kind."""
         known = self.answers[MAP].shown
-        if known is None:
-            self.stage.complain("There is no map to save; start one first.", client)
-            return
-        self.save(partial(map_file, known.map(), kind), client)
+        found = None if known is None else known.map()
+        missing = "There is no map to save; start one first."
+        self.save(found, lambda found: map_file(found, kind), client, missing)
 
 
 PARTS = (MapPart,)
@@ -203,4 +195,4 @@ def map_file(found: Map, kind: str) -> ExportedFile:
     """A map as a file."""
     request = found.request
     name = solid_name(request.design, f"map-{request.quantities[0].key}", (), request.modes)
-    return ExportedFile(f"{name}.{kind}", map_bytes(found, kind), MEDIA_TYPES[kind])
+    return ExportedFile(f"{name}.{kind}", map_bytes(found, kind))

@@ -7,7 +7,7 @@ from scipy.ndimage import distance_transform_edt
 
 from app.review.units import in_page_units, minus, number, page_unit, volume_text, with_error
 from app.scene import palette
-from app.widgets.axes import Axes, Figure, scales, steps, ticks
+from app.widgets.axes import Axes, Figure, columns, scales, steps, ticks
 from app.widgets.texts import esc
 from kinematics.answers.sections import Quantity
 from kinematics.facets.map_sweeps import Map
@@ -90,23 +90,12 @@ def _top(quantity: Quantity, values: np.ndarray) -> float:
 
 def _cells(axes: Axes, shares: np.ndarray) -> str:
     """One path for each shade; neighbours upwards of one shade are one rectangle."""
-    columns, rows = shares.shape
-    wide, high = axes.inner[0] / columns, axes.inner[1] / rows
     shades = np.clip(np.rint(shares * (SHADES - 1)), 0, SHADES - 1).astype(int)
-    paths: dict[int, list[str]] = {}
-    for column in range(columns):
-        breaks = np.flatnonzero(np.diff(shades[column])) + 1
-        for start, end in zip([0, *breaks], [*breaks, rows], strict=True):
-            x, y = axes.left + column * wide, axes.top + (rows - end) * high
-            if not shares[column, start:end].any():
-                continue  # an empty workspace has no colour
-            paths.setdefault(int(shades[column, start]), []).append(
-                f"M{x:.2f} {y:.2f}h{wide:.2f}v{(end - start) * high:.2f}h{-wide:.2f}z"
-            )
+    shades[shares == 0.0] = -1  # an empty workspace has no colour
     return "".join(
         f'<path fill="{palette.ramp_color(n / (SHADES - 1))}" shape-rendering="crispEdges" '
-        f'd="{"".join(path)}"/>'
-        for n, path in sorted(paths.items())
+        f'd="{columns(axes, shades == n)}"/>'
+        for n in np.unique(shades[shades >= 0]).tolist()
     )
 
 

@@ -43,9 +43,7 @@ class Chart(Slice):
         spec = review.machine.map_spec
         if spec is None:
             raise InputError("this mechanism has no map")
-        known = [quantity.key for quantity in spec.quantities]
-        if self.quantity not in known:
-            raise InputError(f"a map shows {', '.join(known)}, not {self.quantity!r}")
+        session.listed(self.quantity, [q.key for q in spec.quantities], "a map shows")
         for axis, span in zip(map_axes(review), self.spans, strict=True):
             if not (math.isfinite(span.low) and math.isfinite(span.high)):
                 raise InputError(f"the ends of {axis.symbol} must be finite numbers")

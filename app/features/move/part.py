@@ -10,7 +10,7 @@ import numpy as np
 
 from app.features.move.scene import dragged
 from app.features.move.state import Place, Visit
-from app.jobs.parts import Part
+from app.jobs.parts import Grip, Part
 from app.review.changes import Change
 from app.review.state import Review
 from app.review.view import View
@@ -25,33 +25,26 @@ class MovePart(Part):
 
     def __init__(self, stage: Any) -> None:
         super().__init__(stage)
-        self._dragging: set[int] = set()
-        self._grips = 0
+        self._grip = Grip()
         self._from: View | None = None  # where a visit was begun
         self._morph: Morph | None = None
 
     def prepare(self) -> None:
-        self._dragging.clear()
+        self._grip = Grip()
         dragged(self.stage.scene, lambda *what: self.stage.ask(self.drag, *what))
 
     def drag(self, phase: str, client_id: int | None, placed: Array) -> bool:
         """A hand holds the platform, (4, 4), or lets it go."""
-        who = -1 if client_id is None else client_id
-        if phase == "end":
-            self._dragging.discard(who)
-        elif not self._dragging:
-            self._grips += 1
-        if phase != "end":
-            self._dragging.add(who)
-        self.stage.scene.held = bool(self._dragging)
-        if phase == "end":
+        moved = self._grip.take(phase, client_id)
+        self.stage.scene.held = self._grip.held
+        if not moved:
             self.stage.scene.release_handle()
             return True
         if not np.isfinite(placed).all():
             return False
         review = self.stage.review
         pose = review.machine.pose_from_transform(placed, review.mode)
-        return self.stage.apply(Place(pose, held=self._grips), None)
+        return self.stage.apply(Place(pose, held=self._grip.number), None)
 
     # --- the way to another solution
 

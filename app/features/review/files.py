@@ -33,6 +33,13 @@ MEDIA_TYPES = {
     "glb": "model/gltf-binary",
     "obj": "model/obj",
     "toml": "application/toml",
+    "json": "application/json",
+    "html": "text/html",
+    "csv": "text/csv",
+    "svg": "image/svg+xml",
+    "png": "image/png",
+    "dxf": "image/vnd.dxf",
+    "npz": "application/octet-stream",
 }
 
 
@@ -42,7 +49,11 @@ class ExportedFile:
 
     name: str
     data: bytes
-    media_type: str
+
+    @property
+    def media_type(self) -> str:
+        """What it is, for a server that hands it out."""
+        return MEDIA_TYPES[self.name.rpartition(".")[2]]
 
 
 def format_of(path: PurePath) -> str:
@@ -109,7 +120,7 @@ def solid_file(built: BuiltSolid, placement: ArrayLike, kind: str, *, name: str)
     """
     data = solid_bytes(built, placement, kind)
     unit = "" if kind in WITH_UNIT else "_mm"
-    return ExportedFile(f"{name}{unit}.{kind}", data, MEDIA_TYPES[kind])
+    return ExportedFile(f"{name}{unit}.{kind}", data)
 
 
 def build_file(
@@ -131,7 +142,7 @@ def build_file(
     data = mesh_bytes(mesh, placement, kind, is_open=part == LOCUS)
     unit = "" if kind in WITH_UNIT else "_mm"
     named = part if part == LOCUS else f"piece{part}"
-    return ExportedFile(f"{name}_{named}{unit}.{kind}", data, MEDIA_TYPES[kind])
+    return ExportedFile(f"{name}_{named}{unit}.{kind}", data)
 
 
 def solid_name(
@@ -154,7 +165,7 @@ def design_file(design: Design) -> ExportedFile:
     from kinematics.designs.files import write_design
 
     text = write_design(design)
-    return ExportedFile(f"{sanitized(design.name)}.toml", text.encode(), MEDIA_TYPES["toml"])
+    return ExportedFile(f"{sanitized(design.name)}.toml", text.encode())
 
 
 def sanitized(text: str) -> str:

@@ -118,7 +118,7 @@ class ReviewPanel(Panel):
     def _session(self, client: Client) -> None:
         text = session.to_text(self.review)
         name = f"{sanitized(self.review.design.name)}.bohemia.json"
-        self.desk.download(ExportedFile(name, text.encode(), "application/json"), client)
+        self.desk.download(ExportedFile(name, text.encode()), client)
 
     def _open(self, file: Any, client: Client) -> None:
         if len(file.content) > session.MAX_BYTES:

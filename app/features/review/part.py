@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import time
+from typing import Any
 
 from app.features.review.files import ExportedFile, solid_name
 from app.jobs.parts import Client, Part, Stage
 from app.review import session
 from app.review.state import Review
 from kinematics.errors import InputError
+from kinematics.mechanism import Design
 
 SETTLED = 0.8  # s without a change before the session is saved
 
@@ -46,10 +48,8 @@ class ReviewPart(Part):
 
     def picture(self, client: Client) -> None:
         """A picture of one browser's view."""
-        if client is None:
-            raise InputError("a picture is taken of one browser's view; press the button there")
 
-        def make() -> ExportedFile:
+        def make(client: Any) -> ExportedFile:
             import imageio.v3 as iio
 
             camera = client.camera
@@ -57,19 +57,19 @@ class ReviewPart(Part):
             height, width = int(camera.image_height * scale), int(camera.image_width * scale)
             image = client.get_render(height, width, transport_format="png")
             name = f"{solid_name(self.stage.review.design, 'view', ())}.png"
-            return ExportedFile(name, iio.imwrite("<bytes>", image, extension=".png"), "image/png")
+            return ExportedFile(name, iio.imwrite("<bytes>", image, extension=".png"))
 
-        self.save(make, client)
+        missing = "a picture is taken of one browser's view; press the button there"
+        self.save(client, make, client, missing)
 
     def scene_page(self, client: Client) -> None:
         """The scene as one file that anyone can open and turn."""
 
-        def make() -> ExportedFile:
+        def make(design: Design) -> ExportedFile:
             page = self.stage.server.scene.as_html()
-            name = f"{solid_name(self.stage.review.design, 'scene', ())}.html"
-            return ExportedFile(name, page.encode(), "text/html")
+            return ExportedFile(f"{solid_name(design, 'scene', ())}.html", page.encode())
 
-        self.save(make, client)
+        self.save(self.stage.review.design, make, client)
 
 
 PARTS = (ReviewPart,)

@@ -351,6 +351,8 @@ VOLUME: Question[Region, Volume] = Question("the exact volume", "measures", meas
 Inside = tuple[Region, tuple[float, ...] | None]
 """Of what the largest is wanted, and about which point; None for wherever the most room is."""
 BALL: Question[Inside, tuple[Sphere, ...]] = Question(
-    "the largest ball", "measures", sphere, slow=True
+    "the largest ball", "measures", sphere, slow=True, urgent=True
 )
-BOX: Question[Inside, tuple[Box, ...]] = Question("the largest box", "measures", box, slow=True)
+BOX: Question[Inside, tuple[Box, ...]] = Question(
+    "the largest box", "measures", box, slow=True, urgent=True
+)

@@ -11,7 +11,6 @@ from kinematics.plane.files import section_csv, section_dxf, section_loops
 __all__ = ["FORMATS", "section_bytes", "section_loops"]
 
 FORMATS: tuple[str, ...] = ("svg", "dxf", "csv")
-MEDIA_TYPES = {"svg": "image/svg+xml", "dxf": "image/vnd.dxf", "csv": "text/csv"}
 
 
 def section_bytes(section: Section, spec: SectionSpec, kind: str, *, title: str = "") -> bytes:

@@ -7,7 +7,7 @@ import numpy as np
 from app.review.units import area_text, number, plural, spaced, tenths
 from app.scene import palette
 from app.widgets.axes import Axes, Figure, scales, ticks
-from app.widgets.texts import box, chip, esc
+from app.widgets.texts import box, chip, esc, table
 from kinematics.answers.sections import Section, SectionSpec, Volume
 
 COLUMNS = 336  # places along x′ of which the profile tells the area, one a pixel
@@ -38,17 +38,14 @@ def numbers_html(section: Section, spec: SectionSpec, along: tuple[float, float]
         ("Area", f'<span title="{exact}">{area_text(section.area)}</span>'),
         ("Perimeter", f"{section.perimeter:.1f} mm"),
         (
-            f"Centroid ({first}, {second})",
+            f"Centroid ({esc(first)}, {esc(second)})",
             f"{tenths(section.centroid[0])}, {tenths(section.centroid[1])} mm",
         ),
         ("In all", f"{plural(section.pieces, 'piece')}, {loops}"),
         ("Bounded by", limbs),
     )
-    body = "".join(
-        f'<tr><td style="opacity:.75;padding-right:.9em;white-space:nowrap">{esc(title)}</td>'
-        f'<td style="font-variant-numeric:tabular-nums">{value}</td></tr>'
-        for title, value in rows
-    )
+    titled = "opacity:.75;padding-right:.9em;white-space:nowrap;width:1%"
+    body = table(rows, (titled, "font-variant-numeric:tabular-nums"))
     moments = "<br>".join(
         f"I<sub>{name}</sub> = {moment:.6g}".replace("e-", "e−").replace("= -", "= −") + " mm⁴"
         for name, moment in zip(
@@ -59,7 +56,7 @@ def numbers_html(section: Section, spec: SectionSpec, along: tuple[float, float]
         f'<details style="opacity:.75"><summary>Exactly</summary>{exact}<br>second moments about '
         f"the centroid (I<sub>{first}{first}</sub> = ∫{first}² dA):<br>{moments}</details>"
     )
-    return box(f"<table>{body}</table>{details}")
+    return box(f"{body}{details}")
 
 
 def profile_axes(volume: Volume) -> Axes | None:

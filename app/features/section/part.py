@@ -12,11 +12,11 @@ from app.features.move.state import Visit
 from app.features.review.files import ExportedFile, solid_name
 from app.features.section import compute
 from app.features.section.compute import BALL, BOX, SECTION, VOLUME, Drawn, Region, Sections
-from app.features.section.files import MEDIA_TYPES, section_bytes
+from app.features.section.files import section_bytes
 from app.features.section.scene import Inside, Plane
 from app.features.section.state import Cut, MoveCut
 from app.jobs.answers import Asked
-from app.jobs.parts import Client, Part, Stage
+from app.jobs.parts import Client, Grip, Part, Stage
 from app.jobs.process import Process, give_way
 from app.review.view import View, reaching_mode
 from app.widgets.desk import DIGITS, Sheet
@@ -36,8 +36,7 @@ class SectionPart(Part):
         super().__init__(stage)
         self._plane = Plane(stage.scene, lambda *what: stage.ask(self.drag, *what))
         self._inside = Inside(stage.scene)
-        self._dragging: set[int] = set()
-        self._grips = 0
+        self._grip = Grip()
         self._region: Region | None = None
         self._asked: dict[str, compute.Inside] = {}  # balls and boxes in that workspace
         self._going: tuple[Client] | None = None
@@ -51,7 +50,7 @@ class SectionPart(Part):
     def prepare(self) -> None:
         kind = self.stage.view.review.design.mechanism
         threading.Thread(target=self._make_ready, args=(kind,), daemon=True).start()
-        self._plane.prepare(self.stage.view.drawing.size)
+        self._plane.prepare()
         self._inside.prepare()
 
     def _make_ready(self, kind: str) -> None:
@@ -93,22 +92,17 @@ class SectionPart(Part):
         of = self._region if drawn is None else drawn.wish.region
         frame = required(machine_of(of.design).sections, "exact sections").frame(of.pose)
         extent = None if drawn is None else drawn.extent
-        on, held = review[Cut].on, bool(self._dragging)
+        on, held = review[Cut].on, self._grip.held
         self._plane.place(frame, review[Cut].at, extent, on=on, dragging=held)
 
     # --- what a person asks for
 
     def drag(self, phase: str, client_id: int | None, at: float) -> bool:
         """A hand holds the plane in the scene, or lets it go."""
-        who = -1 if client_id is None else client_id
-        if phase == "end":
-            self._dragging.discard(who)
+        if not self._grip.take(phase, client_id):
             self._place()
             return False
-        if not self._dragging:
-            self._grips += 1
-        self._dragging.add(who)
-        return self.stage.apply(MoveCut(round(at, DIGITS), held=self._grips), None)
+        return self.stage.apply(MoveCut(round(at, DIGITS), held=self._grip.number), None)
 
     def inscribe(self, what: str, here: bool) -> None:
         """Find the largest ball or box in the workspace, about the platform or anywhere."""
@@ -156,16 +150,11 @@ class SectionPart(Part):
                 self.stage.complain(f"There is no {what}: nothing of the workspace is there.")
         return asked.question is BALL and self._going is not None and self._go()
 
-    def lost(self, asked: Asked[Any, Any], text: str) -> None:
-        if asked.question in QUESTIONS.values():
-            self._asked = {
-                what: request
-                for what, request in self._asked.items()
-                if QUESTIONS[what] is not asked.question
-            }
+    def lost(self, asked: Asked[Any, Any]) -> None:
+        lost = [what for what, question in QUESTIONS.items() if question is asked.question]
+        for what in lost:
+            self._asked.pop(what, None)
             self._going = None
-            if text:
-                self.stage.complain(text)
 
     # --- what is shown
 
@@ -189,11 +178,9 @@ class SectionPart(Part):
 
     def save_section(self, kind: str, client: Client) -> None:
         """Save the section as a file of this kind."""
+        missing = "There is no section to save; show it first."
         drawn = self.answers[SECTION].now
-        if drawn is None:
-            self.stage.complain("There is no section to save; show it first.", client)
-            return
-        self.save(partial(section_file, drawn, kind), client)
+        self.save(drawn, lambda drawn: section_file(drawn, kind), client, missing)
 
 
 PARTS = (SectionPart,)
@@ -210,4 +197,4 @@ def section_file(drawn: Drawn, kind: str) -> ExportedFile:
     name = f"{solid_name(of.design, 'section', angles, of.modes)}_at{drawn.section.at:.6g}"
     title = of.design.title or of.design.name
     data = section_bytes(drawn.section, spec, kind, title=title)
-    return ExportedFile(f"{name}.{kind}", data, MEDIA_TYPES[kind])
+    return ExportedFile(f"{name}.{kind}", data)

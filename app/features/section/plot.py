@@ -12,11 +12,10 @@ from html import escape
 from math import atan2, ceil, cos, hypot, isfinite, pi, sin
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.scene.painting import Scale
 from app.scene.palette import BEYOND, INK, INK_DARK, WORKSPACE, limb_color
-from app.widgets.axes import Axes, scales, ticks
+from app.widgets.axes import Axes, runs, scales, ticks
 from kinematics.answers.sections import BOUNDS, Construction, EdgeBound, Section, SectionSpec
 from kinematics.arrays import Array
 
@@ -268,7 +267,7 @@ def _shaded(section: Section, frame: Axes, shade: Shade, dark: bool) -> str:
         path = "".join(
             f"M{left + c * wide:.2f} {low - (r + 1) * high:.2f}h{count * wide + 0.3:.2f}"
             f"v{high + 0.3:.2f}h{-count * wide - 0.3:.2f}z"
-            for r, c, count in _runs(step == n)
+            for r, c, count in runs(step == n)
         )
         if path:
             parts.append(f'<path class="shade" d="{path}" fill="{shade.steps.color(n)}"/>')
@@ -287,14 +286,6 @@ def _shaded(section: Section, frame: Axes, shade: Shade, dark: bool) -> str:
             'stroke="none"/>'
         )
     return "".join(parts)
-
-
-def _runs(cells: NDArray[np.bool_]) -> Iterator[tuple[int, int, int]]:
-    """Row, first column and number of the neighbours in a row that are set."""
-    edges = np.diff(np.pad(cells.astype(np.int8), ((0, 0), (1, 1))), axis=1)
-    rows, first = np.nonzero(edges == 1)
-    behind = np.nonzero(edges == -1)[1]
-    yield from zip(rows.tolist(), first.tolist(), (behind - first).tolist(), strict=True)
 
 
 def _curve(points: Array, frame: Axes, *, faint: bool = False) -> str:

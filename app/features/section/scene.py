@@ -35,7 +35,7 @@ class Plane:
         self._edges: Edges | None = None
         self._handle: Any = None
 
-    def prepare(self, size: float) -> None:
+    def prepare(self) -> None:
         """Make the nodes, with nothing to see."""
         scene, nodes = self._nodes.server.scene, self._nodes
         self._frame = scene.add_frame("/section", show_axes=False, visible=False)
@@ -43,9 +43,8 @@ class Plane:
         self._hatch = nodes.lines("/section/hatch", grey, 1.2)
         self._outline = nodes.lines("/section/outline", palette.WORKSPACE, 1.5)
         self._edges = Edges(nodes, "/section", 3.0)
-        self._handle = scene.add_transform_controls(
+        handle = scene.add_transform_controls(
             "/section/handle",
-            scale=0.3 * size,
             line_width=3.0,
             active_axes=(True, False, False),
             disable_sliders=True,
@@ -54,6 +53,8 @@ class Plane:
             depth_test=False,
             opacity=0.85,
         )
+
+        self._handle = self._nodes.sized(handle, scale=0.3)
 
         async def dragged(event: Any) -> None:
             self._moved(event.phase, event.client_id, float(event.target.position[0]))

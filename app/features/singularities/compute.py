@@ -305,7 +305,7 @@ PASSED: Question[tuple[Place, tuple[float, ...]], tuple[Event, ...]] = Question(
 )
 BESIDE: Question[Place, Here] = Question("the counterpart", "control", look)
 CURVES: Question[tuple[object, ...], LocusCurves] = Question(
-    "the singular curves", "loci", curves, REST
+    "the singular curves", "loci", curves, REST, urgent=True
 )
 CURVES_BESIDE: Question[tuple[object, ...], LocusCurves] = Question(
     "the counterpart's curves", "loci", curves, REST
@@ -314,7 +314,7 @@ PROFILES: Question[tuple[object, ...], tuple[tuple[Design, Profile], ...]] = Que
     "the profile", "loci", profiles, REST
 )
 FREE: Question[tuple[object, ...], tuple[Sphere, ...]] = Question(
-    "the largest ball without a singularity", "loci", ball, slow=True
+    "the largest ball without a singularity", "loci", ball, slow=True, urgent=True
 )
 
 

@@ -14,7 +14,7 @@ from app.review.state import Review
 from app.review.units import how_far, in_page_units, minus, page_unit, plural, volume_text
 from app.review.view import short_title
 from app.scene import painting, palette
-from app.widgets.texts import NUMERIC, aged, bar, box, chip, esc, quiet, red, table, tone
+from app.widgets.texts import NUMERIC, aged, bar, box, chip, esc, quiet, red, table, tone, track
 from kinematics.answers.bounds import named
 from kinematics.answers.clearances import Clearance, Remedy
 from kinematics.answers.loci import LocusCurves, LocusSpec
@@ -109,22 +109,19 @@ def _clearance(way: Clearance) -> str:
     way_there = " by turning" if way.angle is not None else f" {way.along}" if way.along else ""
     end = "" if way.bound in ("", "link") else f" ({named(way.bound)})"
     what = f"{whose}{_WHAT[way.kind]}{end}{way_there}"
-    return (
-        f'<tr title="{esc(way.text)}"><td>{mark}{esc(what)}</td>'
-        f'<td style="text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums">'
-        f"{how_far(way, 2)}</td></tr>"
-    )
+    far = f'<td style="{NUMERIC}">{how_far(way, 2)}</td>'
+    return f'<tr title="{esc(way.text)}"><td>{mark}{esc(what)}</td>{far}</tr>'
 
 
 def ways_html(remedy: Remedy) -> str:
     if not remedy.changes:
         return ""
-    rows = "".join(
-        f'<tr><td style="vertical-align:top;padding-right:.6em">{n + 1}</td>'
-        f"<td>{'<br>'.join(esc(change.text) for change in way)}</td></tr>"
-        for n, way in enumerate(remedy.changes[:WAYS])
+    rows = (
+        (f"{n}", "<br>".join(esc(change.text) for change in way))
+        for n, way in enumerate(remedy.changes[:WAYS], 1)
     )
-    return box(f"Or change the design, the pose as it is:<table>{rows}</table>")
+    listed = table(rows, ("vertical-align:top;padding-right:.6em;width:1%",))
+    return box(f"Or change the design, the pose as it is:{listed}")
 
 
 def forces_html(here: Here | None) -> str:
@@ -139,18 +136,13 @@ def forces_html(here: Here | None) -> str:
         # Bars of forces and of moments beside them are not to one scale.
         largest = max(abs(v) for v, u in zip(values.tolist(), units, strict=True) if u == unit)
         color = palette.limb_color(name.limb) if name.limb else palette.STEEL
-        half = 50.0 * abs(value) / max(largest, 1e-12)
-        left = 50.0 if value >= 0 else 50.0 - half
+        ends = sorted((0.5, 0.5 + 0.5 * value / max(largest, 1e-12)))
         shown = minus(f"{value:.4g}")
         rows.append(
             (
                 f"{chip(color)}{esc(name.symbol)}",
                 f"{shown} {unit}",
-                '<div style="position:relative;height:.55em;background:rgba(128,138,150,.18);'
-                f'border-radius:3px"><div style="position:absolute;left:{left:.1f}%;'
-                f'width:{half:.1f}%;top:0;bottom:0;background:{color}"></div>'
-                '<div style="position:absolute;left:50%;top:-2px;bottom:-2px;width:1px;'
-                'background:currentColor"></div></div>',
+                track([(ends[0], ends[1], color), (0.5, None, "currentColor")]),
             )
         )
     forces = table(rows, ("", f"{NUMERIC};padding:0 .6em", "width:45%"), "border-spacing:0 2px")
@@ -242,20 +234,18 @@ def comparison_html(here: Here | None, beside: Here | None) -> str:
 def _pair(title: str, one: str, two: str, better: bool) -> str:
     bold = ("font-weight:600" if flag else "" for flag in (better, not better))
     cells = "".join(
-        f'<td style="text-align:right;font-variant-numeric:tabular-nums;{style}">{esc(text)}</td>'
+        f'<td style="{NUMERIC};{style}">{esc(text)}</td>'
         for style, text in zip(bold, (one, two), strict=True)
     )
     return f"<tr><td>{esc(title)}</td>{cells}</tr>"
 
 
 def legend_html(measure: Measure, steps: painting.Scale) -> str:
-    cells = "".join(
-        f'<td style="background:{steps.color(n)};height:.7em"></td>' for n in range(painting.STEPS)
-    )
+    shades = [f"background:{steps.color(n)};height:.7em" for n in range(painting.STEPS)]
     low, high = float(steps.edges[0]), float(steps.edges[-1])
     unit = f" {measure.unit}" if measure.unit else ""
     return (
-        f'{esc(measure.title)}<table style="width:100%;border-spacing:0"><tr>{cells}</tr></table>'
+        f"{esc(measure.title)}{table([[''] * len(shades)], shades, 'border-spacing:0')}"
         f'<div style="display:flex;justify-content:space-between"><span>{low:.3g}{esc(unit)}</span>'
         f"<span>{high:.3g}{esc(unit)}</span></div>"
     )

@@ -36,7 +36,6 @@ from app.widgets.desk import (
     Sheet,
     answer,
     explain,
-    put,
     put_prop,
 )
 from app.widgets.texts import box, esc
@@ -162,11 +161,8 @@ class AspectsFolder(Group):
                 partial(Show, ASPECTS),
             )
             self.switch("Singular surface", Control, "locus", SetControl, "Where control is lost")
-            self._opacity = gui.add_slider("Opacity", 0.05, 1.0, 0.05, 0.5)
-            answer(
-                desk,
-                self._opacity,
-                lambda value, client: desk.send(Fade((ASPECTS,), value), client),
+            self.bind(
+                gui.add_slider("Opacity", 0.05, 1.0, 0.05, 0.5), _opacity, partial(Fade, (ASPECTS,))
             )
             self.choice(
                 "Colour by",
@@ -195,9 +191,6 @@ class AspectsFolder(Group):
 
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)
-        shown = self.review[Workspace].shown(ASPECTS)
-        if shown is not None:
-            put(self.desk, self._opacity, shown.opacity)
         self.say(self._pieces, pieces_html(self.review, self._solids))
 
     def told(self, sheet: Sheet, news: Any) -> None:
@@ -281,3 +274,8 @@ class MotionFolder(Group):
 
 
 PANELS = (SingularitiesPanel,)
+
+
+def _opacity(review: Review) -> float:
+    shown = review[Workspace].shown(ASPECTS)
+    return 0.5 if shown is None else shown.opacity

@@ -32,18 +32,18 @@ from app.features.singularities.scene import Held, Loads
 from app.features.singularities.state import Control, SetControl
 from app.jobs.answers import Asked, Key
 from app.jobs.lane import Done, Job, Lost
-from app.jobs.parts import Client, Part, Stage
+from app.jobs.parts import Client, Grip, Part, Stage
 from app.review.changes import Change
 from app.review.state import Review
 from app.review.view import Clear, View
 from app.scene.machine import machine_bounds
 from app.widgets.desk import Sheet
+from kinematics.answers.loci import LocusCurves
 from kinematics.arrays import Array
 from kinematics.machine import required
 
 KEPT = 60  # lines of the log
 FRAME = 0.03  # s between two pictures of a free motion
-MEDIA_TYPES = {"svg": "image/svg+xml", "csv": "text/csv"}
 
 
 class ControlPart(Part):
@@ -55,16 +55,15 @@ class ControlPart(Part):
         super().__init__(stage)
         self._held = Held(stage.scene)
         self._loads = Loads(stage.scene, lambda *what: stage.ask(self.pull, *what))
-        self._pulling: set[int] = set()
+        self._grip = Grip()
         self._free: Asked[Any, Any] | None = None  # a ball that a person asked for
         self._swing: tuple[float, tuple[float, ...]] | None = None
         self._watched: compute.Place | None = None
         self._log: tuple[Logged, ...] = ()
 
     def prepare(self) -> None:
-        size = self.stage.view.drawing.size
-        self._held.prepare(size)
-        self._loads.prepare(size)
+        self._held.prepare()
+        self._loads.prepare()
         self._swing = None
 
     # --- what is wanted
@@ -129,11 +128,9 @@ class ControlPart(Part):
             self.stage.complain("There is no such ball: nothing of the workspace is there.")
         return False
 
-    def lost(self, asked: Asked[Any, Any], text: str) -> None:
+    def lost(self, asked: Asked[Any, Any]) -> None:
         if asked.question is FREE:
             self._free = None
-        if asked.question in (FREE, CURVES) and text:
-            self.stage.complain(text)
 
     # --- what a person asks for
 
@@ -141,13 +138,9 @@ class ControlPart(Part):
         """A hand holds the tip of the load's arrow (mm, base frame): the force follows it, the
         moment stays.
         """
-        who = -1 if client_id is None else client_id
-        if phase == "end":
-            self._pulling.discard(who)
-        else:
-            self._pulling.add(who)
-        self._loads.pulled = bool(self._pulling)
-        if phase == "end":
+        moved = self._grip.take(phase, client_id)
+        self._loads.pulled = self._grip.held
+        if not moved:
             self.late = True
             return False
         force = self._loads.force_of(self.stage.view, tip)
@@ -209,20 +202,15 @@ class ControlPart(Part):
 
     def save_curves(self, kind: str, client: Client) -> None:
         """Save the chart's curves as a file of this kind."""
-        review, curves = self.stage.view.review, self.answers[CURVES].now
-        if curves is None:
-            self.stage.complain("There are no curves to save yet.", client)
-            return
-        chart = review[Control].chart
-        spec = next(s for s in review.machine.singularities.loci if s.key == chart)
-        name = solid_name(review.design, f"singularities-{spec.key}", (), (review.mode,))
-        title = review.design.title or review.design.name
+        review = self.stage.view.review
+        chart, title = review[Control].chart, review.design.title or review.design.name
 
-        def make() -> ExportedFile:
-            data = locus_bytes(curves, spec, kind, title=title)
-            return ExportedFile(f"{name}.{kind}", data, MEDIA_TYPES[kind])
+        def make(curves: LocusCurves) -> ExportedFile:
+            spec = next(s for s in review.machine.singularities.loci if s.key == chart)
+            name = solid_name(review.design, f"singularities-{spec.key}", (), (review.mode,))
+            return ExportedFile(f"{name}.{kind}", locus_bytes(curves, spec, kind, title=title))
 
-        self.save(make, client)
+        self.save(self.answers[CURVES].now, make, client, "There are no curves to save yet.")
 
     # --- what is shown
 

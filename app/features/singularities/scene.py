@@ -54,13 +54,13 @@ class Held:
         self._ghost_of: object = None
         self._ball = Ball(nodes, "/free", palette.FREE)
 
-    def prepare(self, size: float) -> None:
+    def prepare(self) -> None:
         """Make the nodes, with nothing to see."""
         nodes = self._nodes
         self._lines = [
             nodes.lines(f"/control/wrench{n}", palette.limb_color(n + 1), 2.0) for n in range(MOST)
         ]
-        self._arrows = nodes.arrows("/control/arrows", size, 0.008)
+        self._arrows = nodes.arrows("/control/arrows", 0.008)
         self._ways = nodes.lines("/control/ways", palette.INK, 2.5)
         self._labels = [nodes.label(f"/control/labels/way{n}") for n in range(MOST)]
         self._ghost = nodes.mesh("/control/ghost", palette.BEYOND, 0.6)
@@ -161,25 +161,21 @@ class Loads:
         self._labels: dict[str, list[Any]] = {}
         self._tip: Any = None
 
-    def prepare(self, size: float) -> None:
+    def prepare(self) -> None:
         """Make the nodes, with nothing to see."""
         nodes = self._nodes
         self._forces, self._load, self._rates = (
-            nodes.arrows(f"/control/{name}", size, shaft)
+            nodes.arrows(f"/control/{name}", shaft)
             for name, shaft in (("forces", 0.012), ("load", 0.014), ("rates", 0.008))
         )
         self._labels = {
             name: [nodes.label(f"/control/labels/{name}{n}") for n in range(count)]
             for name, count in (("force", MOST), ("rate", 2))
         }
-        self._tip = nodes.server.scene.add_transform_controls(
-            "/control/tip",
-            scale=0.2 * size,
-            line_width=3.0,
-            disable_rotations=True,
-            depth_test=False,
-            visible=False,
+        tip = nodes.server.scene.add_transform_controls(
+            "/control/tip", line_width=3.0, disable_rotations=True, depth_test=False, visible=False
         )
+        self._tip = nodes.sized(tip, scale=0.2)
 
         async def dragged(event: Any) -> None:
             tip = tuple(float(v) for v in event.target.position)

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
+from app.review import content as session
 from app.review.changes import SetOne
 from app.review.state import Review, Slice, is_planar
 from kinematics.errors import InputError
@@ -54,12 +55,9 @@ class Control(Slice):
 
     def checked(self, review: Review) -> Self:
         machine = review.machine
-        measures = [measure.key for measure in machine.measures.specs]
-        if self.shade and self.shade not in measures:
-            raise InputError(f"colour shows {', '.join(measures)}, not {self.shade!r}")
-        charts = [spec.key for spec in machine.singularities.loci]
-        if self.chart and self.chart not in charts:
-            raise InputError(f"a chart of loci is one of {', '.join(charts)}, not {self.chart!r}")
+        session.listed(self.shade, ("", *(m.key for m in machine.measures.specs)), "colour shows")
+        charts = ("", *(spec.key for spec in machine.singularities.loci))
+        session.listed(self.chart, charts, "a chart of loci is one of")
         if any(not (math.isfinite(r) and 0.0 < r <= MAX_RATIO) for r in self.ratios):
             raise InputError(f"a ratio is a positive number up to {MAX_RATIO:g}")
         if len(self.ratios) > MAX_RATIOS:
@@ -80,16 +78,9 @@ class Control(Slice):
 
     def carried(self, before: Review, review: Review) -> Self:
         """Without the measure, the chart or the rates that the other mechanism has not."""
-        kept = self
-        if self.load == usual_load(before.machine):
-            kept = replace(kept, load=usual_load(review.machine))
-        nothing = type(self)()
-        for name in ("shade", "chart", "rates", "accelerations"):
-            try:
-                replace(nothing, **{name: getattr(self, name)}).checked(review)
-            except InputError:
-                kept = replace(kept, **{name: getattr(nothing, name)})
-        return kept
+        usual = self.load == usual_load(before.machine)
+        kept = replace(self, load=usual_load(review.machine)) if usual else self
+        return Slice.carried(kept, before, review)
 
 
 SLICES = (Control,)

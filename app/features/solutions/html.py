@@ -15,7 +15,7 @@ from app.review.state import Review
 from app.review.units import in_page_units, joint_text, pose_text, tenths
 from app.scene import palette
 from app.terminal.tables import condition_text
-from app.widgets.texts import box, esc, quiet, red, tone
+from app.widgets.texts import box, esc, quiet, red, table, tone, track
 from kinematics.answers.modes import Mode
 from kinematics.mechanism import Coordinate
 
@@ -137,39 +137,32 @@ def key_html(axes: Sequence[Coordinate], limbs: int) -> str:
 def strokes_html(
     spans: Sequence[tuple[Coordinate, float, float | None, float | None]],
 ) -> str:
-    """One line for each actuator: its stroke, where it stands, and the folds ahead of it.
+    """A line for each actuator: its stroke, where it stands, and the folds ahead of it.
 
     ``spans`` holds the coordinate, its value, and the values of the folds below and above.
     """
-    return "".join(_stroke(*span) for span in spans)
+    styles = ("width:1.6em", "text-align:right;padding:0 .6em;width:4em", "", _AFTER)
+    return table((_stroke(*s) for s in spans), styles, "table-layout:fixed;border-spacing:0 3px")
 
 
-def _stroke(axis: Coordinate, value: float, below: float | None, above: float | None) -> str:
+_AFTER = "padding-left:.6em;width:4em"
+
+
+def _stroke(
+    axis: Coordinate, value: float, below: float | None, above: float | None
+) -> tuple[str, ...]:
     def at(v: float) -> float:
-        return 100 * min(max((v - axis.lower) / (axis.upper - axis.lower), 0.0), 1.0)
+        return (v - axis.lower) / (axis.upper - axis.lower)
 
     low = at(axis.lower if below is None else below)
     high = at(axis.upper if above is None else above)
     left, right = (
         "free" if v is None else tenths(in_page_units(axis, v - value)) for v in (below, above)
     )
-    folds = "".join(
-        f'<div style="position:absolute;left:{at(v):.1f}%;top:-2px;bottom:-2px;width:3px;'
-        f'margin-left:-1px;background:{palette.BEYOND}"></div>'
-        for v in (below, above)
-        if v is not None
-    )
-    return (
-        f'<tr><td style="width:1.6em">{esc(axis.symbol)}</td>'
-        f'<td style="text-align:right;padding:0 .6em;width:4em">{left}</td>'
-        '<td><div style="position:relative;height:.5em;background:rgba(128,138,150,.25);'
-        f'border-radius:3px"><div style="position:absolute;left:{low:.1f}%;'
-        f"width:{high - low:.1f}%;top:0;bottom:0;opacity:.75;"
-        f'background:{palette.limb_color(axis.limb or 1)}"></div>{folds}'
-        f'<div style="position:absolute;left:{at(value):.1f}%;top:-3px;bottom:-3px;width:2px;'
-        'margin-left:-1px;background:currentColor"></div></div></td>'
-        f'<td style="padding-left:.6em;width:4em">{right}</td></tr>'
-    )
+    folds = [(at(v), None, palette.BEYOND) for v in (below, above) if v is not None]
+    color = palette.limb_color(axis.limb or 1)
+    line = track([(low, high, color), *folds, (at(value), None, "currentColor")])
+    return esc(axis.symbol), left, line, right
 
 
 # --- sentences -----------------------------------------------------------------------------

@@ -190,8 +190,7 @@ class SolutionsPanel(Panel):
             (axis, value, goals.get((n, False)), goals.get((n, True)))
             for n, (axis, value) in enumerate(joints)
         ]
-        look = "width:100%;table-layout:fixed;border-spacing:0 3px"
-        self.say(self._strokes, box(f'<table style="{look}">{strokes_html(spans)}</table>'))
+        self.say(self._strokes, box(strokes_html(spans)))
         names = tuple(self._folds) or (NO_FOLD,)
         if tuple(self._which.options) != names:
             self._which.options = names

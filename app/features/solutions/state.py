@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar, Literal, Self
 
+from app.review import content as session
 from app.review.changes import SetOne
 from app.review.modes import matching
 from app.review.state import Review, Slice
-from kinematics.errors import InputError
 
 Sort = Literal["distance", "condition", "height", "mode"]
 SORTS: tuple[Sort, ...] = ("distance", "condition", "height", "mode")
@@ -30,17 +30,10 @@ class Atlas(Slice):
     modes: str = ""
 
     def checked(self, review: Review) -> Self:
-        if self.sort not in SORTS:
-            raise InputError(f"solutions are sorted by {', '.join(SORTS)}, not by {self.sort!r}")
+        session.listed(self.sort, SORTS, "solutions are sorted by")
         if self.modes not in ("", SAME_MODE):
             matching(self.modes, review.machine.modes)
         return self
-
-    def carried(self, before: Review, review: Review) -> Self:
-        try:
-            return self.checked(review)
-        except InputError:  # a filter in another mechanism's working modes
-            return replace(self, modes="")
 
 
 SLICES = (Atlas,)

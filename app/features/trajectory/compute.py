@@ -336,8 +336,8 @@ def reach_key(review: Review) -> ReachKey:
 REST = 0.2  # s for which a trajectory must stay asked for before it is computed
 TRAJECTORY: Question[Asked, Computed] = Question("the trajectory", "trajectory", compute, REST)
 DISTANCES: Question[tuple[Computed, tuple[int, ...]], Array] = Question(
-    "", "trajectory", distances, kept=500
+    "", "trajectory", distances, urgent=True, kept=500
 )
-JUDGED: Question[Computed, Computed] = Question("", "trajectory", judged)
+JUDGED: Question[Computed, Computed] = Question("", "trajectory", judged, urgent=True)
 FITS: Question[tuple[Computed, int], Fits] = Question("the polynomials", "trajectory", fitted, REST)
 REACH: Question[ReachKey, Reach] = Question("the reach", "trajectory", reach)

@@ -11,7 +11,7 @@ from app.features.trajectory.compute import Computed, Moved
 from app.features.trajectory.text import LOST, polynomial
 from app.review.units import minus, sentence
 from app.scene import palette
-from app.widgets.texts import aged, box, chip, esc, red, tone
+from app.widgets.texts import aged, box, chip, esc, red, table, tone
 from kinematics.mechanism import Coordinate
 from kinematics.trajectories import Event, Fits
 
@@ -92,23 +92,23 @@ def fits_html(
             f'<b style="color:{color}">{esc(joint.symbol)}(t)</b> = '
             f"{_superscripts(polynomial(row, digits=fits.digits))} {unit}</div>"
         )
-    heads = "".join(f"<th>{h}</th>" for h in ("", "σ", "largest", "σ /s", "σ /s²"))
     deviation, largest = fits.deviation, fits.largest
     rows = []
     for n, axis in enumerate(axes):
         scale = degrees(1.0) if axis.unit == "rad" else 1.0
         unit = "°" if axis.unit == "rad" else "mm"
         values = (deviation[0][n], largest[0][n], deviation[1][n], deviation[2][n])
-        cells = "".join(f"<td>{_size(float(v) * scale)}</td>" for v in values)
-        rows.append(f"<tr><td>{esc(axis.symbol)} ({unit})</td>{cells}</tr>")
+        sizes = (_size(float(v) * scale) for v in values)
+        rows.append((f"{esc(axis.symbol)} ({unit})", *sizes))
     note = esc(LOST) if not fits.carried else ""
     if fits.trouble:
         note = f"{esc(fits.trouble[:1].upper() + fits.trouble[1:])}."
     if note:
         note = f'<div style="margin-top:.3em">{note}</div>'
+    heads = ("", "σ", "largest", "σ /s", "σ /s²")
     return box(
         f"{''.join(lines)}True error of the machine that follows them, FK(fit) − path:"
-        f'<table style="width:100%;text-align:right"><tr>{heads}</tr>{"".join(rows)}</table>{note}'
+        f"{table(rows, style='text-align:right', heads=heads)}{note}"
     )
 
 

@@ -39,7 +39,6 @@ from kinematics.trajectories import duration_within
 
 OPENED = 0.7  # s in which a browser has opened or closed the plots, and says how wide it is
 FRAME = 1 / 31  # s between two pictures
-MEDIA_TYPES = {"csv": "text/csv", "svg": "image/svg+xml"}
 
 
 class TrajectoryPart(Part):
@@ -61,7 +60,7 @@ class TrajectoryPart(Part):
         self._before: Computed | None = None
 
     def prepare(self) -> None:
-        self._trail.prepare(self.stage.view.drawing.size)
+        self._trail.prepare()
         self._told = self._before = None
         self.playing.forget()
         if self.stage.view.review[Plan].on:  # its window has been closed and is opened again
@@ -131,11 +130,8 @@ class TrajectoryPart(Part):
         self.playing.follow(self.stage.view.review, self.current)
         return False
 
-    def lost(self, asked: answers.Asked[Any, Any], text: str) -> None:
-        if asked.question in (DISTANCES, JUDGED):
-            self._given_up = True
-            if text:
-                self.stage.complain(text)
+    def lost(self, asked: answers.Asked[Any, Any]) -> None:
+        self._given_up |= asked.question in (DISTANCES, JUDGED)
 
     # --- what a person asks for
 
@@ -168,21 +164,19 @@ class TrajectoryPart(Part):
 
     def save_trajectory(self, kind: str, client: Client = None) -> None:
         """Save the trajectory as CSV, or its plots as SVG."""
-        computed, plot = self._moved().computed, self.stage.view.review[Plan].plot
-        if computed is None or self.current is None:
-            self.stage.complain("There is no trajectory to save yet.", client)
-            return
-        of = computed.asked
-        name = solid_name(of.design, "trajectory", (), (of.mode,) if of.mode else None)
+        plot = self.stage.view.review[Plan].plot
 
-        def make() -> ExportedFile:
+        def make(computed: Computed) -> ExportedFile:
+            of = computed.asked
+            name = solid_name(of.design, "trajectory", (), (of.mode,) if of.mode else None)
             if kind == "csv":
                 data = trajectory_csv(computed.found, of.machine.coordinates, of.machine.joints)
             else:
                 data = plots_svg(computed, plot, of.design.title or of.design.name)
-            return ExportedFile(f"{name}.{kind}", data.encode(), MEDIA_TYPES[kind])
+            return ExportedFile(f"{name}.{kind}", data.encode())
 
-        self.save(make, client)
+        computed = None if self.current is None else self._moved().computed
+        self.save(computed, make, client, "There is no trajectory to save yet.")
 
     # --- what is shown
 

@@ -11,7 +11,7 @@ import numpy as np
 from app.features.trajectory.compute import Computed, known_distances
 from app.review.units import minus, number
 from app.scene import palette
-from app.widgets.axes import Axes, Figure, ticks
+from app.widgets.axes import Axes, Figure, label, scales, ticks
 from app.widgets.texts import esc
 from kinematics.arrays import Array
 from kinematics.mechanism import Coordinate
@@ -337,43 +337,14 @@ def _bands(found: Trajectory, axes: Axes) -> str:
 
 def _frame(strip: Strip, axes: Axes, *, last: bool) -> str:
     wide, high = axes.inner
-    low = axes.top + high
-    parts = [
-        f'<rect x="{axes.left:g}" y="{axes.top:g}" width="{wide:g}" height="{high:g}" fill="none" '
-        'stroke="currentColor" stroke-opacity=".45"/>'
-        f'<text x="{axes.left:g}" y="{axes.top - 5:g}" fill="currentColor" font-size="10">'
-        f"{esc(strip.title)}</text>"
-    ]
-    for value in _levels(axes.y, 3 if high < ALONE else 7):
-        _, y = axes.px(0.0, value)
-        parts.append(
-            f'<path d="M{axes.left:g} {y:.1f}h-4" stroke="currentColor" stroke-opacity=".6"/>'
-            f'<path d="M{axes.left:g} {y:.1f}h{wide:g}" stroke="currentColor" '
-            f'stroke-opacity=".08"/><text x="{axes.left - 6:g}" y="{y + 3.5:.1f}" '
-            f'text-anchor="end" fill="currentColor" font-size="10">{_tick(value)}</text>'
-        )
-    for value in ticks(*axes.x, 8):
-        x, _ = axes.px(value, 0.0)
-        anchor = "middle" if x < axes.left + wide - 14 else "end"
-        label = (
-            f'<text x="{x:.1f}" y="{low + 14:g}" text-anchor="{anchor}" fill="currentColor" '
-            f'font-size="10">{number(value)}</text>'
-        )
-        parts.append(
-            f'<path d="M{x:.1f} {low:g}v4" stroke="currentColor" stroke-opacity=".6"/>'
-            f"{label if last else ''}"
-        )
-    if last:
-        parts.append(
-            f'<text x="{axes.left + wide / 2:g}" y="{low + 28:g}" text-anchor="middle" '
-            'fill="currentColor" font-size="10">t (s)</text>'
-        )
-    if strip.note:
-        parts.append(
-            f'<text x="{axes.left + wide / 2:g}" y="{axes.top + high / 2 + 4:g}" '
-            f'text-anchor="middle" fill="currentColor" fill-opacity=".6">{esc(strip.note)}</text>'
-        )
-    return "".join(parts)
+    levels, times = _levels(axes.y, 3 if high < ALONE else 7), ticks(*axes.x, 8)
+    grid = "".join(f"M{axes.left:g} {axes.px(0.0, v)[1]:.1f}h{wide:g}" for v in levels)
+    middle = label(axes.left + wide / 2, axes.top + high / 2 + 4, strip.note, opacity=0.6)
+    return (
+        scales(axes, "t (s)" if last else "", "", times, levels, (number if last else None, _tick))
+        + label(axes.left, axes.top - 5, strip.title, "start")
+        + f'<path d="{grid}" stroke="currentColor" stroke-opacity=".08"/>{middle}'
+    )
 
 
 def _levels(span: tuple[float, float], most: int) -> list[float]:

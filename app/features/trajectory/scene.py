@@ -28,39 +28,32 @@ class Trail:
         self._marks: Any = None
         self._knots: Any = None
         self._arrows: Any = None
-        self._size = 1.0
 
-    def prepare(self, size: float) -> None:
+    def prepare(self) -> None:
         """Make the nodes, with nothing to see."""
-        nodes, self._size = self._nodes, size
+        nodes = self._nodes
         self._lines = [
             nodes.lines("/trajectory/line", QUIET, 3.5),
             nodes.lines("/trajectory/beyond", palette.BEYOND, 3.5),
         ]
         self._marks, self._knots = (
-            nodes.server.scene.add_point_cloud(
-                f"/trajectory/{name}",
-                np.zeros((1, 3), np.float32),
-                palette.rgb(color),
-                point_size=part * size,
-                point_shape="circle",
-                precision="float32",
-                visible=False,
+            nodes.sized(
+                nodes.server.scene.add_point_cloud(
+                    f"/trajectory/{name}",
+                    np.zeros((1, 3), np.float32),
+                    palette.rgb(color),
+                    point_shape="circle",
+                    precision="float32",
+                    visible=False,
+                ),
+                point_size=part,
             )
             for name, color, part in (
                 ("marks", palette.BEYOND, 0.045),
                 ("knots", QUIET, 0.03),
             )
         )
-        self._arrows = nodes.server.scene.add_arrows(
-            "/trajectory/arrows",
-            np.array([[[0, 0, 0], [0, 0, 1]]], np.float32),
-            np.array(palette.rgb(QUIET), np.uint8),
-            shaft_radius=0.06 * HEAD * size,
-            head_radius=0.3 * HEAD * size,
-            head_length=HEAD * size,
-            visible=False,
-        )
+        self._arrows = nodes.arrows("/trajectory/arrows", 0.06 * HEAD, 0.3 * HEAD, HEAD, QUIET)
 
     def show(self, computed: Computed | None) -> None:
         """Show the way of a trajectory, None for nothing."""
@@ -79,7 +72,7 @@ class Trail:
             nodes.set(self._marks, colors=colors(codes))
         nodes.points(self._marks, computed.marks)
         nodes.points(self._knots, computed.knots)
-        nodes.points(self._arrows, along(spots, HEAD * self._size))
+        nodes.points(self._arrows, along(spots, HEAD * nodes.size))
 
 
 def along(spots: Array, length: float) -> NDArray[np.float32]:

@@ -10,7 +10,7 @@ import numpy as np
 from app.features.trajectory.compute import Reach
 from app.review.units import in_page_units, number, page_unit
 from app.scene import palette
-from app.widgets.axes import Axes, Figure, cross, scales, steps, ticks
+from app.widgets.axes import Axes, Figure, columns, cross, scales, steps, ticks
 from app.widgets.desk import Client, Desk
 from app.widgets.plots import Plot
 from kinematics.arrays import Array
@@ -76,19 +76,12 @@ def sketch_axes(axes: Sequence[Coordinate], reach: Reach) -> Axes:
 def sketch_figure(axes: Sequence[Coordinate], reach: Reach) -> Figure:
     """The plane of two coordinates, shaded where the machine can be."""
     box = sketch_axes(axes, reach)
-    rows, cells = len(reach.inside), []
-    wide, high = box.inner[0] / rows, box.inner[1] / rows
-    for n, column in enumerate(reach.inside):
-        edges = np.flatnonzero(np.diff(np.concatenate([[0], column.astype(int), [0]])))
-        for start, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
-            x, y = box.left + n * wide, box.top + (rows - end) * high
-            cells.append(f"M{x:.2f} {y:.2f}h{wide:.2f}v{(end - start) * high:.2f}h{-wide:.2f}z")
     first, second = axes
     middles = (np.arange(CELLS) + 0.5) / CELLS
     xs, ys = (low + middles * (high - low) for low, high in (box.x, box.y))
     content = (
-        f'<path class="reach" d="{"".join(cells)}" fill="{palette.WORKSPACE}" fill-opacity=".4" '
-        'shape-rendering="crispEdges"/>'
+        f'<path class="reach" d="{columns(box, reach.inside)}" fill="{palette.WORKSPACE}" '
+        'fill-opacity=".4" shape-rendering="crispEdges"/>'
         + _lost(axes, box, reach)
         + scales(
             box,

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Literal, Self
 
+from app.review import content as session
 from app.review.changes import Change, Taken
 from app.review.state import Review, Slice
 from app.review.units import from_page_units, in_page_units
@@ -137,8 +138,7 @@ class Plan(Slice):
             (self.playback, PLAYBACKS, "a playback"),
             (self.plot, PLOTS, "a plot"),
         ):
-            if name not in known:
-                raise InputError(f"{what} is one of {', '.join(filter(None, known))}, not {name!r}")
+            session.listed(name, known, f"{what} is one of")
         _check_points(self, len(keys))
         if self.file_open not in ("", *keys):
             raise InputError(f"a file may leave a coordinate open, but {self.file_open!r} is none")

@@ -135,9 +135,9 @@ _Solid = Question["SolidRequest", "BuiltSolid"]
 # Coarse first, finer when the hand rests; the coarse lane is always free for the next preview, and
 # too quick to be worth a bar.
 SOLIDS: dict[Resolution, _Solid] = {
-    "preview": Question("", "coarse", build, tries=2, kept=24),
-    "normal": Question("", "fine", build, REST_NORMAL, tries=2, kept=24),
-    "fine": Question("", "fine", build, REST_FINE, tries=2, kept=24),
+    "preview": Question("", "coarse", build, tries=2, urgent=True, kept=24),
+    "normal": Question("", "fine", build, REST_NORMAL, tries=2, urgent=True, kept=24),
+    "fine": Question("", "fine", build, REST_FINE, tries=2, urgent=True, kept=24),
 }
 FIELD: Question[tuple[object, ...], Array] = Question("the colours", "colours", field, kept=4)
 

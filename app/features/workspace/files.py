@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from app.features.review.files import ExportedFile, sanitized
-from app.features.section.files import MEDIA_TYPES, section_bytes
+from app.features.section.files import section_bytes
 from app.features.workspace.compute import Laid
 from kinematics.answers.sections import together
 
@@ -15,4 +15,4 @@ def regions_file(laid: Laid, kind: str) -> ExportedFile:
     whole = together([region.section for region in laid.regions])
     data = section_bytes(whole, plane, kind, title=design.title or design.name)
     name = f"{sanitized(design.name)}_{sanitized(laid.spec.key)}"
-    return ExportedFile(f"{name}.{kind}", data, MEDIA_TYPES[kind])
+    return ExportedFile(f"{name}.{kind}", data)

@@ -22,8 +22,7 @@ class Painter:
     """Coats of solids, kept as long as nothing of them changes."""
 
     def __init__(self) -> None:
-        self._coats: dict[str, tuple[object, tuple[Coat, ...]]] = {}
-        self._scale: tuple[object, Scale] | None = None
+        self._coats: dict[str, tuple[object, tuple[Coat, ...], Scale | None]] = {}
 
     def asked(
         self, review: Review, wish: SolidWish, solid: BuiltSolid
@@ -37,10 +36,9 @@ class Painter:
         points = solid.shaded.vertices @ wish.placement[:3, :3].T + wish.placement[:3, 3]
         return FIELD(request, spot_of(review), measure.key, wish.spec.key, points.astype(float))
 
-    def scale(self, review: Review) -> Scale | None:
-        """The steps of the measure that is on display."""
-        known = self._scale is not None and self._scale[0] == _measure(review)
-        return self._scale[1] if known and self._scale is not None else None
+    def scale(self, key: str) -> Scale | None:
+        """The steps of the measure that a solid was painted by last."""
+        return self._coats[key][2] if key in self._coats else None
 
     def coats(
         self, review: Review, wish: SolidWish, solid: BuiltSolid, values: Array | None
@@ -49,24 +47,30 @@ class Painter:
         made_of = solid, None if values is None else id(values), review[Control].locus
         known = self._coats.get(wish.spec.key)
         if known is None or known[0] != made_of:
-            known = made_of, self._made(review, wish, solid, values)
+            steps = _steps(review, values)
+            known = made_of, _made(review, wish, solid, values, steps), steps
             self._coats[wish.spec.key] = known
         return known[1]
 
-    def _made(
-        self, review: Review, wish: SolidWish, solid: BuiltSolid, values: Array | None
-    ) -> tuple[Coat, ...]:
-        if not solid.triangles:
-            return ()
-        color, measure = palette.solid_color(wish.spec), _measure(review)
-        if values is not None and measure is not None:
-            steps = painting.scale(values, high=measure.better == "high", limits=measure.limits)
-            if steps is not None:
-                self._scale = measure, steps
-                return painting.shaded(solid, values, steps, color)
-        if solid.piece_of is not None and len(solid.pieces):
-            return painting.pieces(solid, locus=review[Control].locus)
-        return painting.plain(solid, color)
+
+def _made(
+    review: Review, wish: SolidWish, solid: BuiltSolid, values: Array | None, steps: Scale | None
+) -> tuple[Coat, ...]:
+    if not solid.triangles:
+        return ()
+    color = palette.solid_color(wish.spec)
+    if values is not None and steps is not None:
+        return painting.shaded(solid, values, steps, color)
+    if solid.piece_of is not None and len(solid.pieces):
+        return painting.pieces(solid, locus=review[Control].locus)
+    return painting.plain(solid, color)
+
+
+def _steps(review: Review, values: Array | None) -> Scale | None:
+    measure = _measure(review)
+    if values is None or measure is None:
+        return None
+    return painting.scale(values, high=measure.better == "high", limits=measure.limits)
 
 
 def _measure(review: Review) -> Measure | None:

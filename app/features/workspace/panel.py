@@ -67,7 +67,6 @@ class WorkspacePanel(Panel):
 
     def build(self, review: Review) -> None:
         gui, desk, sheet, machine = self.gui, self.desk, self.sheet, review.machine
-        self._opacities: list[tuple[tuple[str, ...], Any]] = []
         if machine.region_specs:
             self.groups.append(RegionsFolder(desk, sheet))
         specs = machine.solid_specs
@@ -140,10 +139,6 @@ class WorkspacePanel(Panel):
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)
         wanted = self.review[Workspace]
-        for keys, slider in self._opacities:
-            shown = next((s for s in wanted.solids if s.key in keys), None)
-            if shown is not None:
-                put(self.desk, slider, shown.opacity)
         choice = {"all": ALL, "current": CURRENT}.get(str(wanted.modes), CHOSEN)
         put(self.desk, self._choice, choice)
         put_prop(self._set, "visible", choice == CHOSEN)
@@ -179,9 +174,11 @@ class WorkspacePanel(Panel):
         )
 
     def _opacity(self, keys: tuple[str, ...], value: float) -> None:
+        def shown(review: Review) -> float:
+            return next((s.opacity for s in review[Workspace].solids if s.key in keys), value)
+
         slider = self.gui.add_slider("Opacity", 0.05, 1.0, 0.05, value)
-        answer(self.desk, slider, lambda v, client: self.desk.send(Fade(keys, v), client))
-        self._opacities.append((keys, slider))
+        self.bind(slider, shown, partial(Fade, keys))
 
     def _choose(self, choice: str, client: Client) -> None:
         self._set.visible = choice == CHOSEN

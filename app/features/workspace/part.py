@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -104,11 +103,6 @@ class SolidsPart(Part):
                 built[each.spec.key] = Built(each, best, solid)
         return built
 
-    def lost(self, asked: Asked[Any, Any], text: str) -> None:
-        if text:
-            self.stage.complain(text)
-            self.stage.note(text)  # whoever opens the page later reads it too
-
     # --- what is shown
 
     def show(self, sheet: Sheet) -> None:
@@ -138,7 +132,9 @@ class SolidsPart(Part):
             if self._design is not None or built:
                 self.stage.fit_view()  # solids are larger than the machine
             self._design = review.design
-        self.stage.tell(Solids(self._wishes, built, old, self._painter.scale(review)))
+        scales = (self._painter.scale(key) for key in built)
+        scale = next((steps for steps in scales if steps is not None), None)
+        self.stage.tell(Solids(self._wishes, built, old, scale))
 
     def _coats(self, review: Review, built: Built) -> tuple[Coat, ...]:
         asked = self._painter.asked(review, built.wish, built.solid)
@@ -168,8 +164,9 @@ class SolidsPart(Part):
         axes = zip(review.machine.coordinates, review.pose, strict=True)
         angles = tuple((c, v) for c, v in axes if c.unit == "rad")
         name = solid_name(review.design, key, angles, modes_of(review, each.spec))
+        named = kind, name, part
         request = next(made for r, made in each.requests.items() if r == resolution)
-        self.save(partial(apart, build_file, request, each.placement, kind, name, part), client)
+        self.save(each, lambda each: apart(build_file, request, each.placement, *named), client)
 
 
 class RegionsPart(Part):
@@ -209,11 +206,9 @@ class RegionsPart(Part):
 
     def save_regions(self, kind: str, client: Client) -> None:
         """Save the plane regions on display as a file of this kind."""
+        missing = "There are no regions to save yet; show them first."
         laid = self.answers[REGIONS].now
-        if laid is None:
-            self.stage.complain("There are no regions to save yet; show them first.", client)
-            return
-        self.save(partial(regions_file, laid, kind), client)
+        self.save(laid, lambda laid: regions_file(laid, kind), client, missing)
 
 
 PARTS = (SolidsPart, RegionsPart)

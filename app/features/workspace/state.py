@@ -97,15 +97,9 @@ class Flat(Slice):
 
     def checked(self, review: Review) -> Self:
         known = [spec.key for spec in review.machine.region_specs]
-        if known and self.key not in known:
-            raise InputError(f"regions are {', '.join(known)}, not {self.key!r}")
+        if known:
+            session.listed(self.key, known, "regions are")
         return self
-
-    def carried(self, before: Review, review: Review) -> Self:
-        try:
-            return self.checked(review)
-        except InputError:
-            return replace(self, key=review[type(self)].key)
 
 
 SLICES = (Workspace, Flat)
