@@ -78,9 +78,12 @@ class ForwardFacet(Facet[D]):
             began = perf_counter()
             found = self.solve(part, mixed_modes=mixed_modes)
             seconds = (perf_counter() - began) / len(part)
-            axes = self.mechanism.coordinates
-            answers += [replace(a, seconds=a.seconds or seconds, axes=axes) for a in found]
+            answers += [self.finished(one, one.seconds or seconds) for one in found]
         return answers[0] if np.ndim(joints) == 1 else tuple(answers)
+
+    def finished(self, found: ForwardSolutions, seconds: float) -> ForwardSolutions:
+        """A set with the names of its coordinates, and how long it took."""
+        return replace(found, seconds=seconds, axes=self.mechanism.coordinates)
 
     @abstractmethod
     def solve(self, joints: Array, *, mixed_modes: bool) -> Sequence[ForwardSolutions]:

@@ -16,7 +16,7 @@ import numpy as np
 
 from kinematics.answers.solutions import ForwardSolutions, Merged, Refreshed
 from kinematics.arrays import Array
-from kinematics.homotopy.tracking import Control, Ending, Index, Tracked
+from kinematics.homotopy.tracking import Complex, Control, Ending, Index, Tracked
 
 AT_ONCE = Control(first=0.5, error=2e-2, shortest=1e-5, most=400)
 CAREFULLY = Control(first=0.02, error=1e-3, contraction=0.02, shortest=1e-6, most=2000)
@@ -26,27 +26,45 @@ Sides = tuple[Array, Array]
 """The sign of a determinant that no regular path changes, of the solutions before and now."""
 
 
-def became(
-    follow: Callable[[Index | None], Tracked], arrivals: Callable[[Tracked], Index]
-) -> tuple[Tracked, Index]:
-    """The ends of all paths, and which solution each has become; −1 for none, or for doubt.
+def tracked_apart(
+    before: ForwardSolutions,
+    now: ForwardSolutions,
+    tracked: Callable[[Index | None], Tracked],
+    poses: Callable[[Complex], Array],
+    distances: Callable[[Array, Array], Array],
+    *,
+    sides: Sides,
+    there: float,
+    together: float,
+) -> Refreshed:
+    """The solutions ``now`` with their identities, by tracking all of those ``before``.
 
     Args:
-        follow: tracks all paths (None), or some of them again with care.
-        arrivals: which solution each end is, see `arrivals`.
+        tracked: tracks all paths (None), or some of them again with care.
+        poses: (N, P) of the ends (K, N) of paths.
+        distances: between poses (n, P) and (m, P), (n, m).
+        there: up to which distance an end is a solution.
+        together: up to which distance two that ended have met.
     """
-    ends = follow(None)
-    answer = arrivals(ends)
-    doubtful = np.flatnonzero((answer < 0) & (ends.endings == Ending.REGULAR))
+
+    def at_ends() -> Index:
+        arrived = ends.ended(Ending.REGULAR)
+        apart = distances(poses(ends.values[:, arrived]), now.poses)
+        return _arrivals(apart, arrived, sides, there)
+
+    ends = tracked(None)
+    which = at_ends()
+    doubtful = np.flatnonzero((which < 0) & (ends.endings == Ending.REGULAR))
     if doubtful.size:
-        again = follow(doubtful)
+        again = tracked(doubtful)
         ends.endings[doubtful], ends.reached[doubtful] = again.endings, again.reached
         ends.values[:, doubtful] = again.values
-        answer = arrivals(ends)
-    return ends, answer
+        which = at_ends()
+    last = poses(ends.values)
+    return told_apart(before, now, which, last, sides[0], distances(last, last), together)
 
 
-def arrivals(apart: Array, arrived: Index, sides: Sides, there: float) -> Index:
+def _arrivals(apart: Array, arrived: Index, sides: Sides, there: float) -> Index:
     """Which of M solutions each of N paths has become; −1 for none, or for doubt.
 
     Args:

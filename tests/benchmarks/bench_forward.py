@@ -19,8 +19,8 @@ from kinematics.designs.files import load_design
 from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.forward import families, general
-from kinematics.mechanisms.five_rpur.forward.assembly import forward
 from kinematics.mechanisms.five_rpur.inverse import limb_lengths
+from tests.kinematics.mechanisms.five_rpur.machines import forward
 
 CLASSES = ["a1a1", "a1a2", "a1a3", "a2a2", "a2a3", "a3a3", "mpa1", "mpa2", "mpa3"]
 LENGTHS = [295.4, 348.7, 306.3, 335.8, 311.8]  # 110 real solutions of Table 1

@@ -10,28 +10,27 @@ from the others.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from kinematics.answers.solutions import ForwardSolutions
-from kinematics.arrays import Array, finite, frozen
+from kinematics.arrays import Array, finite
+from kinematics.facets.forward import ForwardFacet
 from kinematics.homotopy.assembly_sets import (
     NONE_FOUND,
     NONE_REAL,
     described,
     grouped,
     not_closed,
-    positive_lengths,
 )
 from kinematics.homotopy.solving import Roots
 from kinematics.homotopy.tracking import relative_size
 from kinematics.mechanisms.five_rpur.arrangements import arrangements
 from kinematics.mechanisms.five_rpur.design import (
-    JOINT_SYMBOLS,
     LIMBS,
     MODES,
     FiveRPURDesign,
@@ -54,7 +53,7 @@ from kinematics.mechanisms.five_rpur.forward.equations import (
     terms,
     to_poses,
 )
-from kinematics.mechanisms.five_rpur.forward.families import Family, membership
+from kinematics.mechanisms.five_rpur.forward.found import Found, by_homotopy, by_stages
 from kinematics.mechanisms.five_rpur.inverse import STROKE_SLACK
 
 MODE_SIGNS: dict[str, tuple[float, ...]] = {
@@ -63,176 +62,59 @@ MODE_SIGNS: dict[str, tuple[float, ...]] = {
 """σ_i of every working mode."""
 
 _DOUBLE = 1e-5  # of the machine and the shortest length: closer solutions are one, seen twice
-_CHUNK = 128  # length vectors at a time, so that the temporaries stay in the cache
 _SORTED = 9  # decimals of angles that solutions are sorted by
 _NEAR_LENGTHS = 0.1  # of the longest: the largest change over which solutions are tracked on
 _REAL_ENOUGH = 1e-12  # relative size of the last correction of a root that is polished
 _SINGULAR = 1e-12  # regularity below which a self-motion is looked for
 
 
-@dataclass(frozen=True, slots=True)
-class _Found:
-    """What is known of the complex solutions at one length vector."""
+class Solving(ForwardFacet[FiveRPURDesign]):
+    """All assembly modes for given actuator lengths."""
 
-    roots: Complex
-    multiplicity: NDArray[np.intp]
-    count: int
-    expected: int | None
-    complete: bool
-    method: str
-    notes: tuple[str, ...]
+    chunk = 128  # so that the temporaries stay in the cache
 
+    def solve(self, joints: Array, *, mixed_modes: bool) -> list[ForwardSolutions]:
+        if self.is_quick(mixed_modes=mixed_modes):
+            return _answers(self.design, joints, by_stages(self.design, joints), mixed_modes)
+        return [self._by_paths(one, mixed_modes) for one in joints]
 
-def forward(
-    design: FiveRPURDesign, joints: ArrayLike, *, mixed_modes: bool = False
-) -> tuple[ForwardSolutions, ...]:
-    """All assembly modes for each of some vectors of actuator lengths.
+    def is_quick(self, *, mixed_modes: bool = False) -> bool:
+        """A few milliseconds a vector: all arrangements of a simplified design are merged."""
+        tied = set(self._ties(mixed_modes))
+        merged = all(group.limbs in tied for group in arrangements(self.design).groups)
+        return merged and bool(tied) and simplified.expected(self.design) is not None
 
-    Args:
-        joints: (5,) or (..., 5) mm, > 0.
-        mixed_modes: as if no U joint was merged: also solutions in modes that the design has not.
+    def tracked_on(self, before: ForwardSolutions, joints: Sequence[float]) -> ForwardSolutions:
+        """All assembly modes at lengths (5,), mm, tracked from those known if these are near."""
+        rho = finite(joints, name="the joints", last=LIMBS).reshape(LIMBS)
+        known, mixed = before.roots.shape[1], before.mixed_modes
+        near = np.abs(rho - before.joints).max() <= _NEAR_LENGTHS * float(np.abs(rho).max())
+        sound = before.complete and known == before.complex_count
+        if near and sound and not self.is_quick(mixed_modes=mixed):
+            began = perf_counter()
+            roots = general.roots_from(self.design, before.roots, before.joints, rho)
+            if roots.complete:
+                found = self._by_paths(rho, mixed, roots)
+                return self.finished(found, perf_counter() - began)
+        (now,) = self([rho], mixed_modes=mixed)
+        return now
 
-    Returns:
-        One set for each vector, in their order. No solution, or lengths beyond a stroke, are
-        answers like others.
-
-    Raises:
-        InputError: not five finite positive lengths each.
-    """
-    rho = positive_lengths(joints, JOINT_SYMBOLS)
-    quick = forward_is_quick(design, mixed_modes=mixed_modes)
-    tied = _ties(design, mixed_modes)
-    size = _CHUNK if quick else 1
-    answers: list[ForwardSolutions] = []
-    for part in (rho[k : k + size] for k in range(0, len(rho), size)):
+    def _by_paths(
+        self, rho: Array, mixed_modes: bool, roots: Roots | None = None
+    ) -> ForwardSolutions:
         began = perf_counter()
-        found = _by_stages(design, part) if quick else [_by_homotopy(design, part[0], tied)]
-        answers += _answers(design, part, found, began, mixed_modes)
-    return tuple(answers)
+        found = by_homotopy(self.design, rho, self._ties(mixed_modes), roots)
+        (answer,) = _answers(self.design, rho[None], [found], mixed_modes)
+        return replace(answer, seconds=perf_counter() - began)
 
-
-def forward_from(
-    design: FiveRPURDesign, before: ForwardSolutions, joints: ArrayLike
-) -> ForwardSolutions:
-    """All assembly modes at lengths (5,), mm, tracked from those known if these are near."""
-    rho = finite(joints, name="the joints", last=LIMBS).reshape(LIMBS)
-    quick = forward_is_quick(design, mixed_modes=before.mixed_modes)
-    known = before.roots.shape[1]
-    near = np.abs(rho - before.joints).max() <= _NEAR_LENGTHS * float(np.abs(rho).max())
-    if quick or not near or not before.complete or known != before.complex_count:
-        return forward(design, rho, mixed_modes=before.mixed_modes)[0]
-    began = perf_counter()
-    roots = general.roots_from(design, before.roots, before.joints, rho)
-    if not roots.complete:
-        return forward(design, rho, mixed_modes=before.mixed_modes)[0]
-    found = _by_homotopy(design, rho, _ties(design, before.mixed_modes), roots)
-    return _answers(design, rho[None], [found], began, before.mixed_modes)[0]
-
-
-def forward_is_quick(design: FiveRPURDesign, *, mixed_modes: bool = False) -> bool:
-    """A few milliseconds a vector: all arrangements of a simplified design are merged."""
-    tied = set(_ties(design, mixed_modes))
-    merged = all(group.limbs in tied for group in arrangements(design).groups)
-    return merged and bool(tied) and simplified.expected(design) is not None
-
-
-def _ties(design: FiveRPURDesign, mixed_modes: bool) -> Ties:
-    return () if mixed_modes else design.merged_joints
-
-
-# --- by the one method and by the other ------------------------------------------------------
-
-
-def _by_stages(design: FiveRPURDesign, rho: Array) -> list[_Found]:
-    roots, owner = simplified.same_mode_roots(design, rho)
-    expected = simplified.expected(design)
-    name = arrangements(design).name
-    bounds = np.searchsorted(owner, np.arange(len(rho) + 1))
-    answer = []
-    for k, one in enumerate(rho):
-        own = roots[:, bounds[k] : bounds[k + 1]]
-        count = own.shape[1]
-        if count != expected:
-            found = _by_homotopy(design, one, design.merged_joints)
-            short = f"{count} of {expected} solutions were found."
-            own_way = _Found(own, _once(count), count, expected, False, found.method, (short,))
-            # Where the homotopy lost more than the stages did, theirs are what is known.
-            answer.append(own_way if found.count < count <= (expected or 0) else found)
-            continue
-        answer.append(
-            _Found(
-                own,
-                _once(count),
-                count,
-                expected,
-                True,
-                f"{name} solved in three stages (θ, free limbs, planar sextic)",
-                (),
-            )
-        )
-    return answer
-
-
-def _once(count: int) -> NDArray[np.intp]:
-    return np.ones(count, dtype=np.intp)
-
-
-def _by_homotopy(
-    design: FiveRPURDesign, rho: Array, tied: Ties, roots: Roots | None = None
-) -> _Found:
-    kept = general.has_own_start_set(design)
-    family = membership(design).family
-    found = general.roots_at(design, rho, tied) if roots is None else roots
-    if roots is not None:
-        method = f"{found.expected} paths tracked from the last lengths"
-    elif kept or tied:
-        method = f"{found.expected} paths tracked from the design's own start set"
-    else:
-        method = f"{family.count} paths tracked from the start set of {family.title}"
-    if tied:
-        method = f"{method}, merged limbs in one working mode"
-    reasons = arrangements(design).reasons
-    own = general.own_start_set(design)
-    missing = 0 if tied or not own.complete else family.count - own.roots.shape[1]
-    notes = _completeness(found, family, missing)
-    if reasons:
-        notes = (
-            f"{reasons[0]} Solutions in the modes where that holds are not isolated: they lie on "
-            "curves and are not among these.",
-        )
-    return _Found(
-        found.values,
-        found.multiplicity,
-        found.count,
-        found.expected if tied else family.count,
-        found.complete and not reasons,
-        method,
-        notes,
-    )
-
-
-def _completeness(found: Roots, family: Family, missing: int) -> tuple[str, ...]:
-    notes = []
-    if missing > 0:
-        notes.append(
-            f"Of the {family.count} solutions of {family.title}, this design has "
-            f"{family.count - missing}: along two ways to it the others ran off to infinity."
-        )
-    if found.complete and found.infinite:
-        notes.append(
-            f"{found.infinite} of {found.expected} solutions are at infinity for these lengths."
-        )
-    return (*notes, *found.doubts)
-
-
-# --- from roots to answers -------------------------------------------------------------------
+    def _ties(self, mixed_modes: bool) -> Ties:
+        return () if mixed_modes else self.design.merged_joints
 
 
 def _answers(
     design: FiveRPURDesign,
     rho: Array,
-    found: Sequence[_Found],
-    began: float,
+    found: Sequence[Found],
     mixed_modes: bool,
 ) -> list[ForwardSolutions]:
     """The real solutions among the roots with all that is said of them; one pass for all."""
@@ -265,7 +147,6 @@ def _answers(
         (rho >= design.stroke[:, 0] - STROKE_SLACK) & (rho <= design.stroke[:, 1] + STROKE_SLACK),
         axis=1,
     )
-    seconds = (perf_counter() - began) / max(len(rho), 1)
     machine = replace(design, merged_joints=()) if mixed_modes else design
     answers = []
     for k, one in enumerate(found):
@@ -283,20 +164,20 @@ def _answers(
         answers.append(
             ForwardSolutions(
                 joints=tuple(rho[k].tolist()),
-                poses=frozen(part.poses),
+                poses=part.poses,
                 modes=modes,
-                residual=frozen(part.residual),
-                condition=frozen(part.condition),
-                determinant=frozen(part.determinant),
-                within_stroke=frozen(np.full(count, reach[k])),
-                multiplicity=frozen(part.weight),
-                gap=frozen(gap),
+                residual=part.residual,
+                condition=part.condition,
+                determinant=part.determinant,
+                within_stroke=np.full(count, reach[k]),
+                multiplicity=part.weight,
+                gap=gap,
                 identities=tuple(range(1, count + 1)),
                 complex_count=one.count,
                 expected_count=one.expected,
                 complete=complete,
                 method=one.method,
-                seconds=seconds,
+                seconds=0.0,
                 notes=notes if count else (*notes, _none_text(design, complete)),
                 self_motions=free,
                 roots=one.roots,
@@ -421,6 +302,13 @@ def pose_points(poses: Array, length: float) -> Array:
     """
     angles = poses[:, 3:]
     return np.hstack([poses[:, :3], length * np.cos(angles), length * np.sin(angles)])
+
+
+def pose_distances(design: FiveRPURDesign, one: Array, other: Array) -> Array:
+    """Between poses (n, 5) and (m, 5), (n, m) mm, see `pose_points`."""
+    a, b = (pose_points(poses, design.length) for poses in (one, other))
+    d = a[:, None, :] - b[None, :, :]
+    return np.asarray(np.sqrt((d * d).sum(axis=-1)))
 
 
 def _neighbours(poses: Array, length: float) -> tuple[NDArray[np.intp], Array]:

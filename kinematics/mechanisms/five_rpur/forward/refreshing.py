@@ -8,22 +8,20 @@ part if they were not merged.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinematics.answers.solutions import ForwardSolutions, Refreshed
 from kinematics.arrays import Array
-from kinematics.facets.forward import ForwardFacet
-from kinematics.homotopy.assembly_tracking import CAREFULLY, arrivals, became, told_apart
+from kinematics.homotopy.assembly_tracking import CAREFULLY, tracked_apart
 from kinematics.homotopy.tracking import Control, Ending, Index, Tracked, track
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign, Ties
 from kinematics.mechanisms.five_rpur.forward.assembly import (
     MODE_SIGNS,
-    forward,
-    forward_from,
-    forward_is_quick,
-    pose_points,
+    Solving,
+    pose_distances,
 )
 from kinematics.mechanisms.five_rpur.forward.coincidence import real_jacobian
 from kinematics.mechanisms.five_rpur.forward.equations import (
@@ -48,43 +46,33 @@ _THERE = 1e-6  # of the machine's size: an end and the solution that it is
 _TOGETHER = 0.2  # of the machine's size: solutions left at the same fold
 
 
-class Forward(ForwardFacet[FiveRPURDesign]):
-    """Solving by stages or by a homotopy, and who is who."""
-
-    def solve(self, joints: Array, *, mixed_modes: bool) -> tuple[ForwardSolutions, ...]:
-        return forward(self.design, joints, mixed_modes=mixed_modes)
-
-    def is_quick(self, *, mixed_modes: bool = False) -> bool:
-        return forward_is_quick(self.design, mixed_modes=mixed_modes)
+class Forward(Solving):
+    """Solving, and who is who."""
 
     def refresh(self, before: ForwardSolutions, joints: Sequence[float]) -> Refreshed:
-        design = self.design
-        now = forward_from(design, before, joints)
-        frame, length = Frame.of(design), design.length
+        design, now = self.design, self.tracked_on(before, joints)
+        frame = Frame.of(design)
         starts = _configurations(design, frame, before)
         g0, g1 = (parameters(design, s.joints, frame) for s in (before, now))
         merged = () if before.mixed_modes else design.merged_joints
         tied = tuple(tuple(i - 1 for i in limbs) for limbs in merged)
         way = _Following(Deformation(g0, g0._replace(rho2=g1.rho2)), tied)
-        sides = _sides(g0, starts, tied), _sides(g1, _configurations(design, frame, now), tied)
 
-        def distances(one: Array, other: Array) -> Array:
-            d = pose_points(one, length)[:, None, :] - pose_points(other, length)[None, :, :]
-            return np.asarray(np.sqrt((d * d).sum(axis=-1)))
-
-        def follow(columns: Index | None) -> Tracked:
+        def tracked(columns: Index | None) -> Tracked:
             if columns is None:
                 return _followed(way, starts, _AT_ONCE)
             return _followed(way.take(columns), starts[:, columns], CAREFULLY)
 
-        def at_ends(ends: Tracked) -> Index:
-            arrived = ends.ended(Ending.REGULAR)
-            poses = to_poses(frame, real_part(ends.values[:, arrived])[0])
-            return arrivals(distances(poses, now.poses), arrived, sides, _THERE * frame.unit)
-
-        ends, which = became(follow, at_ends)
-        last, near = to_poses(frame, real_part(ends.values)[0]), _TOGETHER * frame.unit
-        return told_apart(before, now, which, last, sides[0], distances(last, last), near)
+        return tracked_apart(
+            before,
+            now,
+            tracked,
+            lambda ends: to_poses(frame, real_part(ends)[0]),
+            partial(pose_distances, design),
+            sides=(_sides(g0, starts, tied), _sides(g1, _configurations(design, frame, now), tied)),
+            there=_THERE * frame.unit,
+            together=_TOGETHER * frame.unit,
+        )
 
 
 def _followed(way: _Following, starts: Complex, control: Control) -> Tracked:

@@ -11,9 +11,8 @@ from functools import partial
 import numpy as np
 
 from kinematics.answers.solutions import ForwardSolutions, Refreshed
-from kinematics.arrays import Array
-from kinematics.homotopy.assembly_tracking import AT_ONCE, CAREFULLY, arrivals, became, told_apart
-from kinematics.homotopy.tracking import Ending, Index, Tracked, track
+from kinematics.homotopy.assembly_tracking import AT_ONCE, CAREFULLY, tracked_apart
+from kinematics.homotopy.tracking import Index, Tracked, track
 from kinematics.mechanisms.four_sps_spr.forward.assembly import Solving, pose_distances
 from kinematics.mechanisms.four_sps_spr.forward.equations import (
     Deformation,
@@ -40,22 +39,19 @@ class Forward(Solving):
         way = Deformation(g0, g1)
         starts = from_transforms(frame, rotation(before.poses), before.poses[:, :3])
         sides = np.sign(before.determinant), np.sign(now.determinant)
-        distances = partial(pose_distances, design)
 
-        def follow(columns: Index | None) -> Tracked:
+        def tracked(columns: Index | None) -> Tracked:
             if columns is None:
                 return track(way, starts, AT_ONCE)
             return track(way.take(columns), starts[:, columns], CAREFULLY)
 
-        def at_ends(ends: Tracked) -> Index:
-            arrived = ends.ended(Ending.REGULAR)
-            apart = distances(_poses(frame, ends)[arrived], now.poses)
-            return arrivals(apart, arrived, sides, _THERE * design.length)
-
-        ends, which = became(follow, at_ends)
-        last, near = _poses(frame, ends), _TOGETHER * design.length
-        return told_apart(before, now, which, last, sides[0], distances(last, last), near)
-
-
-def _poses(frame: Frame, ends: Tracked) -> Array:
-    return poses_of(*to_transforms(frame, ends.values))
+        return tracked_apart(
+            before,
+            now,
+            tracked,
+            lambda ends: poses_of(*to_transforms(frame, ends)),
+            partial(pose_distances, design),
+            sides=sides,
+            there=_THERE * design.length,
+            together=_TOGETHER * design.length,
+        )

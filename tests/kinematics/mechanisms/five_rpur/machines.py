@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from kinematics.answers.sections import MapCells, Section, Volume
-from kinematics.answers.solutions import Posture
+from kinematics.answers.solutions import ForwardSolutions, Posture
 from kinematics.designs.files import load_design
 from kinematics.facets.sections import Modes
+from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.following import Following
 from kinematics.mechanisms.five_rpur.maps import Maps
@@ -37,6 +38,14 @@ def made(base: Any, platform: Any, link: Any) -> FiveRPURDesign:
 def following(design: FiveRPURDesign) -> Following:
     """The facet, with what it has of its own."""
     return Following(FiveRPUR(design))
+
+
+def forward(
+    design: FiveRPURDesign, joints: Any, *, mixed_modes: bool = False
+) -> tuple[ForwardSolutions, ...]:
+    """All assembly modes at one vector of lengths or at several."""
+    rows = joints if isinstance(joints, str) else np.reshape(joints, (-1, np.shape(joints)[-1]))
+    return machine_of(design).forward(rows, mixed_modes=mixed_modes)
 
 
 def _sections(design: FiveRPURDesign) -> Sections:

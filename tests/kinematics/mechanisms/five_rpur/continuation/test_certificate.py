@@ -16,9 +16,8 @@ from kinematics.facets.inverse import posture
 from kinematics.homotopy.continuation import ahead
 from kinematics.homotopy.curve import LAMBDA, Curve, Middle, Piece, Place
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
-from kinematics.mechanisms.five_rpur.forward.assembly import forward
 from tests.kinematics.mechanisms.five_rpur.asked import inverse_jacobian
-from tests.kinematics.mechanisms.five_rpur.machines import following, preset
+from tests.kinematics.mechanisms.five_rpur.machines import following, forward, preset
 from tests.kinematics.references import read
 
 FOLDS: dict[str, Any] = read("rpur_folds.json")

@@ -14,10 +14,9 @@ from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.facets.inverse import posture
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
-from kinematics.mechanisms.five_rpur.forward.assembly import forward
 from kinematics.mechanisms.five_rpur.inverse import inverse, limb_lengths
 from tests.kinematics.mechanisms.five_rpur.asked import inverse_jacobian, wrench_matrix
-from tests.kinematics.mechanisms.five_rpur.machines import following, preset
+from tests.kinematics.mechanisms.five_rpur.machines import following, forward, preset
 from tests.kinematics.references import read
 
 # A fold of Table 1 (journal) along rho0 + t drho, found with 40 digits apart from this package;

@@ -10,9 +10,8 @@ import pytest
 from kinematics.answers.solutions import ForwardSolutions, Posture
 from kinematics.facets.inverse import posture
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
-from kinematics.mechanisms.five_rpur.forward.assembly import forward
 from tests.kinematics.mechanisms.five_rpur.asked import wrench_matrix
-from tests.kinematics.mechanisms.five_rpur.machines import distance, following, preset
+from tests.kinematics.mechanisms.five_rpur.machines import distance, following, forward, preset
 
 SMALL, LARGE = 0.3, 60.0  # mm, of the moves
 

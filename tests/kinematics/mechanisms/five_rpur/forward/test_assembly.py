@@ -15,14 +15,15 @@ from hypothesis import strategies as st
 
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
+from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur.arrangements import arrangements
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
-from kinematics.mechanisms.five_rpur.forward.assembly import MODE_SIGNS, forward, forward_is_quick
+from kinematics.mechanisms.five_rpur.forward.assembly import MODE_SIGNS
 from kinematics.mechanisms.five_rpur.forward.equations import Frame, conjugate, real_part, to_poses
 from kinematics.mechanisms.five_rpur.forward.simplified import same_mode_roots
 from kinematics.mechanisms.five_rpur.inverse import MODES, closure_residual, limb_lengths
 from tests.kinematics.mechanisms.five_rpur.asked import condition, wrench_matrix
-from tests.kinematics.mechanisms.five_rpur.machines import of_forward_case
+from tests.kinematics.mechanisms.five_rpur.machines import forward, of_forward_case
 from tests.kinematics.references import read
 
 CASES = read("rpur_forward.json")["cases"]
@@ -122,7 +123,7 @@ def reachable(design, modes, count, seed):
 def test_simplified_designs_give_back_the_pose_of_the_inverse_kinematics(name):
     """In whatever working mode the design has."""
     design = load_design(f"rpur-{name}")
-    count = 250 if forward_is_quick(design) else 12
+    count = 250 if machine_of(design).forward.is_quick() else 12
     poses, modes, rho = reachable(design, list(design.modes), count, len(name))
     answers = forward(design, rho)
     for pose, mode, joints, found in zip(poses, modes, rho, answers, strict=True):
@@ -154,8 +155,8 @@ def test_merged_joints_leave_the_solutions_of_the_modes_that_they_allow(name):
     design = load_design(f"rpur-{name}")
     joints = [303.0, 317.0, 322.0, 331.0, 342.0]
     (some,), (mixed,) = forward(design, joints), forward(design, joints, mixed_modes=True)
-    assert forward_is_quick(design) == (name == "a1a1")
-    assert not forward_is_quick(design, mixed_modes=True)
+    assert machine_of(design).forward.is_quick() == (name == "a1a1")
+    assert not machine_of(design).forward.is_quick(mixed_modes=True)
     assert len(mixed) > len(some) > 0
     assert set(some.modes) <= set(design.modes) < set(MODES)
     assert apart(some.poses, mixed.poses).min(axis=1).max() < 1e-8

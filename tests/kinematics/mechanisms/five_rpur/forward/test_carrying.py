@@ -10,7 +10,7 @@ import pytest
 
 from kinematics.designs.files import load_design
 from kinematics.machine import machine_of
-from kinematics.mechanisms.five_rpur.forward.assembly import forward
+from tests.kinematics.mechanisms.five_rpur.machines import forward
 from tests.kinematics.references import read
 
 FOLDS = read("rpur_folds.json")

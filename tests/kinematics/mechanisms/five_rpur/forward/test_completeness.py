@@ -19,9 +19,9 @@ from kinematics.homotopy.solving import StartSet
 from kinematics.homotopy.tracking import Ending, track
 from kinematics.mechanisms.five_rpur.design import MODES, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.forward import families, general
-from kinematics.mechanisms.five_rpur.forward.assembly import MODE_SIGNS, forward
+from kinematics.mechanisms.five_rpur.forward.assembly import MODE_SIGNS
 from kinematics.mechanisms.five_rpur.inverse import inverse, joint_points, limb_lengths
-from tests.kinematics.mechanisms.five_rpur.machines import made
+from tests.kinematics.mechanisms.five_rpur.machines import forward, made
 
 N3_POSE = (190.0, 30.0, 180.0, np.radians(20.0), np.radians(-35.0))
 N3_JOINTS = (

@@ -14,7 +14,6 @@ from kinematics.arrays import Array
 from kinematics.facets import inverse as generic
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
-from kinematics.mechanisms.five_rpur.forward.assembly import forward
 from kinematics.screws.wrenches import singular_values
 from tests.kinematics.mechanisms.five_rpur.asked import (
     pose_rates_of,
@@ -23,7 +22,7 @@ from tests.kinematics.mechanisms.five_rpur.asked import (
     wrench_system,
 )
 from tests.kinematics.mechanisms.five_rpur.closing import closing_poses, lengths
-from tests.kinematics.mechanisms.five_rpur.machines import preset
+from tests.kinematics.mechanisms.five_rpur.machines import forward, preset
 from tests.kinematics.mechanisms.five_rpur.test_arrangements import IN_ALL_MODES, SINGULAR
 from tests.kinematics.references import read
 
