@@ -12,7 +12,6 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from scipy.optimize import brentq
 
 from kinematics.arrays import Array
 
@@ -136,6 +135,8 @@ def with_middles(points: Sequence[float] | Array) -> Array:
 
 def zero_between(function: Callable[[float], float], low: float, high: float) -> float:
     """The zero of a function whose values at both ends differ in sign, or are zero."""
+    from scipy.optimize import brentq
+
     at_low, at_high = function(low), function(high)
     if at_low == 0.0 or at_high == 0.0:
         return low if at_low == 0.0 else high

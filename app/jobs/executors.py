@@ -13,9 +13,10 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
-from app.jobs.process import give_way
+from app.jobs.process import Process, give_way
 from app.jobs.spawning import Spawning
 from kinematics.errors import ComputationError, InputError
 
@@ -50,18 +51,29 @@ def cores() -> int:
 
 
 @contextmanager
-def local_workers(jobs: int | None = None) -> Iterator[Workers]:
+def local_workers(
+    jobs: int | None = None, *, meanwhile: Callable[[], None] | None = None
+) -> Iterator[Workers]:
     """Processes on this machine, one for each core unless ``jobs`` says how many.
 
-    They are started as they are needed and end with the block, or with this process.
+    They are started as they are needed and end with the block, or with this process; so does one
+    more that calls ``meanwhile``, what makes the work of the others faster.
     """
     count = cores() if jobs is None else jobs
     pool = ProcessPoolExecutor(count, mp_context=Spawning(), initializer=_prepare)
+    other = Process("prepare", partial(_first, meanwhile)) if meanwhile is not None else None
     try:
         title = f"{count} process{'' if count == 1 else 'es'}"
         yield Workers(pool, count, title, _nothing_lost)
     finally:
         pool.shutdown(cancel_futures=True)
+        if other is not None:
+            other.kill()
+
+
+def _first(function: Callable[[], None]) -> None:
+    _prepare()
+    function()
 
 
 def _nothing_lost() -> None:

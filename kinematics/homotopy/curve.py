@@ -18,11 +18,11 @@ singularity: det J without λ is not 0) or turns back exactly once (a fold).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from math import sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.linalg.lapack import dgesv
 
 from kinematics.arrays import Array
 from kinematics.homotopy.quadrics import Quadrics
@@ -257,11 +257,18 @@ def _lengths(slopes: Array) -> Array:
     return lengths
 
 
+@cache
+def _dgesv() -> Any:
+    from scipy.linalg.lapack import dgesv  # slow to import
+
+    return dgesv
+
+
 def _solve(slopes: Array, border: Array, right: Array) -> Array | None:
     """The solution with ``border`` as the last row; LAPACK itself, as it is asked for so often."""
     matrix = np.empty((len(border), len(border)))
     matrix[:-1], matrix[-1] = slopes, border
-    _, _, answer, failed = dgesv(matrix, right)
+    _, _, answer, failed = _dgesv()(matrix, right)
     return None if failed or not np.isfinite(answer).all() else np.asarray(answer)
 
 

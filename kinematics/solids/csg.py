@@ -21,6 +21,7 @@ from kinematics.solids.meshes import Bounds, Patch, Piece, SolidMesh, TracedMesh
 __all__ = [
     "Bounds",
     "BuiltSolid",
+    "LeakError",
     "Patch",
     "Piece",
     "PlacedMesh",
@@ -34,6 +35,13 @@ __all__ = [
 
 # In `face_id`, 32 bits inside manifold3d, the patch stands above these bits and the plane below.
 _PLANE_BITS = 24
+
+
+class LeakError(ComputationError):
+    """A solid whose surface is not closed once its vertices are known by position only."""
+
+    def __init__(self) -> None:
+        super().__init__("the solid's surface could not be closed; try another resolution")
 
 
 @dataclass(frozen=True, eq=False)
@@ -345,14 +353,20 @@ def finish(
         thinnest: a shell thinner than this on the average (2 volume / area, mm) is dropped too.
         place: moves the mesh onto true surfaces, given the distance (mm) that its vertices must
             keep; where they do not the facets stay.
+
+    Raises:
+        LeakError: the surface could not be closed.
     """
     traced, shells, dropped = meshes.without_slivers(solid.traced(), thinnest)
+    before = meshes.volume(traced.mesh)
     traced, shells, moved = rounded(solid, traced, shells, thinnest)
+    shifted = abs(meshes.volume(traced.mesh) - before)  # plane faces are moved as a whole
     placed: PlacedMesh | None = None
     if place is not None and len(traced.mesh.faces):
         apart = 0.75 * meshes.grid_step(traced.mesh.vertices)  # facets keep a whole step
         placed = place(traced, apart)
-        if len(close_pairs(placed.traced.mesh.vertices, apart)):
+        moved_mesh = placed.traced.mesh
+        if len(close_pairs(moved_mesh.vertices, apart)) or not meshes.is_closed(moved_mesh.faces):
             placed = None
         else:
             traced = placed.traced
@@ -361,15 +375,17 @@ def finish(
     six, twice, moments = meshes.face_parts(v, f)
     volume, area = float(six.sum()) / 6.0, float(twice.sum()) / 2.0
     pieces, _ = meshes.pieces(v, f, shells, six, moments)
+    if not meshes.closed_by_position(v, f):
+        raise LeakError
     return BuiltSolid(
         mesh=traced.mesh,
         shaded=meshes.shaded(traced),
         volume=volume,
         # Twice what was dropped: as much again may never have been meshed.
-        volume_error=error(traced, volume) + 2.0 * dropped + moved * area,
+        volume_error=error(traced, volume) + 2.0 * dropped + moved * area + shifted,
         area=area,
         pieces=pieces,
-        watertight=meshes.closed_by_position(v, f),
+        watertight=True,
         triangles=len(f),
         residual=None if placed is None else placed.residual,
         unplaced=0 if placed is None else placed.unplaced,

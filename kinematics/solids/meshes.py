@@ -102,6 +102,11 @@ def face_parts(v: Array, f: NDArray[Any]) -> tuple[Array, Array, Array]:
     return six, twice, six[:, None] * (a + b + c + 4.0 * middle)
 
 
+def volume(mesh: SolidMesh) -> float:
+    """mm³."""
+    return float(face_parts(mesh.vertices, mesh.faces)[0].sum()) / 6.0
+
+
 def face_shells(vertices: int, f: NDArray[Any]) -> NDArray[np.intp]:
     """To which of the connected surfaces each face belongs (F,), counted from 0."""
     row = np.concatenate([f[:, 0], f[:, 1]])
@@ -182,18 +187,23 @@ def parted(traced: TracedMesh, reach: float, step: float) -> TracedMesh:
     return on_grid(traced, v, step)
 
 
-def closed_by_position(v: Array, f: NDArray[Any]) -> bool:
-    """Every directed edge meets exactly one opposite edge when equal places are one vertex."""
-    if not len(sharing(v)):
-        return True  # then the surface is as closed as it came from manifold3d
-    _, place = np.unique(v, axis=0, return_inverse=True)
-    welded = place.reshape(-1)[f]
-    start = welded.ravel()
-    end = np.roll(welded, -1, axis=1).ravel()
-    forth = np.sort(start * len(v) + end)
-    back = np.sort(end * len(v) + start)
+def is_closed(f: NDArray[Any]) -> bool:
+    """Every directed edge of faces (F, 3) meets exactly one opposite edge."""
+    count = int(f.max(initial=0)) + 1
+    start = f.ravel().astype(np.int64)
+    end = np.roll(f, -1, axis=1).ravel().astype(np.int64)
+    forth = np.sort(start * count + end)
+    back = np.sort(end * count + start)
     once = bool((np.diff(forth) > 0).all())
     return once and bool((forth == back).all()) and bool((start != end).all())
+
+
+def closed_by_position(v: Array, f: NDArray[Any]) -> bool:
+    """Whether a mesh that is closed stays so when equal places are one vertex."""
+    if not len(sharing(v)):
+        return True
+    _, place = np.unique(v, axis=0, return_inverse=True)
+    return is_closed(place.reshape(-1)[f])
 
 
 # --- display -----------------------------------------------------------------------------------

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from kinematics.arrays import Array
 from kinematics.solids import meshes
-from kinematics.solids.csg import BuiltSolid, Solid, rounded
+from kinematics.solids.csg import BuiltSolid, LeakError, Solid, rounded
 from kinematics.solids.isosurfaces import Isosurface
 from kinematics.solids.meshes import Patch, Piece, SolidMesh, TracedMesh
 from kinematics.zeros import Field
@@ -56,6 +56,9 @@ def partition(
         error: estimates |mesh volume − true volume| of the whole solid, as for `solids.finish`.
         thinnest: a piece thinner than this on the average (2 volume / area, mm) is a scrap.
         reach: mm, the longest way on which a vertex at the rim is put on the zeros.
+
+    Raises:
+        LeakError: a piece's surface could not be closed.
     """
     if cutter is None or solid.is_empty:
         sides = [(solid, sign)]
@@ -81,7 +84,9 @@ def partition(
     v, residual, unplaced = _on_zeros(whole.mesh, on_locus, field, step, reach)
     f = whole.mesh.faces
     whole = TracedMesh(SolidMesh(v, f), whole.patches, whole.patch_of)
-    pieces, piece_of, watertight = _pieces(v, parts, shells, [own for _, own in sides])
+    pieces, piece_of, closed = _pieces(v, parts, shells, [own for _, own in sides])
+    if not closed:
+        raise LeakError
     if len({piece.sign for piece in pieces}) < 2:  # what is left of merged scraps
         on_locus, residual, unplaced = np.zeros(len(f), dtype=bool), 0.0, 0
     pieces = _with_errors(pieces, piece_of, whole, on_locus, field, error)
@@ -94,7 +99,7 @@ def partition(
         volume_error=error(whole, volume) + lost,
         area=float(twice.sum()) / 2.0,
         pieces=pieces,
-        watertight=watertight,
+        watertight=True,
         triangles=len(f),
         piece_of=piece_of,
         on_locus=on_locus,
@@ -281,7 +286,7 @@ def _pieces(
     """All pieces, the largest first; of which each face is; and whether every side is closed."""
     found: list[Piece] = []
     owners: list[Ints] = []
-    watertight = True
+    closed = True
     first = 0
     for part, shell, sign in zip(parts, shells, signs, strict=True):
         there, own = v[first : first + len(part.mesh.vertices)], part.mesh.faces
@@ -289,12 +294,12 @@ def _pieces(
         pieces, piece_of = meshes.pieces(there, own, shell, six, moments)
         owners.append(np.where(piece_of < 0, -1, piece_of + len(found)))
         found += [replace(piece, sign=sign) for piece in pieces]
-        watertight &= meshes.closed_by_position(there, own)
+        closed &= meshes.closed_by_position(there, own)
         first += len(there)
     order = sorted(range(len(found)), key=lambda n: (-found[n].volume, found[n].bounds))
     place = np.full(len(found) + 1, -1, dtype=np.intp)
     place[order] = np.arange(len(found))
-    return tuple(found[n] for n in order), place[np.concatenate(owners)], watertight
+    return tuple(found[n] for n in order), place[np.concatenate(owners)], closed
 
 
 def _with_errors(

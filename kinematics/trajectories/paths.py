@@ -10,14 +10,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline, PPoly, splev, splprep
 
 from kinematics.answers.trajectories import Derivatives, Path
 from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PPoly
 
 Pose = tuple[float, ...]
 MOST_POINTS = 100_000
@@ -144,6 +147,8 @@ class Drawn:
 
     def at(self, share: ArrayLike) -> Derivatives:
         """See `Path`."""
+        from scipy.interpolate import splev
+
         spline, scale = _smoothed(self)
         s = np.asarray(share, dtype=float)
         found = [np.stack(splev(s, spline, der=n), axis=-1) / scale for n in range(3)]
@@ -284,6 +289,8 @@ def _polyline(path: Polyline) -> _Parts:
 @lru_cache(maxsize=64)
 def _cubic(path: Spline) -> PPoly:
     """The pieces between the points, from rest to rest."""
+    from scipy.interpolate import CubicSpline, PPoly
+
     shares, points = np.array(path.shares), np.array(path.points)
     rests = np.linalg.norm(np.diff(points * np.array(path.scale), axis=0), axis=1) < SAME
     # Where a part of its own begins; the last one ends with the last point.
@@ -304,6 +311,8 @@ def _cubic(path: Spline) -> PPoly:
 
 @lru_cache(maxsize=64)
 def _smoothed(path: Drawn) -> tuple[tuple[Array, list[Array], int], Array]:
+    from scipy.interpolate import splprep
+
     scale = np.array(path.scale)
     p = np.array(path.points) * scale
     degree = min(5, len(p) - 1)

@@ -74,6 +74,7 @@ def chart(
     from app.features.map import files
     from app.jobs import executors
     from kinematics.facets import map_sweeps
+    from kinematics.mechanism import mechanism_class
 
     kind = output.kind(files.FORMATS, "a map")
     if jobs is not None and scheduler is not None:
@@ -87,12 +88,13 @@ def chart(
     request = map_sweeps.map_request(
         machine.design, *grid, modes=modes, quantities=quantity, relative=tolerance
     )
+    prepare = mechanism_class(machine.design.mechanism).prepare
     began = time.monotonic()
     with ExitStack() as stack:
         interrupted = stack.enter_context(_interruptible())
         show = stack.enter_context(progress("Map: the processes start"))
         workers = stack.enter_context(
-            executors.local_workers(jobs)
+            executors.local_workers(jobs, meanwhile=prepare)
             if scheduler is None
             else executors.dask_workers(scheduler)
         )

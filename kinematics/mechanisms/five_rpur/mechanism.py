@@ -119,4 +119,4 @@ class FiveRPUR(Mechanism[FiveRPURDesign]):
 
     @classmethod
     def prepare(cls) -> None:
-        cutter.prepare()
+        cutter.prepare(here=False)

@@ -6,6 +6,7 @@ R_x(φ) s'_i (Tale Masouleh et al. 2011, eq. 27). Lengths mm, angles rad.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -18,6 +19,7 @@ from kinematics.screws.spatial import rotation_x, rotation_y
 
 SAME_SOLIDS = 1e-9
 """Part of a limb's size: solids of limbs closer than that would enclose films of air."""
+_LEAST = 1e-2  # of the shortest stroke and link: what limbs are told apart by at least
 SAME_NUMBERS = 4e-15
 """Part of a limb's size: what differs by less does so by rounding alone."""
 
@@ -45,6 +47,39 @@ def aligned_offsets(design: FiveRPURDesign, phi: float, theta: float, same: floa
     if offsets.shape != (LIMBS, 3):
         raise InputError("phi and theta must be one number each")
     return _aligned(offsets, same * float((design.link + design.stroke[:, 1]).min()))
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedLimbs:
+    """Limbs of which those that are nearly equal have been made equal: ``offset`` (5, 3), ``link``
+    (5,) and ``stroke`` (5, 2), mm; no surface of a vertex space was moved farther than ``moved``.
+    """
+
+    offset: Array
+    link: Array
+    stroke: Array
+    moved: float
+
+
+def merged_limbs(design: FiveRPURDesign, phi: float, theta: float, same: float) -> PlacedLimbs:
+    """The limbs at one orientation; coordinates and lengths that are nearly the same made equal.
+
+    ``same`` is the part of the smallest limb's size by which they may differ, but no more than a
+    small part of a stroke or a link.
+
+    Raises:
+        InputError: not one finite number each.
+    """
+    step = same * float((design.link + design.stroke[:, 1]).min())
+    least = min(float(np.diff(design.stroke).min()), float(design.link.min()))
+    step = min(step, _LEAST * least)
+    exact = aligned_offsets(design, phi, theta, 0.0)
+    lengths = np.column_stack([design.link, design.stroke])
+    offset, equal = _aligned(exact, step), _aligned(lengths, step)
+    # A point of the surface is w' + ρ u + l v, with unit vectors u and v.
+    change = np.abs(equal - lengths)
+    moved = np.linalg.norm(offset - exact, axis=1) + change[:, 0] + change[:, 1:].max(axis=1)
+    return PlacedLimbs(offset, equal[:, 0], equal[:, 1:], float(moved.max()))
 
 
 def _aligned(offsets: Array, step: float) -> Array:

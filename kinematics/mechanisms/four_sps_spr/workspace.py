@@ -20,8 +20,6 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.integrate import quad
-from scipy.ndimage import binary_dilation
 
 from kinematics.arrays import Array
 from kinematics.facets.solids import Resolution
@@ -166,6 +164,8 @@ def build(design: FourSPSSPRDesign, request: Request, resolution: Resolution) ->
 
     A preview, for which that takes too long, states 1 %, several times what was measured.
     """
+    from scipy.ndimage import binary_dilation
+
     from kinematics.solids.csg import Solid, finish
 
     branch = _Branch(design, request)
@@ -235,6 +235,7 @@ def exact_volume(
     design: FourSPSSPRDesign, request: Request, relative: float = 1e-5
 ) -> tuple[float, float]:
     """The volume and an estimate from above of its error, mm³."""
+    from scipy.integrate import quad
 
     def slice_of(angle: float) -> float:
         angles = list(request.angles)

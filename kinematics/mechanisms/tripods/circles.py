@@ -15,7 +15,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq, minimize_scalar
 
 from kinematics.answers.bounds import Bound, named, range_of
 from kinematics.answers.circles import OrientationCircle, Profile, ProfileCurve
@@ -260,6 +259,8 @@ def _first_zero(
 ) -> tuple[float, tuple[tuple[float, float], ...]]:
     """The smallest radius on whose circle ``room``, positive at the centre, is zero somewhere,
     and where; π where it is positive throughout. ``sampled`` is ``room`` on `_grid`."""
+    from scipy.optimize import minimize_scalar
+
     radii, turns = _radii(), _turns()
     lowest = sampled.min(axis=1)
 
@@ -300,6 +301,8 @@ def _first_zero(
 def _settled(
     frame: Array, least: Callable[[float], tuple[float, float]], low: float, high: float
 ) -> tuple[float, tuple[tuple[float, float], ...]]:
+    from scipy.optimize import brentq
+
     radius = float(brentq(lambda r: least(float(r))[0], low, high, xtol=1e-13, rtol=1e-14))
     _, where = least(radius)
     tilt, azimuth = _chart(_on_circle(frame, np.array(radius), np.array(where))).tolist()

@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from itertools import product
 
 import numpy as np
-from scipy import ndimage
 
 from kinematics.answers.sections import Box, Sphere
 from kinematics.arrays import Array, finite
@@ -159,6 +158,8 @@ def grid_of(region: Region, count: int) -> Grid | None:
 
 def starts_in(region: Region, grid: Grid | None, wanted: int) -> list[Array]:
     """Places inside, far from the complement and from each other, best first."""
+    from scipy import ndimage
+
     if grid is None:
         return []
     first, step, inside = grid

@@ -17,11 +17,11 @@ from kinematics.mechanisms.five_rpur.singularities.cells import CELLS, Cells, Fi
 from kinematics.mechanisms.five_rpur.singularities.determinant import Determinant
 from kinematics.mechanisms.five_rpur.workspace.workspace import (
     coarseness,
-    raw_workspace,
+    from_solid,
     thinnest,
     volume_error,
 )
-from kinematics.solids.csg import BuiltSolid, TracedMesh
+from kinematics.solids.csg import BuiltSolid, Solid, TracedMesh
 from kinematics.solids.isosurfaces import positive_part
 from kinematics.solids.partition import partition
 
@@ -52,12 +52,30 @@ def aspects(
         InputError: an angle that is not finite, or a mode that is not five signs.
         ComputationError: every pose is singular, or manifold3d gave up.
     """
+    return from_solid(
+        design,
+        phi,
+        theta,
+        (mode,),
+        resolution,
+        lambda whole, moved: _parted(design, phi, theta, mode, resolution, whole, moved),
+    )
+
+
+def _parted(
+    design: FiveRPURDesign,
+    phi: float,
+    theta: float,
+    mode: str,
+    resolution: Resolution,
+    whole: Solid,
+    moved: float,
+) -> BuiltSolid:
     determinant = Determinant.at(design, phi, theta, mode)
-    whole = raw_workspace(design, phi, theta, (mode,), resolution)
     coarsest = coarseness(design, resolution)
 
     def error(mesh: TracedMesh, volume: float) -> float:
-        return volume_error(mesh, volume, coarsest)
+        return volume_error(mesh, volume, coarsest, moved)
 
     field = Field(determinant)
     thin = thinnest(design, resolution)

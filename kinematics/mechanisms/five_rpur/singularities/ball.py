@@ -12,8 +12,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import ndimage
-from scipy.spatial import cKDTree
 
 from kinematics.answers.sections import Sphere
 from kinematics.arrays import Array
@@ -124,6 +122,8 @@ class _Seen:
         self._set(np.concatenate([self._points, points]))
 
     def _set(self, points: Array) -> None:
+        from scipy.spatial import cKDTree
+
         self._points = points
         self._tree = cKDTree(points) if len(points) else None
 
@@ -202,6 +202,8 @@ def _placed(region: Region, grid: Grid) -> list[Array]:
 
 def _connected(nodes: Mask, at: Array) -> Mask:
     """Those nodes that hang together with the one nearest to a place (in steps)."""
+    from scipy import ndimage
+
     labels, count = ndimage.label(nodes)
     if not count:
         return nodes

@@ -1,11 +1,11 @@
 """The kernel, compiled where that pays: never does anyone wait for the compiler.
 
-The kernel is the modules in `_MODULES`: plain Python that numba also compiles. Compiling takes as
-long as some thousand sections in plain Python, loading what was compiled before as long as some
-dozens. So plain Python works until it would have taken as long as the other way: at worst that
-doubles the time, once. `prepare` compiles everything, for processes that nobody waits for; else
-only what is used is. What is compiled is kept in the user's cache folder, by the kernel's text and
-place.
+The kernel is the modules in `_MODULES`: plain Python that numba also compiles. Compiling takes some
+twenty seconds, loading what was compiled before most of one. Until then numpy stands in for what
+cuts many sections (`batches`), some ten times slower than the compiled kernel; a process that has
+been at work for longer than loading takes loads what there is by then. `prepare` compiles, for
+processes that nobody waits for. What is compiled is kept in the user's cache folder, by the
+kernel's text and place.
 """
 
 from __future__ import annotations
@@ -26,50 +26,83 @@ from typing import Any, ClassVar
 import numpy as np
 import platformdirs
 
+from kinematics.mechanisms.five_rpur.slicing import batches
 from kinematics.mechanisms.five_rpur.slicing import boundary as _boundary
 from kinematics.mechanisms.five_rpur.slicing import integral as _integral
 from kinematics.mechanisms.five_rpur.slicing import measures as _measures
 from kinematics.mechanisms.five_rpur.slicing import quadrature as _quadrature
 from kinematics.mechanisms.five_rpur.slicing import sweep as _sweep
-from kinematics.mechanisms.five_rpur.slicing import tracing as _tracing
 
 log = logging.getLogger(__name__)
 
-_MODULES = (_sweep, _quadrature, _measures, _boundary, _tracing, _integral)
+_MODULES = (_sweep, _quadrature, _measures, _boundary, _integral)
 _READY = "ready"
 _LOADING = 0.8  # s that it takes to load what was compiled before
-_COMPILING = 10.0  # s that it takes to compile one use of sections
 _LOOK = 0.25  # s between looks whether somebody else has compiled
+_UNUSED = 7 * 86400.0  # s after which another build's kernel is forgotten
+_KEPT = 4  # builds' kernels at most
 
 
 class _Plain:
-    """How long plain Python has been at work, and what has come in its place."""
+    """How long numpy and plain Python have been at work, and what has come in their place."""
 
     spent = 0.0
+    begun = np.inf  # when the present work was
     looked = -np.inf
     compiled = False
     failed = False
     members: ClassVar[list[dict[str, Any]]] = []  # of each module, before they were compiled
 
 
-def call(name: str, sections: int, *arguments: Any) -> Any:
-    """A function of the kernel, compiled or not, that computes so many sections.
+class _Ready(Exception):  # not an error
+    """The kernel was loaded in the midst of work without it, which it does again in less time."""
 
-    Where numba cannot compile it, plain Python computes them: no result depends on which.
-    """
-    if not _Plain.compiled and _pays(sections):
-        _compile()
-    if _Plain.compiled:
-        from numba import NumbaError
 
+def call(name: str, *arguments: Any) -> Any:
+    """A function of the kernel, compiled or not; what it gives does not depend on which."""
+    while True:
+        if _Plain.compiled or _changed():
+            from numba import NumbaError
+
+            try:
+                return _function(name)(*arguments)
+            except NumbaError as error:
+                _give_up(error)
+        _Plain.begun = time.perf_counter()
         try:
-            return _function(name)(*arguments)
-        except NumbaError as error:
-            _give_up(error)
-    begun = time.perf_counter()
-    result = _function(name)(*arguments)
-    _Plain.spent += time.perf_counter() - begun
-    return result
+            return _STANDS_IN.get(name, _function(name))(*arguments)
+        except _Ready:
+            pass
+        finally:
+            _Plain.spent += time.perf_counter() - _Plain.begun
+            _Plain.begun = np.inf
+
+
+def _changed() -> bool:
+    """Whether the kernel has just been loaded, since that pays by now."""
+    now = time.perf_counter()
+    spent = _Plain.spent + max(now - _Plain.begun, 0.0)
+    if _Plain.compiled or spent < _LOADING or now - _Plain.looked < _LOOK or not _available():
+        return False
+    _Plain.looked = now
+    folder = _folder()
+    if folder is not None and (folder / _READY).exists():
+        _compile()
+    return _Plain.compiled
+
+
+def _watched(function: Callable[..., Any]) -> Callable[..., Any]:
+    def call_it(*arguments: Any) -> Any:
+        result = function(*arguments)
+        if _changed():
+            raise _Ready
+        return result
+
+    return call_it
+
+
+_STANDS_IN = {"measure": batches.measure, "runs_of": batches.runs_of}
+vars(_integral)["measure"] = _watched(batches.measure)
 
 
 def is_compiled() -> bool:
@@ -81,60 +114,47 @@ def _function(name: str) -> Any:
     return next(vars(module)[name] for module in _MODULES if name in vars(module))
 
 
-_PER_SECTION = 0.008  # s of plain Python for one section
-
-
-def _pays(sections: int) -> bool:
-    ahead = _Plain.spent + _PER_SECTION * sections
-    if ahead < _LOADING or not _available():
-        return False
-    if ahead >= _COMPILING:
-        return True
-    now = time.monotonic()
-    if now - _Plain.looked < _LOOK:
-        return False
-    _Plain.looked = now
-    folder = _folder()
-    return folder is not None and (folder / _READY).exists()
-
-
-def prepare(exercise: Callable[[], None] | None = None) -> bool:
+def prepare(exercise: Callable[[], None], *, here: bool = True) -> bool:
     """Compile all of the kernel, or load it if that was done before; whether it is compiled now.
 
     Args:
-        exercise: calls every function for the arguments that it will be called with; None: each
-            is compiled when it is first called.
+        exercise: calls every function for the arguments that it will be called with.
+        here: else it is for other processes, and nothing is loaded that was compiled before.
     """
     if not _available():
         return False
-    folder = _compile()
-    if _Plain.compiled and exercise is not None:
-        exercise()
-    if _Plain.compiled and folder is not None and exercise is not None:
-        (folder / _READY).touch()
+    folder = _folder()
+    if not here and folder is not None and (folder / _READY).exists():
         _tidy(folder)
+        return _Plain.compiled
+    _compile()
+    if _Plain.compiled:
+        exercise()
+    if _Plain.compiled and folder is not None:
+        (folder / _READY).touch()
     return _Plain.compiled
 
 
-def _compile() -> Path | None:
-    """Have functions compiled when they are first called; returns where they are kept."""
+def _compile() -> None:
+    """Have functions compiled, or loaded, when they are first called."""
     from numba import NumbaError, config
 
-    folder = _folder()
     if _Plain.compiled:
-        return folder
+        return
+    folder = _folder()
     _Plain.members = [dict(vars(module)) for module in _MODULES]
     before = config.CACHE_DIR
     if folder is not None:
         config.CACHE_DIR = str(folder)
+        _tidy(folder)
     try:
+        vars(_integral)["measure"] = _measures.measure
         _replace(keep=folder is not None)
         _Plain.compiled = True
     except NumbaError as error:
         _give_up(error)
     finally:
         config.CACHE_DIR = before
-    return folder
 
 
 def _give_up(error: Exception) -> None:
@@ -192,8 +212,19 @@ def _folder() -> Path | None:
 
 
 def _tidy(folder: Path) -> None:
-    """Forget what earlier versions have compiled, if nobody has asked for it in a month."""
-    for other in folder.parent.iterdir():
+    """Note that this kernel is in use, and forget those of other builds that are not."""
+
+    def used(other: Path) -> float:
         ready = other / _READY
-        if other != folder and ready.exists() and time.time() - ready.stat().st_mtime > 30 * 86400:
-            shutil.rmtree(other, ignore_errors=True)
+        return (ready if ready.exists() else other).stat().st_mtime
+
+    try:
+        if (folder / _READY).exists():
+            (folder / _READY).touch()
+        others = sorted((o for o in folder.parent.iterdir() if o != folder), key=used)
+        last = time.time() - _UNUSED
+        for n, other in enumerate(others):
+            if used(other) < last or n < len(others) - _KEPT + 1:
+                shutil.rmtree(other, ignore_errors=True)
+    except OSError as error:  # somebody else tidies as well
+        log.debug("the cache was not tidied: %s", error)

@@ -17,8 +17,10 @@ from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.inverse import chosen
 from kinematics.mechanisms.five_rpur.offsets import SAME_NUMBERS, aligned_offsets
 from kinematics.mechanisms.five_rpur.slicing import acceleration
+from kinematics.mechanisms.five_rpur.slicing.batches import curve_heights
+from kinematics.mechanisms.five_rpur.slicing.sweep import MOST_RUNS
+from kinematics.mechanisms.five_rpur.slicing.tracing import Runs, volumes
 
-_USUAL = 1500  # sections: what a process that asks for one volume may ask for
 _MOST_EDGES = 4096  # of one section; twice what crossings of five limbs can make
 
 
@@ -111,33 +113,60 @@ class Cutter:
         """The sections at x (N,)."""
         x = np.asarray(x, dtype=float)
         count = len(x)
-        moments = np.empty((count, 3))
-        marks, parts = np.empty(count, np.int64), np.empty(count, np.int64)
+        moments, marks = np.empty((count, 6)), np.empty(count, np.int64)
         machine = self.limbs, self.signs, self.table, self.size, self.origin
-        acceleration.call("measure", count, x, *self.heights(x), *machine, moments, marks, parts)
-        return Cuts(x, moments, marks, parts)
+        acceleration.call("measure", x, *self.heights(x), *machine, moments, marks)
+        runs = self.runs(x)
+        _, first = np.unique(runs.pieces, return_index=True)
+        parts = np.bincount(runs.sections[first], minlength=count)
+        return Cuts(x, moments[:, :3], marks, parts)
+
+    def runs(self, x: Array) -> Runs:
+        """The sections at x (N,) in runs."""
+        count = len(x)
+        lows, highs = self.heights(x)
+        machine = self.limbs, self.signs, self.table, self.size
+        firsts, marks = np.empty(count + 1, np.int64), np.empty(count, np.int64)
+        room = 64 * count + MOST_RUNS
+        while True:
+            curves, spans = np.empty((room, 2), np.int64), np.empty((room, 2))
+            pieces, tells = np.empty(room, np.int64), np.empty(room, np.int64)
+            out = firsts, curves, spans, pieces, tells, marks
+            used = acceleration.call("runs_of", x, lows, highs, *machine, *out)
+            if used >= 0:
+                break
+            room *= 4
+        return Runs.of(
+            self.limbs,
+            x,
+            lows,
+            highs,
+            firsts,
+            curves[:used].copy(),
+            spans[:used].copy(),
+            pieces[:used].copy(),
+            tells[:used].copy(),
+            marks,
+        )
 
     def integral(self, first: float, last: float, relative: float, most: int) -> Integral:
         """Sections that tell the volume between two x', first < last.
 
         Args:
             relative: the error wanted, as a part of the volume.
-            most: about how many sections are taken at most.
+            most: about how many sections are taken at most; while the kernel is not compiled, a
+                sixth of them.
         """
-        found = acceleration.call(
-            "integral",
-            _USUAL,
-            first,
-            last,
-            self.limbs,
-            self.signs,
-            self.table,
-            self.size,
-            self.origin,
-            relative,
-            most,
+        if not acceleration.is_compiled():
+            most //= 6
+        machine = self.limbs, self.signs, self.table, self.size, self.origin
+        at, moments, marks, weights, error, sections = acceleration.call(
+            "integral", first, last, *machine, relative, most
         )
-        return Integral(*found)
+        order = np.argsort(at)
+        return Integral(
+            at[order], moments[order], marks[order], weights[order], float(error), int(sections)
+        )
 
     def outline(self, x: float) -> Outline:
         """The boundary of the section at x, and its moments."""
@@ -146,14 +175,13 @@ class Cutter:
         edges, ends, turns = np.empty((room, 4), np.int64), np.empty((room, 2)), np.empty(room)
         machine = self.limbs, self.signs, self.table, self.size
         count = acceleration.call(
-            "outline", 1, x, low, high, *machine, edges, ends, turns, self.origin, moments
+            "outline", x, low, high, *machine, edges, ends, turns, self.origin, moments
         )
         whose, places = np.empty((count, 2), np.int64), np.empty((count, 8))
         firsts, areas = np.empty(count + 1, np.int64), np.empty(count + 1)
         pieces = np.empty(count + 1, np.int64)
         loops, perimeter = acceleration.call(
             "describe",
-            1,
             edges[:count],
             ends[:count],
             turns[:count],
@@ -185,36 +213,44 @@ class Cutter:
             x: (N,) increasing.
             weights: (N, 2) of the areas and of their derivatives.
         """
-        room = 16 * len(x) + 1024
-        while True:
-            forest, volumes = np.empty(room, np.int64), np.empty((room, 2))
-            machine = self.limbs, self.signs, self.table, self.size
-            used = acceleration.call("trace", len(x), x, weights, *machine, forest, volumes)
-            if used >= 0:
-                break
-            room *= 4
-        for n in range(used):  # every one points below itself
-            forest[n] = forest[forest[n]]
-        roots, owner = np.unique(forest[:used], return_inverse=True)
-        sums = np.zeros((len(roots), 2))
-        np.add.at(sums, owner, volumes[:used])
+        sums = volumes(self.runs, self.limbs, x, weights)
         # Derivatives take more than there is from what hardly one section met.
         whole = sums.sum(axis=1)
         whole = np.where(whole > 0.0, whole, sums[:, 0])
         return np.asarray(np.sort(whole)[::-1])
 
     def strokes(self, x: Array, samples: int) -> tuple[Array, Array]:
-        """The shortest and the longest actuators (5,) each that occur in sections at x (N,)."""
-        lows, highs = self.heights(x)
-        low_used, high_used = np.full(LIMBS, np.inf), np.full(LIMBS, -np.inf)
-        machine = self.limbs, x, self.signs, self.table, self.size
-        acceleration.call("strokes", x.size, lows, highs, *machine, samples, low_used, high_used)
-        return low_used, high_used
+        """The shortest and the longest actuators (5,) each that occur in sections at x (N,), from
+        so many points on each edge of their boundaries."""
+        runs = self.runs(x)
+        share = np.linspace(0.0, 1.0, samples)
+        y = runs.spans[:, :1] + share * (runs.spans[:, 1:] - runs.spans[:, :1])
+        c = np.repeat(runs.curves.T.ravel(), samples)
+        section = np.repeat(np.tile(runs.sections, 2), samples)
+        y = np.tile(y.ravel(), 2)
+        z = curve_heights(self.limbs, c, np.repeat(runs.bases.T.ravel(), samples), y)
+        wx, wy, wz, link, _, _ = self.limbs
+        t = y[:, None] - wy
+        rise = np.sqrt(np.maximum((link - t) * (link + t), 0.0))
+        dz = (z[:, None] - wz)[:, :, None] - np.stack([rise, -rise], axis=-1)  # (P, 5, 2)
+        rho = np.hypot((x[section, None] - wx)[:, :, None], dz)
+        slack = 1e-7 * self.size
+        low, high = runs.lows[section, :, None], runs.highs[section, :, None]
+        held = (np.abs(dz) >= low - slack) & (np.abs(dz) <= high + slack)
+        bits = 1 << np.arange(2 * LIMBS)
+        state = held.reshape(-1, 2 * LIMBS) @ bits
+        # Some wanted mode must hold the point with the limb in this sign.
+        other = bits.reshape(LIMBS, 2)[:, ::-1]
+        held &= self.table[state[:, None, None] & ~other]
+        return (
+            np.where(held, rho, np.inf).min(axis=(0, 2), initial=np.inf),
+            np.where(held, rho, -np.inf).max(axis=(0, 2), initial=-np.inf),
+        )
 
 
-def prepare() -> bool:
+def prepare(*, here: bool = True) -> bool:
     """Compile all that sections are made with, see `acceleration.prepare`."""
-    return acceleration.prepare(_exercise)
+    return acceleration.prepare(_exercise, here=here)
 
 
 def _exercise() -> None:
@@ -222,9 +258,7 @@ def _exercise() -> None:
     x = np.linspace(*cutter.range, 3)
     cutter.cut(x)
     cutter.outline(float(x[1]))
-    cutter.strokes(x[1:2], 3)
-    found = cutter.integral(*cutter.range, 0.5, 60)
-    cutter.pieces(found.at, found.weights)
+    cutter.integral(*cutter.range, 0.5, 60)
 
 
 def example() -> Cutter:

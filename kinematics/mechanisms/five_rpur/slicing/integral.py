@@ -1,10 +1,12 @@
-"""Integrals of sections over x', in scalars, see `sweep`: panels are halved, the worst one first.
+"""Integrals of sections over x', in scalars, see `sweep`: panels are halved, the worst ones first.
 
 A section tells its moments and their derivatives by x', so that three sections of a panel, those at
 its ends shared with its neighbours, make a rule of degree five (`quadrature`). Where circles of a
 limb's bound ρ_min begin or end, and at both ends, the area has a root: x' = end ± κ u² makes
 a smooth function of u from it. Kinks elsewhere, where the structure of the section changes, are
 of higher order, and halving gets close to them fast enough.
+
+Sections are cut many at a time, for what cuts them may be numpy (`batches`) as well as the kernel.
 
 How far a panel may be off is what two rules give that are nothing for cubics, and a part of what
 its halving changed. Lengths mm.
@@ -18,17 +20,14 @@ from typing import NamedTuple
 import numpy as np
 
 from kinematics.arrays import Array, Ints
-from kinematics.mechanisms.five_rpur.slicing.measures import measured
+from kinematics.mechanisms.five_rpur.slicing.measures import measure
 from kinematics.mechanisms.five_rpur.slicing.quadrature import nulls, weights_of
 from kinematics.mechanisms.five_rpur.slicing.sweep import (
     HIGH,
     LOW,
     WX,
     Bools,
-    Room,
-    bounds_of,
     heights,
-    rooms,
 )
 
 # What a panel may be off by, as a part of what its null rules give. A kink of any order from 1 on,
@@ -50,44 +49,45 @@ WIDEST, UNMET = 0.05, 1.0
 SMALL = 3e-3  # of the range's cube: volumes that are less are no reason for narrower panels
 NARROW = 1e-10  # of the size: two places are one
 NOTHING = 1e-9  # of the bound of an area
+NOWHERE = 6000  # sections at most, as long as there is nothing in any of them
 UNSEEN = 1e-13  # of range × size²: what rounding may take
+REST = 0.85  # of the error allowed: as much may be left in panels that are not halved at once
 
 
 class Machine(NamedTuple):
-    """What sections are made of, see `sweep`, and room for them."""
+    """What sections are made of, see `sweep`."""
 
     limbs: Array
     signs: Bools
     table: Bools
-    ends: Array
     size: float
     origin: Array
-    low: Array
-    high: Array
-    other: Array
-    room: Room
     taken: Ints  # (1,) how many sections were computed
 
 
 class Nodes(NamedTuple):
-    """Sections: x' (N,) in ``at`` and ``to``, see `cut`; moments (N, 6) and their derivatives,
-    marks (N,)."""
+    """Sections: x' (N,) in ``at`` and ``to``, see `cut`; S(ρ_min) and S(ρ_max) (N, n) of limbs,
+    moments and their derivatives (N, 6), marks (N,)."""
 
     at: Array
     to: Array
+    lows: Array
+    highs: Array
     moments: Array
     marks: Ints
 
 
 class Panels(NamedTuple):
     """``span`` (P, 4): u at both ends, and x' = span[2] + span[3] u²; ``nodes`` (P, 3) at its ends
-    and in the middle; ``value`` and ``error`` (P,) of its volume.
+    and in the middle; ``value`` and ``error`` (P,) of its volume, and ``change`` (P,), by how much
+    halving the larger one was of which it is a half has changed that, −1 for none.
     """
 
     span: Array
     nodes: Ints
     value: Array
     error: Array
+    change: Array
 
 
 def places_of_roots(limbs: Array, first: float, last: float, narrow: float, out: Array) -> int:
@@ -112,64 +112,78 @@ def places_of_roots(limbs: Array, first: float, last: float, narrow: float, out:
     return count + 1
 
 
-def cut(machine: Machine, nodes: Nodes, n: int) -> None:
-    """The section of node n, whose x' is known.
+def cut(machine: Machine, nodes: Nodes, first: int, count: int) -> None:
+    """The sections of so many nodes, whose x' are known.
 
     Where ``to`` is another x' than ``at``: a section that holds all sections between the two.
     """
-    limbs, low, high = machine.limbs, machine.low, machine.high
-    x, to = nodes.at[n], nodes.to[n]
-    reached = heights(x, limbs, low, high)
-    if to != x:
-        heights(to, limbs, machine.other[0], machine.other[1])
-        reached = True
-        for i in range(limbs.shape[1]):
-            low[i] = min(low[i], machine.other[0, i])
-            high[i] = max(high[i], machine.other[1, i])
-            if min(x, to) <= limbs[WX, i] <= max(x, to):  # S is largest at w'_x
-                high[i] = limbs[HIGH, i]
-            reached = reached and high[i] >= 0.0
-    nodes.marks[n] = 0
-    nodes.moments[n, :] = 0.0
-    machine.taken[0] += 1
-    if reached:
-        nodes.marks[n], _ = measured(
-            x,
-            limbs,
-            low,
-            high,
-            machine.signs,
-            machine.table,
-            machine.ends,
-            machine.size,
-            machine.origin,
-            machine.room,
-            nodes.moments[n],
-        )
+    limbs = machine.limbs
+    stop = first + count
+    other = np.empty((2, limbs.shape[1]))
+    for k in range(first, stop):
+        x, to, low, high = nodes.at[k], nodes.to[k], nodes.lows[k], nodes.highs[k]
+        heights(x, limbs, low, high)
+        if to != x:
+            heights(to, limbs, other[0], other[1])
+            for i in range(limbs.shape[1]):
+                low[i] = min(low[i], other[0, i])
+                high[i] = max(high[i], other[1, i])
+                if min(x, to) <= limbs[WX, i] <= max(x, to):  # S is largest at w'_x
+                    high[i] = limbs[HIGH, i]
+    measure(
+        nodes.at[first:stop],
+        nodes.lows[first:stop],
+        nodes.highs[first:stop],
+        limbs,
+        machine.signs,
+        machine.table,
+        machine.size,
+        machine.origin,
+        nodes.moments[first:stop],
+        nodes.marks[first:stop],
+    )
+    machine.taken[0] += count
 
 
-def judge(machine: Machine, nodes: Nodes, panels: Panels, p: int, change: float) -> None:
-    """The error of panel p, whose halving from a larger one changed so much; −1 for none."""
-    one, two, three = panels.nodes[p, 0], panels.nodes[p, 1], panels.nodes[p, 2]
+def mostly_empty(marks: Ints, one: int, two: int, three: int) -> bool:
+    """Whether at least two of three sections are empty."""
+    empty = 0
+    for n in (one, two, three):
+        if marks[n] == 0:
+            empty += 1
+    return empty >= 2
+
+
+def judge(machine: Machine, nodes: Nodes, panels: Panels, which: Ints, free: int) -> None:
+    """The errors of some panels; nodes from ``free`` on are kept free for this."""
     m, marks = nodes.moments, nodes.marks
-    off = nulls(panels.span[p], m[one], m[two], m[three])
-    alike = marks[one] == marks[two] and marks[two] == marks[three]
-    if alike:
-        root = math.sqrt(off / max(abs(panels.value[p]), 1e-300))
-        off *= min(KINK, max(ALIKE_LEAST, ALIKE * root))
-    else:
-        off *= KINK if change >= 0.0 else KINK * NOT_HALVED
-    off = max(off, change * (HALF_ALIKE if alike else HALF))
-    empty = (marks[one] == 0) + (marks[two] == 0) + (marks[three] == 0)
-    if empty >= 2:
-        x0, x1 = nodes.at[one], nodes.at[three]
-        last = nodes.at.size - 1  # kept free for this
-        nodes.at[last], nodes.to[last] = x0, x1
-        cut(machine, nodes, last)
-        most = m[last, 0]
-        seen = max(m[one, 0], m[two, 0], m[three, 0])
-        off = max(off, (1.0 if seen <= NOTHING * most else TIP) * most * abs(x1 - x0))
-    panels.error[p] = off
+    held = 0
+    for p in which:
+        one, two, three = panels.nodes[p, 0], panels.nodes[p, 1], panels.nodes[p, 2]
+        change = panels.change[p]
+        off = nulls(panels.span[p], m[one], m[two], m[three])
+        alike = marks[one] == marks[two] and marks[two] == marks[three]
+        if alike:
+            root = math.sqrt(off / max(abs(panels.value[p]), 1e-300))
+            off *= min(KINK, max(ALIKE_LEAST, ALIKE * root))
+        else:
+            off *= KINK if change >= 0.0 else KINK * NOT_HALVED
+        panels.error[p] = max(off, change * (HALF_ALIKE if alike else HALF))
+        if mostly_empty(marks, one, two, three):
+            nodes.at[free + held], nodes.to[free + held] = nodes.at[one], nodes.at[three]
+            held += 1
+    if held == 0:
+        return
+    cut(machine, nodes, free, held)
+    held = free
+    for p in which:
+        one, two, three = panels.nodes[p, 0], panels.nodes[p, 1], panels.nodes[p, 2]
+        if mostly_empty(marks, one, two, three):
+            most = m[held, 0]
+            seen = max(m[one, 0], m[two, 0], m[three, 0])
+            part = 1.0 if seen <= NOTHING * most else TIP
+            panels.error[p] = max(panels.error[p], part * most * width(nodes, panels, p))
+            held += 1
 
 
 def assess(panels: Panels, nodes: Nodes, p: int) -> None:
@@ -182,57 +196,94 @@ def assess(panels: Panels, nodes: Nodes, p: int) -> None:
     )
 
 
-def halve(machine: Machine, nodes: Nodes, panels: Panels, p: int, n: int, new: int) -> None:
-    """Panel p becomes its first half, panel ``new`` the second; nodes n and n + 1 are cut."""
-    u0, u1, end, kappa = (
-        panels.span[p, 0],
-        panels.span[p, 1],
-        panels.span[p, 2],
-        panels.span[p, 3],
-    )
-    um = 0.5 * (u0 + u1)
-    for half in range(2):
-        u = 0.5 * (um + (u1 if half else u0))
-        nodes.at[n + half] = nodes.to[n + half] = end + kappa * u * u
-        cut(machine, nodes, n + half)
-    panels.span[new, 0], panels.span[new, 1] = um, u1
-    panels.span[new, 2], panels.span[new, 3] = end, kappa
-    panels.span[p, 1] = um
-    middle = panels.nodes[p, 1]
-    panels.nodes[new, 0], panels.nodes[new, 1] = middle, n + 1
-    panels.nodes[new, 2] = panels.nodes[p, 2]
-    panels.nodes[p, 1], panels.nodes[p, 2] = n, middle
-    change = -panels.value[p]
-    for half in (p, new):
-        assess(panels, nodes, half)
-        change += panels.value[half]
-    for half in (p, new):
-        judge(machine, nodes, panels, half, abs(change))
+def halve(
+    machine: Machine, nodes: Nodes, panels: Panels, which: Ints, cuts: int, count: int
+) -> None:
+    """Some panels become their first halves; the second ones follow behind the ``count`` panels
+    that there are, the sections in the middles of both behind the ``cuts`` nodes."""
+    many = which.size
+    for k in range(many):
+        p, n, new = which[k], cuts + 2 * k, count + k
+        u0, u1, end, kappa = (
+            panels.span[p, 0],
+            panels.span[p, 1],
+            panels.span[p, 2],
+            panels.span[p, 3],
+        )
+        um = 0.5 * (u0 + u1)
+        for half in range(2):
+            u = 0.5 * (um + (u1 if half else u0))
+            nodes.at[n + half] = nodes.to[n + half] = end + kappa * u * u
+        panels.span[new, 0], panels.span[new, 1] = um, u1
+        panels.span[new, 2], panels.span[new, 3] = end, kappa
+        panels.span[p, 1] = um
+        middle = panels.nodes[p, 1]
+        panels.nodes[new, 0], panels.nodes[new, 1] = middle, n + 1
+        panels.nodes[new, 2] = panels.nodes[p, 2]
+        panels.nodes[p, 1], panels.nodes[p, 2] = n, middle
+    cut(machine, nodes, cuts, 2 * many)
+    halves = np.empty(2 * many, np.int64)
+    for k in range(many):
+        p, new = which[k], count + k
+        change = -panels.value[p]
+        for half in (p, new):
+            assess(panels, nodes, half)
+            change += panels.value[half]
+        panels.change[p] = panels.change[new] = abs(change)
+        halves[2 * k], halves[2 * k + 1] = p, new
+    judge(machine, nodes, panels, halves, cuts + 2 * many)
 
 
-def push(heap: Ints, filled: int, error: Array, p: int) -> None:
-    """Panel p into a heap of so many panels, of which the first has the largest error."""
-    q = filled
-    while q > 0 and error[heap[(q - 1) >> 1]] < error[p]:
-        heap[q] = heap[(q - 1) >> 1]
-        q = (q - 1) >> 1
-    heap[q] = p
+def width(nodes: Nodes, panels: Panels, p: int) -> float:
+    """Of panel p, along x'."""
+    return float(abs(nodes.at[panels.nodes[p, 2]] - nodes.at[panels.nodes[p, 0]]))
 
 
-def pop(heap: Ints, filled: int, error: Array) -> int:
-    """The first panel, out of a heap of so many."""
-    first, moved = heap[0], heap[filled - 1]
-    q = 0
-    while 2 * q + 1 < filled - 1:
-        child = 2 * q + 1
-        if child + 1 < filled - 1 and error[heap[child + 1]] > error[heap[child]]:
-            child += 1
-        if error[heap[child]] <= error[moved]:
-            break
-        heap[q] = heap[child]
-        q = child
-    heap[q] = moved
-    return int(first)
+def too_wide(nodes: Nodes, panels: Panels, count: int, widest: float) -> Ints:
+    """Which panels are wider than ``widest`` and may be off by anything."""
+    which = np.empty(count, np.int64)
+    many = 0
+    for p in range(count):
+        if panels.error[p] > 0.0 and width(nodes, panels, p) > widest:
+            which[many] = p
+            many += 1
+    return which[:many]
+
+
+def worst(
+    nodes: Nodes, panels: Panels, count: int, relative: float, scale: float, narrow: float
+) -> Ints:
+    """Which panels to halve next, so that what the others are off by is allowed; none at the end.
+
+    Panels narrower than ``narrow`` stay: once most of the error is theirs, all is done.
+    """
+    volume = total = stuck = most = 0.0
+    for p in range(count):
+        volume += panels.value[p]
+        total += panels.error[p]
+        if width(nodes, panels, p) > narrow:
+            most = max(most, panels.error[p])
+        else:
+            stuck += panels.error[p]
+    rounding = 1e-13 * volume + 1e-16 * scale
+    allowed = max(max(relative * volume, UNSEEN * scale) - rounding, 2.0 * stuck)
+    which = np.empty(count, np.int64)
+    many = 0
+    if total <= allowed:
+        return which[:many]
+    rest = total - stuck
+    while rest > REST * (allowed - stuck) and most > 0.0:
+        most *= 0.75
+        rest = 0.0
+        many = 0
+        for p in range(count):
+            if width(nodes, panels, p) > narrow:
+                if panels.error[p] >= most:
+                    which[many] = p
+                    many += 1
+                else:
+                    rest += panels.error[p]
+    return which[:many]
 
 
 def begin(
@@ -264,11 +315,6 @@ def begin(
     return n, p
 
 
-def width(nodes: Nodes, panels: Panels, p: int) -> float:
-    """Of panel p, along x'."""
-    return float(abs(nodes.at[panels.nodes[p, 2]] - nodes.at[panels.nodes[p, 0]]))
-
-
 def integral(
     first: float,
     last: float,
@@ -288,79 +334,63 @@ def integral(
         most: about how many sections are taken at most.
 
     Returns:
-        x' (N,), moments and their derivatives (N, 6), marks (N,), the weights (N, 2) of both, the
-        volume's error, and how many sections were computed.
+        x' (N,) in no order, moments and their derivatives (N, 6), marks (N,), the weights (N, 2) of
+        both, the volume's error, and how many sections were computed.
     """
     n = limbs.shape[1]
-    machine = Machine(
-        limbs,
-        signs,
-        table,
-        np.empty(2),
-        size,
-        origin,
-        np.empty(n),
-        np.empty(n),
-        np.empty((3, max(n, 6))),
-        rooms(n),
-        np.zeros(1, np.int64),
-    )
-    bounds_of(limbs, machine.ends)
+    machine = Machine(limbs, signs, table, size, origin, np.zeros(1, np.int64))
     most = max(most, 4 * (math.ceil(1.0 / WIDEST) + 4 * n))  # `begin` takes less
-    nodes = Nodes(np.empty(most), np.empty(most), np.empty((most, 6)), np.empty(most, np.int64))
-    room = most // 2
+    nodes = Nodes(
+        np.empty(2 * most),  # as many are kept free for `judge`
+        np.empty(2 * most),
+        np.empty((2 * most, n)),
+        np.empty((2 * most, n)),
+        np.empty((2 * most, 6)),
+        np.empty(2 * most, np.int64),
+    )
     panels = Panels(
-        np.empty((room, 4)), np.empty((room, 3), np.int64), np.empty(room), np.empty(room)
+        np.empty((most, 4)),
+        np.empty((most, 3), np.int64),
+        np.empty(most),
+        np.empty(most),
+        np.full(most, -1.0),
     )
     scale = (last - first) * size * size
     narrow = NARROW * size
     cuts, count = begin(limbs, nodes, panels, first, last, narrow)
-    for k in range(cuts):
-        cut(machine, nodes, k)
+    cut(machine, nodes, 0, cuts)
     for p in range(count):
         assess(panels, nodes, p)
-    volume = panels.value[:count].sum()
+    judge(machine, nodes, panels, np.arange(count), cuts)
+    volume = 0.0
+    for p in range(count):
+        volume += panels.value[p]
     wanted = max(volume, SMALL * (last - first) ** 3) * relative
     widest = 2.0 * UNMET * wanted ** (1.0 / 3.0)
-    for p in range(count):
-        judge(machine, nodes, panels, p, -1.0)
-    for p in range(room):
-        if p == count:
+    wide = True
+    found = False
+    for k in range(cuts):
+        found = found or nodes.marks[k] != 0
+    while True:
+        if wide:
+            which = too_wide(nodes, panels, count, widest)
+            wide = which.size > 0
+        if not wide:
+            which = worst(nodes, panels, count, relative, scale, narrow)
+        room = most if found else min(most, NOWHERE)
+        which = which[: max(room - cuts, 0) // 2]
+        if which.size == 0:
             break
-        while (
-            panels.error[p] > 0.0 and width(nodes, panels, p) > widest and cuts + 2 < nodes.at.size
-        ):
-            halve(machine, nodes, panels, p, cuts, count)
-            cuts += 2
-            count += 1
-    heap = np.empty(room, np.int64)
-    for p in range(count):
-        push(heap, p, panels.error, p)
-    filled = count
-    volume, error = panels.value[:count].sum(), panels.error[:count].sum()
-    while filled > 0 and cuts + 2 < nodes.at.size:
-        rounding = 1e-13 * volume + 1e-16 * scale
-        allowed = max(relative * volume, UNSEEN * scale) - rounding
-        if error <= allowed or count % 512 == 0:  # sums that grow and shrink lose digits
-            volume, error = panels.value[:count].sum(), panels.error[:count].sum()
-            if error <= allowed:
-                break
-        p = pop(heap, filled, panels.error)
-        filled -= 1
-        if width(nodes, panels, p) <= narrow:
-            continue
-        volume -= panels.value[p]
-        error -= panels.error[p]
-        halve(machine, nodes, panels, p, cuts, count)
-        for half in (p, count):
-            volume += panels.value[half]
-            error += panels.error[half]
-            push(heap, filled, panels.error, half)
-            filled += 1
-        cuts += 2
-        count += 1
+        halve(machine, nodes, panels, which, cuts, count)
+        for k in range(cuts, cuts + 2 * which.size):
+            found = found or nodes.marks[k] != 0
+        cuts += 2 * which.size
+        count += which.size
     weights = np.zeros((cuts, 2))
+    volume = error = 0.0
     for p in range(count):
+        volume += panels.value[p]
+        error += panels.error[p]
         one, two, three = panels.nodes[p, 0], panels.nodes[p, 1], panels.nodes[p, 2]
         w0, w1, w2, s0, s2 = weights_of(panels.span[p])
         weights[one, 0] += w0
@@ -368,13 +398,6 @@ def integral(
         weights[three, 0] += w2
         weights[one, 1] += s0
         weights[three, 1] += s2
-    error = panels.error[:count].sum() + 1e-13 * abs(volume) + 1e-16 * scale
-    order = np.argsort(nodes.at[:cuts])
-    return (
-        nodes.at[order],
-        nodes.moments[order],
-        nodes.marks[order],
-        weights[order],
-        error,
-        machine.taken[0],
-    )
+    error += 1e-13 * abs(volume) + 1e-16 * scale
+    at, moments, marks = nodes.at[:cuts], nodes.moments[:cuts], nodes.marks[:cuts]
+    return at, moments, marks, weights, error, machine.taken[0]

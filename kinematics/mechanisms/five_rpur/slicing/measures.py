@@ -1,4 +1,4 @@
-"""What is measured in sections: area, moments, the strokes used. Scalars, see `sweep`."""
+"""What is measured in sections: area, moments, their runs and pieces. Scalars, see `sweep`."""
 
 from __future__ import annotations
 
@@ -15,10 +15,9 @@ from kinematics.mechanisms.five_rpur.slicing.sweep import (
     Bools,
     Room,
     bounds_of,
-    height,
     offset,
-    rise,
     rooms,
+    root,
     sweep,
 )
 
@@ -99,18 +98,6 @@ def velocity(limbs: Array, low: Array, high: Array, c: int, x: float) -> float:
     return float(-slope if k < 2 else slope)
 
 
-def run_area(
-    x: float, limbs: Array, low: Array, high: Array, runs: Ints, spans: Array, run: int
-) -> tuple[float, float]:
-    """The area of a run, and its derivative by x', ends left out."""
-    y0, y1 = spans[run, 0], spans[run, 1]
-    c, d = runs[run, 0], runs[run, 1]
-    area, _, _ = first_moments(limbs, d, base_of(limbs, low, high, d), y0, y1, 0.0, 0.0)
-    less, _, _ = first_moments(limbs, c, base_of(limbs, low, high, c), y0, y1, 0.0, 0.0)
-    slope = velocity(limbs, low, high, d, x) - velocity(limbs, low, high, c, x)
-    return area - less, slope * (y1 - y0)
-
-
 def measured(
     x: float,
     limbs: Array,
@@ -123,7 +110,7 @@ def measured(
     origin: Array,
     room: Room,
     moments: Array,
-) -> tuple[int, int]:
+) -> int:
     """Area and moments of one section, and how they change along x'.
 
     Args:
@@ -140,8 +127,7 @@ def measured(
             the area is the sum of edges' velocities along z' times their extents along y'.
 
     Returns:
-        a number, equal where sections are built alike and 0 where there is nothing, and how many
-        runs there are.
+        a number, equal where sections are built alike and 0 where there is nothing.
     """
     _, _, _, _, runs, spans, _, _, _, _, _ = room
     for m in range(6):
@@ -161,7 +147,7 @@ def measured(
             moments[3] += slope * (y1 - y0)
             moments[4] += slope * (y1 - y0) * (0.5 * (y0 + y1) - origin[0])
             moments[5] += slope * area
-    return mark, count
+    return mark
 
 
 def measure(
@@ -175,7 +161,6 @@ def measure(
     origin: Array,
     moments: Array,
     marks: Ints,
-    parts: Ints,
 ) -> None:
     """Area and moments of many sections.
 
@@ -184,75 +169,83 @@ def measure(
         lows, highs: (N, n) S(ρ_min) and S(ρ_max) of every limb; a negative ``highs`` is out of
             reach.
         limbs, signs, table, size, origin: as for `measured`.
-        moments: (N, 3) out: ∫ of 1, v, w.
-        marks: (N,) out: equal where the sections are built alike.
-        parts: (N,) out: connected pieces.
+        moments: (N, 6) out, as of `measured`.
+        marks: (N,) out: equal where the sections are built alike, 0 where there is nothing.
     """
     n = limbs.shape[1]
     room = rooms(n)
-    _, _, _, _, _, _, parent, _, _, _, _ = room
     ends = np.empty(2)
     bounds_of(limbs, ends)
-    found = np.empty(6)
     for k in range(at.size):
-        parts[k] = marks[k] = 0
+        marks[k] = 0
         moments[k, :] = 0.0
         if ends[0] < ends[1] and highs[k].min() >= 0.0:
-            marks[k], count = measured(
-                at[k], limbs, lows[k], highs[k], signs, table, ends, size, origin, room, found
+            marks[k] = measured(
+                at[k],
+                limbs,
+                lows[k],
+                highs[k],
+                signs,
+                table,
+                ends,
+                size,
+                origin,
+                room,
+                moments[k],
             )
-            moments[k, :] = found[:3]
-            for run in range(count):
-                parts[k] += parent[run] == run
 
 
-def strokes(
+def runs_of(
+    at: Array,
     lows: Array,
     highs: Array,
     limbs: Array,
-    at: Array,
     signs: Bools,
     table: Bools,
     size: float,
-    samples: int,
-    low_used: Array,
-    high_used: Array,
-) -> None:
-    """The shortest and the longest actuators in sections, from points of their boundaries.
+    firsts: Ints,
+    curves: Ints,
+    spans: Array,
+    pieces: Ints,
+    tells: Ints,
+    marks: Ints,
+) -> int:
+    """The runs of many sections.
 
     Args:
-        lows, highs: (N, n), at: (N,) x' of the sections.
-        samples: how many points on each edge.
-        low_used, high_used: (n,) changed: ρ_min and ρ_max that occur, ±inf before any.
+        at, lows, highs, limbs, signs, table, size: as for `measure`.
+        firsts: (N + 1,) out: the first run of each section, and their number.
+        curves, spans: (R, 2) out: each run's lower and upper curve, and y' at its ends.
+        pieces: (R,) out: of which piece it is; those of all sections are counted from 0.
+        tells: (R,) out: numbers whose sum over the runs of a piece tells how it is built.
+        marks: (N,) out: as of `measure`.
+
+    Returns:
+        the number of runs, −1 if there was no room for them.
     """
     n = limbs.shape[1]
     room = rooms(n)
-    _, _, _, _, runs, spans, _, _, _, _, _ = room
-    slack = 1e-7 * size
+    _, _, _, _, runs, ends_of, parent, _, told, _, _ = room
     ends = np.empty(2)
     bounds_of(limbs, ends)
-    rho = np.empty((n, 2))
-    for section in range(lows.shape[0]):
-        low, high = lows[section], highs[section]
-        count, _, _ = sweep(limbs, low, high, signs, table, ends, size, room)
-        for run in range(count):
-            for end in range(2):
-                for sample in range(samples):
-                    share = sample / (samples - 1.0)
-                    y = spans[run, 0] + share * (spans[run, 1] - spans[run, 0])
-                    z = height(limbs, low, high, runs[run, end], y)
-                    state = 0
-                    for i in range(n):
-                        h = rise(limbs, i, y)
-                        dx = at[section] - limbs[WX, i]
-                        for s in range(2):
-                            dz = z - limbs[WZ, i] + (h if s else -h)
-                            rho[i, s] = math.sqrt(dx * dx + dz * dz)
-                            if low[i] - slack <= abs(dz) <= high[i] + slack:
-                                state |= 1 << (2 * i + s)
-                    for i in range(n):
-                        for s in range(2):
-                            # Some wanted mode must hold the point with the limb in this sign.
-                            if state >> (2 * i + s) & 1 and table[state & ~(1 << (2 * i + 1 - s))]:
-                                low_used[i] = min(low_used[i], rho[i, s])
-                                high_used[i] = max(high_used[i], rho[i, s])
+    used = known = 0
+    firsts[0] = 0
+    for k in range(at.size):
+        marks[k] = 0
+        if ends[0] < ends[1] and highs[k].min() >= 0.0:
+            count, _, marks[k] = sweep(limbs, lows[k], highs[k], signs, table, ends, size, room)
+            if used + count > spans.shape[0]:
+                return -1
+            for run in range(count):
+                stands = root(parent, run)  # none later than the run itself
+                curves[used + run, 0], curves[used + run, 1] = runs[run, 0], runs[run, 1]
+                spans[used + run, 0], spans[used + run, 1] = ends_of[run, 0], ends_of[run, 1]
+                tells[used + run] = told[run]
+                if stands == run:
+                    pieces[used + run] = known
+                    known += 1
+                else:
+                    pieces[used + run] = pieces[used + stands]
+            used += count
+        firsts[k + 1] = used
+    return used

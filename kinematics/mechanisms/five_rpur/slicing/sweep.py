@@ -25,8 +25,7 @@ from kinematics.arrays import Array, Ints
 Bools = NDArray[np.bool_]
 Room = tuple[Array, Ints, Ints, Array, Ints, Array, Ints, Ints, Ints, Ints, Array]
 
-MOST_RUNS = 2048
-MOST_PARTS = 64
+MOST_RUNS = 8192  # more than slabs of five limbs can hold
 FINE = 1e-9  # of the size: two lengths that differ by less may be the same
 SLACK = 1e-6  # of the size: crossings that miss the region by less are looked at all the same
 TOUCH = 1e-12  # of the square of a distance: by how much it may be wrong

@@ -58,10 +58,20 @@ class Net:
 
 @dataclass(frozen=True, eq=False)
 class _Flips:
-    """Pairs of faces (N, 2) whose diagonals were changed at once, and the corners that they had."""
+    """Pairs of faces (N, 2) whose diagonals were changed at once, and the corners that they had.
+
+    ``gone`` and ``come`` (N,) tell the diagonals that they lost and got: equal numbers, one edge.
+    """
 
     pairs: NDArray[np.intp]
     before: tuple[Faces, Faces]
+    gone: NDArray[np.int64]
+    come: NDArray[np.int64]
+
+    def part(self, which: NDArray[np.bool_]) -> _Flips:
+        first, second = self.before
+        before = first[which], second[which]
+        return _Flips(self.pairs[which], before, self.gone[which], self.come[which])
 
 
 def looks(sheets: Sheets, of_face: NDArray[np.int64], v: Array, f: Faces) -> Array:
@@ -170,28 +180,34 @@ def _flip(net: Net, bad: NDArray[np.intp], region: NDArray[np.intp]) -> _Flips:
     np.minimum.at(best, t[rows], rows)
     np.minimum.at(best, n[rows], rows)
     chosen = rows[(best[t[rows]] == rows) & (best[n[rows]] == rows)]
-    pair = np.minimum(c, d)[chosen].astype(np.int64) * size + np.maximum(c, d)[chosen]
-    chosen = chosen[np.unique(pair, return_index=True)[1]]
+    come = np.minimum(c, d).astype(np.int64) * size + np.maximum(c, d)
+    gone = np.minimum(a, b).astype(np.int64) * size + np.maximum(a, b)
+    chosen = chosen[np.unique(come[chosen], return_index=True)[1]]
     t, n = region[t[chosen]], region[n[chosen]]
-    done = _Flips(np.stack([t, n], axis=1), (net.f[t], net.f[n]))
+    before = net.f[t], net.f[n]
+    done = _Flips(np.stack([t, n], axis=1), before, gone[chosen], come[chosen])
     net.f[t], net.f[n] = first[chosen], second[chosen]
     return done
 
 
 def _undone(net: Net, flips: list[_Flips], stuck: NDArray[np.intp]) -> bool:
-    """Take back all flips that led to some faces; whether there were any."""
+    """Take back all flips that led to some faces; whether there were any.
+
+    With a flip go those of the same faces, and those that have since put an edge where it took one
+    away.
+    """
     linked = np.zeros(len(net.f), bool)
     linked[stuck] = True
-    known = 0
-    while known < linked.sum():
-        known = int(linked.sum())
-        for each in flips:
-            linked[each.pairs[linked[each.pairs].any(axis=1)]] = True
-    found = False
+    back = [np.zeros(len(each.pairs), bool) for each in flips]
+    before = -1
+    while (known := sum(int(mine.sum()) for mine in back)) > before:
+        before = known
+        gone = [each.gone[mine] for each, mine in zip(flips, back, strict=True)]
+        for each, mine in zip(flips, back, strict=True):
+            mine |= linked[each.pairs].any(axis=1) | np.isin(each.come, np.concatenate(gone))
+            linked[each.pairs[mine]] = True
     for n in reversed(range(len(flips))):
-        pairs, (first, second) = flips[n].pairs, flips[n].before
-        mine = linked[pairs[:, 0]]
-        net.f[pairs[mine, 0]], net.f[pairs[mine, 1]] = first[mine], second[mine]
-        flips[n] = _Flips(pairs[~mine], (first[~mine], second[~mine]))
-        found |= bool(mine.any())
-    return found
+        part = flips[n].part(back[n])
+        net.f[part.pairs[:, 0]], net.f[part.pairs[:, 1]] = part.before
+        flips[n] = flips[n].part(~back[n])
+    return any(mine.any() for mine in back)

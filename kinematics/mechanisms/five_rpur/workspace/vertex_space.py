@@ -24,7 +24,6 @@ from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_banded
 
 from kinematics.arrays import Array
 from kinematics.errors import InputError
@@ -169,6 +168,8 @@ def _stations(link: float, count: int) -> tuple[Array, Array]:
     both ends. Its error is orthogonal to every piecewise linear function on the stations: what
     a volume sees of it cancels.
     """
+    from scipy.linalg import solve_banded
+
     u = np.linspace(-1.0, 1.0, count + 1)
     beta = np.pi / 2.0 * (1.0 + np.sign(u) * (1.0 - (1.0 - np.abs(u)) ** _CROWDING))
     y = -np.cos(beta)

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import json
 import os
+import resource
 import shutil
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
 
 from kinematics.designs.files import load_design
-from kinematics.mechanisms.five_rpur.slicing import acceleration, boundary, measures, tracing
+from kinematics.mechanisms.five_rpur.slicing import acceleration, boundary, integral, measures
 from tests.kinematics.mechanisms.five_rpur.machines import map_cells, section, volume
 
 MEASURED = """
@@ -73,6 +75,100 @@ print(json.dumps({"area": cut.area, "numba": "numba" in sys.modules}))
     assert not told["numba"]
 
 
+def test_the_first_volume_on_a_machine_does_not_wait_for_the_compiler(tmp_path, root):
+    """Exact, with its pieces, within 3 s of processor time, all imports among them."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    done = subprocess.run(
+        [sys.executable, "-m", "app", "volume", "rpur-table1", "--json"],
+        env={**os.environ, "XDG_CACHE_HOME": str(tmp_path)},
+        cwd=root,
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=150,
+    )
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    told = json.loads(done.stdout)
+    assert told["volume_mm3"] == pytest.approx(24_501_399, rel=2e-6)
+    assert len(told["piece_volumes_mm3"]) == 4
+    assert list(tmp_path.rglob("*.nb?")) == []
+    assert after.ru_utime - before.ru_utime < 3.0
+
+
+WATCHED = """
+import json, sys
+from kinematics.designs.files import load_design
+from kinematics.machine import machine_of
+from kinematics.mechanisms.five_rpur.slicing import acceleration
+acceleration._LOADING = {loading}
+acceleration._LOOK = 0.0
+sections = machine_of(load_design("rpur-table1")).sections
+exact = sections.volume((0.0, 0.0, 0.0, 0.1, 0.2), relative=1e-4)
+print(json.dumps({{
+    "value": exact.value, "pieces": exact.pieces, "spent": acceleration._Plain.spent,
+    "compiled": acceleration.is_compiled(), "numba": "numba" in sys.modules,
+}}))
+"""
+
+
+@pytest.mark.usefixtures("compiled")
+def test_work_that_goes_on_takes_the_kernel_as_soon_as_it_is_there():
+    told = run(WATCHED.format(loading=1e-6))
+    assert told["compiled"]
+    assert told["spent"] > 1e-6  # it had begun without
+    exact = volume(load_design("rpur-table1"), 0.1, 0.2, relative=1e-4)
+    assert told["value"] == pytest.approx(exact.value, rel=1e-12)
+    assert told["pieces"] == pytest.approx(exact.pieces, rel=1e-12)
+
+
+@pytest.mark.usefixtures("compiled")
+def test_work_that_is_soon_done_takes_nothing():
+    told = run(WATCHED.format(loading=60.0))
+    assert not told["compiled"]
+    assert not told["numba"]
+
+
+def test_work_without_a_kernel_to_take_goes_on_without(tmp_path):
+    told = run(WATCHED.format(loading=1e-6), XDG_CACHE_HOME=str(tmp_path))
+    assert not told["compiled"]
+    assert not told["numba"]
+
+
+@pytest.mark.usefixtures("compiled")
+def test_a_kernel_that_is_ready_for_others_is_not_loaded():
+    code = """
+import json, sys
+from kinematics.mechanisms.five_rpur.slicing import cutter
+print(json.dumps([cutter.prepare(here=False), "numba" in sys.modules]))
+"""
+    assert run(code) == [False, False]
+
+
+def test_kernels_of_other_builds_go_when_nobody_uses_them(tmp_path):
+    now = time.time()
+
+    def kernel(name: str, days: float, *, ready: bool = True) -> Path:
+        folder = tmp_path / name
+        folder.mkdir()
+        mark = folder / "ready"
+        if ready:
+            mark.touch()
+            os.utime(mark, (now - 86400.0 * days,) * 2)
+        os.utime(folder, (now - 86400.0 * days,) * 2)
+        return folder
+
+    mine, old, broken = kernel("mine", 30), kernel("old", 8), kernel("broken", 8, ready=False)
+    recent = [kernel(f"recent{n}", n) for n in range(1, 6)]
+    acceleration._tidy(mine)
+    assert mine.exists()
+    assert now - (mine / "ready").stat().st_mtime < 60.0  # it is in use
+    assert not old.exists()
+    assert not broken.exists()
+    assert [folder.exists() for folder in recent] == [True, True, True, False, False]
+    acceleration._tidy(mine)
+    assert sorted(tmp_path.iterdir()) == sorted([mine, *recent[:3]])
+
+
 @pytest.mark.usefixtures("compiled")
 def test_nothing_is_compiled_a_second_time_in_ordinary_use():
     design = load_design("rpur-table2")
@@ -85,10 +181,10 @@ def test_nothing_is_compiled_a_second_time_in_ordinary_use():
         volume(design, 0.1, 0.2, modes, relative=1e-3)
     for function in (
         measures.measure,
-        measures.strokes,
+        measures.runs_of,
         boundary.outline,
         boundary.describe,
-        tracing.trace,
+        integral.integral,
     ):
         assert len(function.signatures) == 1, function
 
@@ -123,7 +219,7 @@ print(json.dumps([prepared, cutter.prepare(), acceleration.is_compiled(), cut.ar
 
 @pytest.mark.parametrize("when", BROKEN)
 def test_a_volume_does_without_a_numba_that_cannot(when, tmp_path):
-    """A volume is worth compiling for, whoever asks first."""
+    """What had been put in its place is put back."""
     code = f"""
 import json, numba
 {BROKEN[when]}
@@ -132,6 +228,7 @@ from kinematics.designs.files import load_design
 from kinematics.mechanisms.five_rpur.slicing import acceleration, cutter
 from kinematics.machine import machine_of
 sections = machine_of(load_design("rpur-table1")).sections
+cutter.prepare()
 exact = sections.volume((0.0,) * 5, ["+-+-+"], relative=0.1)
 print(json.dumps([acceleration.is_compiled(), exact.value, exact.error, list(exact.pieces)]))
 """
