@@ -26,15 +26,15 @@ def columns_of(
     """
     columns: dict[str, list[float]] = {"t": found.times.tolist()}
     for n, axis in enumerate(axes):
-        columns[tables.key(axis)] = _outer(found.poses[:, n].tolist(), axis)
+        columns[axis.json_key] = _outer(found.poses[:, n].tolist(), axis)
     for n, joint in enumerate(joints):
-        columns[tables.key(joint)] = _outer(found.joints[:, n].tolist(), joint)
+        columns[joint.json_key] = _outer(found.joints[:, n].tolist(), joint)
     for what, values in (
         ("per_s", found.joint_rates),
         ("per_s2", found.joint_accelerations),
     ):
         for n, joint in enumerate(joints):
-            columns[f"{tables.key(joint)}_{what}"] = _outer(values[:, n].tolist(), joint)
+            columns[f"{joint.json_key}_{what}"] = _outer(values[:, n].tolist(), joint)
     for n, key in enumerate(force_keys(found.names, joints)):
         columns[key] = found.forces[:, n].tolist()
     columns["within_stroke"] = [float(ok) for ok in found.reachable.tolist()]
