@@ -112,7 +112,7 @@ def ask(here: Run, monkeypatch: pytest.MonkeyPatch) -> Run:
     """Maps are computed in a thread of this process."""
 
     @contextmanager
-    def threads(jobs: int | None = None) -> Iterator[executors.Workers]:
+    def threads(jobs: int | None = None, meanwhile: object = None) -> Iterator[executors.Workers]:
         with ThreadPoolExecutor(1) as pool:
             yield executors.Workers(pool, 1, "one thread", lambda: None)
 

@@ -42,7 +42,7 @@ def here(
     monkeypatch.chdir(tmp_path)
 
     @contextmanager
-    def threads(jobs: int | None = None) -> Iterator[executors.Workers]:
+    def threads(jobs: int | None = None, meanwhile: object = None) -> Iterator[executors.Workers]:
         with ThreadPoolExecutor(1) as pool:
             yield executors.Workers(pool, 1, "one thread", lambda: None)
 
