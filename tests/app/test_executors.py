@@ -24,6 +24,7 @@ from app.jobs.executors import dask_workers, local_workers
 from kinematics.designs.files import load_design
 from kinematics.errors import ComputationError, InputError
 from kinematics.facets.map_sweeps import Map, MapRequest, map_request, sweep
+from kinematics.mechanism import mechanism_class
 from tests.conftest import command_environment
 
 
@@ -37,7 +38,8 @@ def request_() -> MapRequest:
 
 @pytest.fixture(scope="module")
 def alone(request_: MapRequest) -> Map:
-    """The map as one thread computes it."""
+    """The map as one thread computes it, when sections have been compiled."""
+    mechanism_class(request_.design.mechanism).prepare()
     with ThreadPoolExecutor(1) as pool:
         return sweep(request_, pool)
 

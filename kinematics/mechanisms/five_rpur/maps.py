@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
-from kinematics.answers.sections import MapSpec, Quantity
+from kinematics.answers.sections import MapCells, MapSpec, Quantity
 from kinematics.facets.maps import MapsFacet
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inscribed.largest import sphere
 from kinematics.mechanisms.five_rpur.sections import Integral, integrate, pieces_of
+from kinematics.mechanisms.five_rpur.slicing import acceleration
 from kinematics.mechanisms.five_rpur.slicing.cutter import Cutter
 
 SPEC = MapSpec(
@@ -33,6 +35,10 @@ class Maps(MapsFacet[FiveRPURDesign]):
     """Only φ and θ of the poses matter."""
 
     spec = SPEC
+
+    def cells(self, *arguments: Any, **options: Any) -> MapCells:
+        acceleration.load()
+        return super().cells(*arguments, **options)
 
     def measures(
         self,

@@ -59,7 +59,7 @@ class _Ready(Exception):  # not an error
 
 
 def call(name: str, *arguments: Any) -> Any:
-    """A function of the kernel, compiled or not; what it gives does not depend on which."""
+    """A function of the kernel, compiled or not; what it gives is the same but for rounding."""
     while True:
         if _Plain.compiled or _changed():
             from numba import NumbaError
@@ -85,9 +85,18 @@ def _changed() -> bool:
     if _Plain.compiled or spent < _LOADING or now - _Plain.looked < _LOOK or not _available():
         return False
     _Plain.looked = now
-    folder = _folder()
-    if folder is not None and (folder / _READY).exists():
-        _compile()
+    return load()
+
+
+def load() -> bool:
+    """Load at once what was compiled before, for work that lasts longer than loading does.
+
+    Different workers then give the same digits: numpy and the kernel round differently.
+    """
+    if not _Plain.compiled and _available():
+        folder = _folder()
+        if folder is not None and (folder / _READY).exists():
+            _compile()
     return _Plain.compiled
 
 
