@@ -9,12 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from app.review.units import number
+from app.review.units import number, page_unit
 from app.scene import palette
-from app.widgets.texts import esc
+from app.widgets.svg import label, line, tag
 from kinematics.mechanism import Coordinate
 
 Range = tuple[float, float]
+Named = tuple[str, str]
+"""A symbol and its unit."""
 Words = Callable[[float], str] | None
 STEPS = (1.0, 2.0, 5.0)  # round numbers, times powers of ten
 TURN = (1.5, 3.0, 4.5, 9.0)  # round degrees, times powers of ten
@@ -95,17 +97,6 @@ def ticks(low: float, high: float, most: int, steps: Sequence[float] = STEPS) ->
     return [n * step for n in range(math.ceil(low / step), math.floor(high / step + 1e-9) + 1)]
 
 
-def label(x: float, y: float, text: str, anchor: str = "middle", opacity: float = 1.0) -> str:
-    """A text in the page's own colour; nothing for none."""
-    if not text:
-        return ""
-    faint = "" if opacity == 1.0 else f' fill-opacity="{opacity:g}"'
-    return (
-        f'<text x="{x:.5g}" y="{y:.5g}" text-anchor="{anchor}" fill="currentColor"{faint}>'
-        f"{esc(text)}</text>"
-    )
-
-
 def scales(
     axes: Axes,
     x_title: str,
@@ -129,18 +120,64 @@ def scales(
         marks.append(f"M{left:g} {y:.2f}h-4")
         texts.append(label(left - 6, y + 3.85, words[1](value) if words[1] else "", "end"))
     middle = axes.top + high / 2
-    up = label(12, middle, y_title).replace(">", f' transform="rotate(-90 12 {middle:g})">', 1)
+    place = {"x": left, "y": axes.top, "width": wide, "height": high}
+    box = tag("rect", **place, fill="none", stroke="currentColor", stroke_opacity=0.45)
     return (
-        f'<rect x="{left:g}" y="{axes.top:g}" width="{wide:g}" height="{high:g}" fill="none" '
-        'stroke="currentColor" stroke-opacity=".45"/>'
-        f'<path d="{"".join(marks)}" stroke="currentColor" stroke-opacity=".6"/>{"".join(texts)}'
-        f"{label(left + wide / 2, low + 29, x_title)}{up}"
+        f"{box}{tag('path', d=''.join(marks), stroke='currentColor', stroke_opacity=0.6)}"
+        f"{''.join(texts)}"
+        f"{label(left + wide / 2, low + 29, x_title)}"
+        f"{label(12, middle, y_title, transform=f'rotate(-90 12 {middle:g})')}"
     )
 
 
-def steps(axis: Coordinate) -> Sequence[float]:
-    """What is round on the axis of a coordinate."""
-    return TURN if axis.unit == "rad" else STEPS
+def named_scales(axes: Axes, x: Named, y: Named, most: int = 6) -> str:
+    """Those of two quantities, with so many ticks at the most."""
+    titles = [f"{symbol} ({unit})" for symbol, unit in (x, y)]
+    found = [
+        ticks(*span, most, TURN if unit == "°" else STEPS)
+        for span, (_, unit) in ((axes.x, x), (axes.y, y))
+    ]
+    return scales(axes, titles[0], titles[1], found[0], found[1])
+
+
+def grid(axes: Axes, xs: Iterable[float], ys: Iterable[float], opacity: float) -> str:
+    """Faint lines across the box at these places."""
+    wide, high = axes.inner
+    up = "".join(f"M{axes.px(x, 0.0)[0]:.2f} {axes.top:g}v{high:g}" for x in xs)
+    across = "".join(f"M{axes.left:g} {axes.px(0.0, y)[1]:.2f}h{wide:g}" for y in ys)
+    return line(up + across, stroke_opacity=opacity)
+
+
+def upright(axes: Axes, x: float) -> str:
+    """A line over the whole height of the box; nothing outside of it."""
+    if not axes.x[0] <= x <= axes.x[1]:
+        return ""
+    at, low = axes.px(x, axes.y[0])
+    return line(f"M{at:.1f} {axes.top:g}V{low:.1f}", "currentColor", 1.5)
+
+
+def middles(span: Range, count: int) -> NDArray[np.float64]:
+    """The middles (N,) of cells of equal size that fill a span."""
+    return np.asarray(span[0] + (np.arange(count) + 0.5) / count * (span[1] - span[0]))
+
+
+def pointed(axes: Axes, x: Named, y: Named, count: int) -> tuple[list[str], list[str]]:
+    """What to tell of so many columns and rows: where they are."""
+    columns, rows = (
+        [f"{symbol} = {number(round(v, 1))}{'' if unit == '°' else ' '}{unit}" for v in at.tolist()]
+        for (symbol, unit), at in ((x, middles(axes.x, count)), (y, middles(axes.y, count)))
+    )
+    return [f"{column}, " for column in columns], rows
+
+
+def thinned(count: int, most: int) -> NDArray[np.int64]:
+    """About so many at the most of the indices of some points, evenly, and the last one."""
+    return np.unique(np.append(np.arange(0, count, max(1, count // most)), count - 1))
+
+
+def named(axis: Coordinate) -> Named:
+    """A coordinate as an axis shows it."""
+    return axis.symbol, page_unit(axis)
 
 
 def cross(axes: Axes, x: float, y: float, reach: float = 7.0) -> str:
@@ -149,10 +186,8 @@ def cross(axes: Axes, x: float, y: float, reach: float = 7.0) -> str:
         return ""
     u, v = axes.px(x, y)
     path = f"M{u - reach:.1f} {v:.1f}h{2 * reach:g}M{u:.1f} {v - reach:.1f}v{2 * reach:g}"
-    return (
-        f'<path class="here" d="{path}" stroke="#FFFFFF" stroke-width="4" stroke-opacity=".8"/>'
-        f'<path d="{path}" stroke="{palette.INK}" stroke-width="1.8"/>'
-    )
+    halo = line(path, "#FFFFFF", 4, class_="here", stroke_opacity=0.8)
+    return halo + line(path, palette.INK, 1.8)
 
 
 def runs(cells: NDArray[np.bool_]) -> Iterator[tuple[int, int, int]]:

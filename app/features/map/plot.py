@@ -7,8 +7,8 @@ from scipy.ndimage import distance_transform_edt
 
 from app.review.units import in_page_units, minus, number, page_unit, volume_text, with_error
 from app.scene import palette
-from app.widgets.axes import Axes, Figure, columns, scales, steps, ticks
-from app.widgets.texts import esc
+from app.widgets.axes import Axes, Figure, columns, named, named_scales, ticks
+from app.widgets.svg import label, line, tag
 from kinematics.answers.sections import Quantity
 from kinematics.facets.map_sweeps import Map
 
@@ -33,17 +33,10 @@ def figure(found: Map, *, stale: bool) -> Figure:
         where = distance_transform_edt(~known, return_distances=False, return_indices=True)
         content = _cells(axes, values[tuple(where)] / top)
         content += _bar(axes, quantity, top)
-    grid = scales(
-        axes,
-        f"{first.symbol} ({page_unit(first)})",
-        f"{second.symbol} ({page_unit(second)})",
-        ticks(*axes.x, 7, steps(first)),
-        ticks(*axes.y, 7, steps(second)),
-    )
     return Figure(
         axes,
-        f'<g class="map"{" opacity=" + chr(34) + ".35" + chr(34) if stale else ""}>{content}'
-        f"</g>{grid}",
+        tag("g", content, class_="map", opacity=0.35 if stale else None)
+        + named_scales(axes, named(first), named(second), 7),
         [f"{first.symbol} {_places(v)}{page_unit(first)}, " for v in x.tolist()],
         [f"{second.symbol} {_places(v)}{page_unit(second)}: " for v in y.tolist()],
         [
@@ -92,9 +85,9 @@ def _cells(axes: Axes, shares: np.ndarray) -> str:
     """One path for each shade; neighbours upwards of one shade are one rectangle."""
     shades = np.clip(np.rint(shares * (SHADES - 1)), 0, SHADES - 1).astype(int)
     shades[shares == 0.0] = -1  # an empty workspace has no colour
+    look = {"shape_rendering": "crispEdges"}
     return "".join(
-        f'<path fill="{palette.ramp_color(n / (SHADES - 1))}" shape-rendering="crispEdges" '
-        f'd="{columns(axes, shades == n)}"/>'
+        tag("path", d=columns(axes, shades == n), fill=palette.ramp_color(n / (SHADES - 1)), **look)
         for n in np.unique(shades[shades >= 0]).tolist()
     )
 
@@ -107,18 +100,18 @@ def _bar(axes: Axes, quantity: Quantity, top: float) -> str:
     left, high = axes.width - axes.right + 14.0, axes.inner[1]
     step = high / SHADES
     parts = [
-        f'<rect x="{left:g}" y="{axes.top + (SHADES - 1 - n) * step:.2f}" width="13" '
-        f'height="{step + 0.3:.2f}" fill="{palette.ramp_color(n / (SHADES - 1))}"/>'
+        tag(
+            "rect",
+            x=left,
+            y=axes.top + (SHADES - 1 - n) * step,
+            width=13,
+            height=step + 0.3,
+            fill=palette.ramp_color(n / (SHADES - 1)),
+        )
         for n in range(SHADES)
     ]
     for value in ticks(0.0, top * scale, 6):
         y = axes.top + high * (1.0 - value / (top * scale))
-        parts.append(
-            f'<path d="M{left + 13:g} {y:.1f}h4" stroke="currentColor" stroke-opacity=".6"/>'
-            f'<text x="{left + 19:g}" y="{y + 3.8:.1f}" fill="currentColor">{number(value)}</text>'
-        )
-    if unit:
-        parts.append(
-            f'<text x="{left:g}" y="{axes.top - 7:g}" fill="currentColor">{esc(unit)}</text>'
-        )
-    return "".join(parts)
+        parts.append(line(f"M{left + 13:g} {y:.1f}h4", stroke_opacity=0.6))
+        parts.append(label(left + 19, y + 3.8, number(value), "start"))
+    return "".join([*parts, label(left, axes.top - 7, unit, "start")])

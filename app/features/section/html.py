@@ -6,7 +6,8 @@ import numpy as np
 
 from app.review.units import area_text, number, plural, spaced, tenths
 from app.scene import palette
-from app.widgets.axes import Axes, Figure, scales, ticks
+from app.widgets.axes import Axes, Figure, middles, scales, thinned, ticks, upright
+from app.widgets.svg import line, tag
 from app.widgets.texts import box, chip, esc, table
 from kinematics.answers.sections import Section, SectionSpec, Volume
 
@@ -78,9 +79,7 @@ def _curve(volume: Volume) -> tuple[np.ndarray, np.ndarray]:
 
 def profile_places(axes: Axes) -> np.ndarray:
     """The x′ (N,) of which the profile tells the area, and to which a click goes."""
-    middles = (np.arange(COLUMNS) + 0.5) / COLUMNS
-    places: np.ndarray = np.round(axes.x[0] + middles * (axes.x[1] - axes.x[0]), DIGITS)
-    return places
+    return np.round(middles(axes.x, COLUMNS), DIGITS)
 
 
 def mark(volume: Volume, at: float) -> str:
@@ -88,12 +87,8 @@ def mark(volume: Volume, at: float) -> str:
     axes = profile_axes(volume)
     if axes is None or not axes.x[0] <= at <= axes.x[1]:
         return ""
-    x, low = axes.px(at, 0.0)
-    _, y = axes.px(at, float(np.interp(at, *_curve(volume))) / 100.0)
-    return (
-        f'<path d="M{x:.1f} {axes.top:g}V{low:.1f}" stroke="currentColor" '
-        f'stroke-width="1.5"/><circle cx="{x:.1f}" cy="{y:.1f}" r="3.5" fill="currentColor"/>'
-    )
+    x, y = axes.px(at, float(np.interp(at, *_curve(volume))) / 100.0)
+    return upright(axes, at) + tag("circle", cx=x, cy=y, r=3.5, fill="currentColor")
 
 
 def profile(volume: Volume, spec: SectionSpec) -> Figure | None:
@@ -102,8 +97,8 @@ def profile(volume: Volume, spec: SectionSpec) -> Figure | None:
     if axes is None:
         return None
     x, area = _curve(volume)
-    kept = np.unique(np.linspace(0, len(x) - 1, min(len(x), MOST)).astype(int))
-    line = axes.path(zip(x[kept].tolist(), (0.01 * area[kept]).tolist(), strict=True))[1:]
+    kept = thinned(len(x), MOST)
+    path = axes.path(np.column_stack([x, 0.01 * area])[kept].tolist())[1:]
     base = axes.px(0.0, 0.0)[1]
     left, right = axes.px(axes.x[0], 0.0)[0], axes.px(axes.x[1], 0.0)[0]
     events = "".join(
@@ -111,11 +106,10 @@ def profile(volume: Volume, spec: SectionSpec) -> Figure | None:
         for e in volume.events
         if axes.x[0] <= e <= axes.x[1]
     )
-    content = (
-        f'<path d="M{left:.1f} {base:g}L{line}L{right:.1f} {base:g}Z" fill="{palette.WORKSPACE}" '
-        f'fill-opacity=".4" stroke="{palette.WORKSPACE}" stroke-width="1.6"/>'
-        f'<path d="{events}" stroke="currentColor" stroke-opacity=".7"/>'
-    )
+    look = {"fill_opacity": 0.4, "stroke": palette.WORKSPACE, "stroke_width": 1.6}
+    closed = f"M{left:.1f} {base:g}L{path}L{right:.1f} {base:g}Z"
+    content = tag("path", d=closed, fill=palette.WORKSPACE, **look)
+    content += line(events, stroke_opacity=0.7)
     places = profile_places(axes)
     areas = np.interp(places, x, area)
     return Figure(

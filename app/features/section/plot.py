@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from html import escape
 from math import atan2, ceil, cos, hypot, isfinite, pi, sin
 
 import numpy as np
 
 from app.scene.painting import Scale
 from app.scene.palette import BEYOND, INK, INK_DARK, WORKSPACE, limb_color
-from app.widgets.axes import Axes, runs, scales, ticks
+from app.widgets.axes import Axes, grid, runs, scales, ticks
+from app.widgets.svg import SIZE, document, label, line, tag
 from kinematics.answers.sections import BOUNDS, Construction, EdgeBound, Section, SectionSpec
 from kinematics.arrays import Array
 
@@ -28,12 +28,16 @@ BOUND_TITLES: dict[EdgeBound, str] = {
     "link": "reach of the link",
     "parallel": "parallel singularity",  # of regions that are parts between singularities
 }
-DASHES: dict[EdgeBound, str] = {"rho_max": "", "rho_min": "6 4", "link": "1.5 3", "parallel": ""}
+DASHES: dict[EdgeBound, str | None] = {
+    "rho_max": None,
+    "rho_min": "6 4",
+    "link": "1.5 3",
+    "parallel": None,
+}
 
 _PARALLEL = BOUNDS.index("parallel")
 PAPER, PAPER_DARK = "#FFFFFF", "#1A1D21"
 LEFT = 58.0  # px
-FONT = 11.0  # px; a letter is about 0.56 of it wide
 MARGIN = 0.06  # of the region's size, left free around it
 LARGEST_TURN = 2.0  # rad; longer arcs are several, as SVG's flags are unsure near half a turn
 
@@ -80,46 +84,44 @@ def section_svg(
         beyond: likewise, where the machine does not come; drawn faint.
         shade: a measure to colour the section by.
     """
-    ink = INK_DARK if dark else INK
     limbs = sorted({*section.limb.tolist(), *section.construction.circle_limb.tolist()})
     # An edge where control is lost, or a curve of it: in its own colour, if there is any.
     lost = bool(len(curves) or len(beyond)) or bool((section.bound == _PARALLEL).any())
-    legend, legend_height = _legend(limbs, width, height, ink, spec.joint, lost=lost)
+    legend, legend_height = _legend(limbs, width, height, spec.joint, lost=lost)
     top = 32.0 if title else 14.0
     frame = _axes(bounds or section_bounds(section), width, height, top, 44.0 + legend_height)
-    inner = [_grid(frame)]
+    wide, high = frame.inner
+    xs, ys = ticks(*frame.x, int(wide / 60.0)), ticks(*frame.y, int(high / 60.0))
+    inner = [grid(frame, xs, ys, 0.1)]
     if section.loops and shade is not None:
         inner.append(_shaded(section, frame, shade, dark))
     elif section.loops:
-        inner.append(
-            f'<path class="region" d="{_region(section, frame)}" fill="{WORKSPACE}" '
-            f'fill-opacity="{0.5 if dark else 0.38}" fill-rule="evenodd" stroke="none"/>'
-        )
+        inner.append(_plain(_region(section, frame), dark))
     if faint:
         inner += _faint(section.construction, frame)
     inner += _strong(section, frame)
     inner += [_curve(run, frame, faint=True) for run in beyond]
     inner += [_curve(run, frame) for run in curves]
     if mark is not None:
-        inner.append(_cross(frame.px(*mark), ink))
-    wide, high = frame.inner
+        x, y = frame.px(*mark)
+        cross = f"M{x - 5:.2f} {y:.2f}h10M{x:.2f} {y - 5:.2f}v10"
+        inner.append(line(cross, "currentColor", 1.6, class_="mark"))
     first, second = (f"{axis} (mm)" for axis in spec.axes)
-    name = escape(title or f"{spec.title} = {section.at:g} mm")
-    background = f'<rect width="100%" height="100%" fill="{PAPER_DARK if dark else PAPER}"/>'
+    empty = "" if section.loops else "The section is empty here."
     parts = [
-        '<?xml version="1.0" encoding="UTF-8"?>' if standalone else "",
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:g}" height="{height:g}" '
-        f'viewBox="0 0 {width:g} {height:g}" role="img" aria-label="{name}" color="{ink}" '
-        f'font-family="system-ui, Segoe UI, Helvetica, Arial, sans-serif" font-size="{FONT:g}">',
-        background if standalone else "",
-        _text((LEFT, 20.0), title, ink, size=13, weight=600) if title else "",
+        label(LEFT, 20, title, "start", font_size=13, font_weight=600),
         frame.clipped("".join(inner)),
-        scales(frame, first, second, _ticks(frame.x, wide), _ticks(frame.y, high)),
-        "" if section.loops else _nothing(frame, ink),
+        scales(frame, first, second, xs, ys),
+        label(LEFT + wide / 2, top + 24, empty, font_size=13),
         *legend,
-        "</svg>",
     ]
-    return "\n".join(part for part in parts if part) + ("\n" if standalone else "")
+    return document(
+        (width, height),
+        "".join(parts),
+        name=title or f"{spec.title} = {section.at:g} mm",
+        ink=INK_DARK if dark else INK,
+        paper=(PAPER_DARK if dark else PAPER) if standalone else "",
+    )
 
 
 def section_bounds(section: Section) -> Bounds:
@@ -163,78 +165,34 @@ def _scale(axes: Axes) -> float:
     return axes.inner[0] / (axes.x[1] - axes.x[0])
 
 
-def _ticks(span: tuple[float, float], pixels: float) -> list[float]:
-    """Round numbers about 60 px apart."""
-    return ticks(*span, max(int(pixels / 60.0), 1))
-
-
-def _grid(axes: Axes) -> str:
-    wide, high = axes.inner
-    lines = [
-        f"M{axes.px(x, 0.0)[0]:.2f} {axes.top:.2f}v{high:.2f}" for x in _ticks(axes.x, wide)
-    ] + [f"M{axes.left:.2f} {axes.px(0.0, y)[1]:.2f}h{wide:.2f}" for y in _ticks(axes.y, high)]
-    return f'<path d="{"".join(lines)}" fill="none" stroke="currentColor" stroke-opacity="0.1"/>'
-
-
-def _nothing(frame: Axes, ink: str) -> str:
-    place = frame.left + frame.inner[0] / 2, frame.top + 24
-    return _text(place, "The section is empty here.", ink, anchor="middle", size=13)
-
-
 def _legend(
-    limbs: Sequence[int], width: float, height: float, ink: str, joint: str, *, lost: bool
+    limbs: Sequence[int], width: float, height: float, joint: str, *, lost: bool
 ) -> tuple[list[str], float]:
     """Which colour is which limb and which dash which bound, in rows; and how high they are."""
-    entries = [(f"limb {limb}", limb_color(limb), "") for limb in limbs]
+    entries: list[tuple[str, str, str | None]] = [
+        (f"limb {limb}", limb_color(limb), None) for limb in limbs
+    ]
     entries += [
-        (BOUND_TITLES[bound].format(joint), BEYOND if bound == "parallel" else ink, dash)
+        (BOUND_TITLES[bound].format(joint), BEYOND if bound == "parallel" else "currentColor", dash)
         for bound, dash in DASHES.items()
         if lost or bound != "parallel"
     ]
-    rows: list[list[tuple[str, str, str]]] = [[]]
-    used = 0.0
-    for entry in entries:
-        wide = _entry_width(entry[0])
-        if rows[-1] and used + wide > width - 24:
+    widths = [42 + 0.56 * SIZE * len(text) for text, _, _ in entries]
+    rows: list[list[int]] = [[]]
+    for n, wide in enumerate(widths):
+        if rows[-1] and sum(widths[k] for k in rows[-1]) + wide > width - 24:
             rows.append([])
-            used = 0.0
-        rows[-1].append(entry)
-        used += wide
-    line = FONT + 7.0
+        rows[-1].append(n)
+    high = SIZE + 7.0
     drawn: list[str] = []
-    for n, row in enumerate(rows):
-        x = max((width - sum(_entry_width(text) for text, _, _ in row)) / 2, 12.0)
-        y = height - (len(rows) - n) * line + 5.0
-        for text, color, dash in row:
-            drawn.append(
-                f'<path d="M{x:.1f} {y:.1f}h22" fill="none" stroke="{color}" stroke-width="2.4"'
-                f"{_dashed(dash)}/>"
-            )
-            drawn.append(_text((x + 28, y + 0.35 * FONT), text, ink))
-            x += _entry_width(text)
-    return drawn, len(rows) * line + 4.0
-
-
-def _entry_width(text: str) -> float:
-    return 28 + 0.56 * FONT * len(text) + 14
-
-
-def _text(
-    place: tuple[float, float],
-    text: str,
-    ink: str,
-    *,
-    anchor: str = "start",
-    size: float = FONT,
-    weight: int = 400,
-    extra: str = "",
-) -> str:
-    bold = f' font-weight="{weight}"' if weight != 400 else ""
-    other = f' font-size="{size:g}"' if size != FONT else ""
-    return (
-        f'<text x="{place[0]:.2f}" y="{place[1]:.2f}" fill="{ink}" text-anchor="{anchor}"'
-        f"{other}{bold}{extra}>{escape(text)}</text>"
-    )
+    for r, row in enumerate(rows):
+        x = max((width - sum(widths[n] for n in row)) / 2, 12.0)
+        y = height - (len(rows) - r) * high + 5.0
+        for text, color, dash in (entries[n] for n in row):
+            drawn.append(line(f"M{x:.1f} {y:.1f}h22", color, 2.4, stroke_dasharray=dash))
+            drawn.append(label(x + 28, y + 0.35 * SIZE, text, "start"))
+            x += 42 + 0.56 * SIZE * len(text)
+    return drawn, len(rows) * high + 4.0
 
 
 # --- the section itself --------------------------------------------------------------------
@@ -249,6 +207,12 @@ def _region(section: Section, frame: Axes) -> str:
         path += [_to(section, edge, frame) for edge in edges]
         path.append("Z")
     return "".join(path)
+
+
+def _plain(path: str, dark: bool) -> str:
+    """A region, in the colour that workspaces have; its holes by the even-odd rule."""
+    look = {"fill": WORKSPACE, "fill_opacity": 0.5 if dark else 0.38, "fill_rule": "evenodd"}
+    return tag("path", class_="region", d=path, stroke="none", **look)
 
 
 def _shaded(section: Section, frame: Axes, shade: Shade, dark: bool) -> str:
@@ -270,30 +234,23 @@ def _shaded(section: Section, frame: Axes, shade: Shade, dark: bool) -> str:
             for r, c, count in runs(step == n)
         )
         if path:
-            parts.append(f'<path class="shade" d="{path}" fill="{shade.steps.color(n)}"/>')
-    part = section if shade.part is None else shade.part
-    paper = PAPER_DARK if dark else PAPER
+            parts.append(tag("path", class_="shade", d=path, fill=shade.steps.color(n)))
+    part = _region(section if shade.part is None else shade.part, frame)
     across, up = frame.inner
     outside = f"M{frame.left - 1:g} {frame.top - 1:g}h{across + 2:g}v{up + 2:g}h{-across - 2:g}z"
-    parts.append(
-        f'<path class="paper" d="{outside}{_region(part, frame)}" fill="{paper}" '
-        'fill-rule="evenodd" stroke="none"/>'
-    )
+    look = {"fill": PAPER_DARK if dark else PAPER, "fill_rule": "evenodd", "stroke": "none"}
+    parts.append(tag("path", class_="paper", d=outside + part, **look))
     if shade.part is not None:
-        parts.append(
-            f'<path class="region" d="{_region(section, frame)}{_region(part, frame)}" '
-            f'fill="{WORKSPACE}" fill-opacity="{0.5 if dark else 0.38}" fill-rule="evenodd" '
-            'stroke="none"/>'
-        )
+        parts.append(_plain(_region(section, frame) + part, dark))
     return "".join(parts)
 
 
 def _curve(points: Array, frame: Axes, *, faint: bool = False) -> str:
     """One of the curves where control is lost."""
-    line = "L".join("{:.2f} {:.2f}".format(*frame.px(*p)) for p in points.tolist())
-    how = 'stroke-width="1.2" stroke-opacity="0.45"' if faint else 'stroke-width="2.2"'
-    name = "lost-beyond" if faint else "lost"
-    return f'<path class="{name}" d="M{line}" fill="none" stroke="{BEYOND}" {how}/>'
+    path = "M" + "L".join("{:.2f} {:.2f}".format(*frame.px(*p)) for p in points.tolist())
+    if faint:
+        return line(path, BEYOND, 1.2, class_="lost-beyond", stroke_opacity=0.45)
+    return line(path, BEYOND, 2.2, class_="lost")
 
 
 def _strong(section: Section, frame: Axes) -> Iterator[str]:
@@ -308,38 +265,27 @@ def _strong(section: Section, frame: Axes) -> Iterator[str]:
                 if before is None or (section.end[before] != section.start[edge]).any():
                     path.append(_move(frame, section.start[edge]))
                 path.append(_to(section, edge, frame))
-            yield (
-                f'<path class="edge limb{limb} {bound}" d="{"".join(path)}" fill="none" '
-                f'stroke="{limb_color(limb)}" stroke-width="2.4"{_dashed(DASHES[bound])}/>'
-            )
+            look = {"class_": f"edge limb{limb} {bound}", "stroke_dasharray": DASHES[bound]}
+            yield line("".join(path), limb_color(limb), 2.4, **look)
 
 
 def _faint(made: Construction, frame: Axes) -> Iterator[str]:
     """The curves that made the section, where they can be seen."""
-    look = 'fill="none" stroke-width="1" stroke-opacity="0.45"'
-    for center, radius, limb, n in zip(
-        made.center.tolist(),
-        made.radius.tolist(),
-        made.circle_limb.tolist(),
-        made.circle_bound.tolist(),
-        strict=True,
-    ):
-        bound = BOUNDS[n]
-        kind = f'class="made limb{limb} {bound}" {look} stroke="{limb_color(limb)}"'
-        yield from (
-            f'<path {kind} d="{path}"{_dashed(DASHES[bound])}/>'
-            for path in _visible_circle(center, radius, frame)
-        )
-    for (start, end), limb in zip(made.line.tolist(), made.line_limb.tolist(), strict=True):
-        (x0, y0), (x1, y1) = frame.px(*start), frame.px(*end)
-        yield (
-            f'<path class="made limb{limb} link" {look} stroke="{limb_color(limb)}" '
-            f'd="M{x0:.2f} {y0:.2f}L{x1:.2f} {y1:.2f}"{_dashed(DASHES["link"])}/>'
-        )
+
+    def made_of(path: str, limb: int, bound: EdgeBound) -> str:
+        look = {"class_": f"made limb{limb} {bound}", "stroke_dasharray": DASHES[bound]}
+        return line(path, limb_color(limb), 1, stroke_opacity=0.45, **look)
+
+    circles = zip(made.center, made.radius, made.circle_limb, made.circle_bound, strict=True)
+    for center, radius, limb, n in circles:
+        yield made_of(_visible_circle(center.tolist(), float(radius), frame), limb, BOUNDS[n])
+    for ends, limb in zip(made.line.tolist(), made.line_limb, strict=True):
+        (x0, y0), (x1, y1) = (frame.px(*end) for end in ends)
+        yield made_of(f"M{x0:.2f} {y0:.2f}L{x1:.2f} {y1:.2f}", limb, "link")
 
 
-def _visible_circle(center: Sequence[float], radius: float, frame: Axes) -> Iterator[str]:
-    """A circle as a path, none if it cannot be seen; of a huge one only the part that can.
+def _visible_circle(center: Sequence[float], radius: float, frame: Axes) -> str:
+    """A circle as a path, "" if it cannot be seen; of a huge one only the part that can.
 
     Renderers are unsure about circles of very many pixels.
     """
@@ -347,13 +293,13 @@ def _visible_circle(center: Sequence[float], radius: float, frame: Axes) -> Iter
     distance = hypot(*away)
     reach = hypot(*frame.inner) / _scale(frame) / 2
     if abs(distance - radius) > reach or not isfinite(radius):
-        return
+        return ""
     start, turn = 0.0, 2 * pi
     if radius > 8 * reach:
         turn = 5 * reach / radius
         start = atan2(away[1], away[0]) - turn / 2
     first = center[0] + radius * cos(start), center[1] + radius * sin(start)
-    yield _move(frame, first) + _arc(center, radius, start, turn, frame)
+    return _move(frame, first) + _arc(center, radius, start, turn, frame)
 
 
 def _move(frame: Axes, point: Sequence[float]) -> str:
@@ -379,13 +325,3 @@ def _arc(center: Sequence[float], radius: float, start: float, turn: float, fram
     angles = (start + turn * n / parts for n in range(1, parts + 1))
     ends = (frame.px(center[0] + radius * cos(a), center[1] + radius * sin(a)) for a in angles)
     return "".join(f"A{r:.3f} {r:.3f} 0 0 {flag} {x:.3f} {y:.3f}" for x, y in ends)
-
-
-def _cross(place: tuple[float, float], ink: str) -> str:
-    x, y = place
-    path = f"M{x - 5:.2f} {y:.2f}h10M{x:.2f} {y - 5:.2f}v10"
-    return f'<path class="mark" d="{path}" fill="none" stroke="{ink}" stroke-width="1.6"/>'
-
-
-def _dashed(dash: str) -> str:
-    return f' stroke-dasharray="{dash}"' if dash else ""

@@ -9,7 +9,22 @@ import numpy as np
 
 from app.review.units import number
 from app.scene import palette
-from app.widgets.axes import STEPS, TURN, Axes, Figure, cross, scales, ticks
+from app.widgets.axes import (
+    STEPS,
+    TURN,
+    Axes,
+    Figure,
+    Named,
+    cross,
+    middles,
+    named_scales,
+    pointed,
+    scales,
+    thinned,
+    ticks,
+    upright,
+)
+from app.widgets.svg import label, line, tag
 from app.widgets.texts import esc
 from kinematics.answers.circles import OrientationCircle, Profile
 from kinematics.answers.loci import LocusCurves, LocusSpec
@@ -19,8 +34,8 @@ WIDTH, HEIGHT = 400.0, 360.0
 CELLS = 90  # columns and rows of which the place under the pointer is told
 MOST = 4000  # points of all curves that are drawn
 MACHINES = (palette.WORKSPACE_DEEP, palette.COUNTERPART)
-DASHES = ("", ' stroke-dasharray="6 3"', ' stroke-dasharray="2 3"')
-_DASH = {"serial": ' stroke-dasharray="5 3"'}
+DASHES = (None, "6 3", "2 3")
+_DASH = {"serial": "5 3"}
 
 
 def in_units(spec: LocusSpec, points: Array) -> Array:
@@ -68,27 +83,28 @@ def figure(
         content.append(_circle(spec, axes, circle))
     content += _paths(spec, curves, axes)
     columns, rows = _told(spec, axes)
-    unit = ["°" if unit == "rad" else unit for unit in spec.units]
+    first, second = names = _names(spec)
     if spec.polar:
-        titles = (
-            f"{spec.axes[0]} cos {spec.axes[1]} ({unit[0]})",
-            (f"{spec.axes[0]} sin {spec.axes[1]} ({unit[0]})"),
+        symbol, unit = first
+        names = (
+            (f"{symbol} cos {second[0]}", unit),
+            (f"{symbol} sin {second[0]}", unit),
         )
-    else:
-        titles = f"{spec.axes[0]} ({unit[0]})", f"{spec.axes[1]} ({unit[1]})"
-    steps = [TURN if unit == "rad" else STEPS for unit in spec.units]
-    across, up = (steps[0], steps[0]) if spec.polar else steps
-    box = scales(axes, *titles, ticks(*axes.x, 6, across), ticks(*axes.y, 6, up))
-    clip = axes.clipped("".join(content))
     return Figure(
         axes,
-        clip + box,
+        axes.clipped("".join(content)) + named_scales(axes, *names),
         columns,
         rows,
         [""] * (len(columns) * len(rows)),
         f"{spec.title}{': point to go there' if leads else ''}",
         spec.title,
     )
+
+
+def _names(spec: LocusSpec) -> tuple[Named, Named]:
+    """The two coordinates with the page's units."""
+    units = ["°" if unit == "rad" else unit for unit in spec.units]
+    return (spec.axes[0], units[0]), (spec.axes[1], units[1])
 
 
 def mark(spec: LocusSpec, axes: Axes, at: Sequence[float]) -> str:
@@ -99,19 +115,14 @@ def mark(spec: LocusSpec, axes: Axes, at: Sequence[float]) -> str:
 
 def _paths(spec: LocusSpec, curves: LocusCurves, axes: Axes) -> list[str]:
     points = in_units(spec, curves.points)
-    step = max(1, len(points) // MOST)
     paths = []
     for c, kind in enumerate(curves.kinds):
         run = points[curves.start[c] : curves.start[c + 1]]
-        kept = np.unique(np.append(np.arange(0, len(run), step), len(run) - 1))
-        line = axes.path(run[kept].tolist())
-        limb = int(curves.limb[c])
+        kept = thinned(len(run), max(MOST * len(run) // len(points), 1))
+        limb, width = int(curves.limb[c]), 1.4 if kind == "serial" else 2.2
+        look = {"class_": f"locus {kind}", "stroke_dasharray": _DASH.get(kind)}
         color = palette.limb_color(limb) if limb else palette.BEYOND
-        width = 1.4 if kind == "serial" else 2.2
-        paths.append(
-            f'<path class="locus {kind}" d="{line}" fill="none" stroke="{color}" '
-            f'stroke-width="{width}"{_DASH.get(kind, "")}/>'
-        )
+        paths.append(line(axes.path(run[kept].tolist()), color, width, **look))
     return paths
 
 
@@ -119,18 +130,14 @@ def _circle(spec: LocusSpec, axes: Axes, circle: OrientationCircle) -> str:
     """The circle without a singularity, and where it touches one."""
     x0, y0 = axes.px(0.0, 0.0)
     radius = in_units(spec, np.array([[circle.radius, 0.0]]))[0, 0]
-    scale = axes.inner[0] / (axes.x[1] - axes.x[0])
+    contacts = in_units(spec, np.array(circle.contacts).reshape(-1, 2)).tolist()
     dots = "".join(
-        f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3.2" fill="{palette.BEYOND}"/>'
-        for x, y in (
-            axes.px(*p) for p in in_units(spec, np.array(circle.contacts).reshape(-1, 2)).tolist()
-        )
+        tag("circle", cx=x, cy=y, r=3.2, fill=palette.BEYOND)
+        for x, y in (axes.px(*point) for point in contacts)
     )
-    return (
-        f'<circle class="micr" cx="{x0:g}" cy="{y0:g}" r="{radius * scale:.1f}" '
-        f'fill="{palette.WORKSPACE}" fill-opacity=".3" stroke="{palette.WORKSPACE}" '
-        f'stroke-width="1.6"/>{dots}'
-    )
+    size = radius * axes.inner[0] / (axes.x[1] - axes.x[0])
+    look = {"fill": palette.WORKSPACE, "fill_opacity": 0.3, "stroke": palette.WORKSPACE}
+    return tag("circle", class_="micr", cx=x0, cy=y0, r=size, stroke_width=1.6, **look) + dots
 
 
 def profile_figure(profiles: Sequence[tuple[str, Profile]]) -> Figure:
@@ -143,15 +150,15 @@ def profile_figure(profiles: Sequence[tuple[str, Profile]]) -> Figure:
     for n, (name, profile) in enumerate(profiles):
         for curve in profile.curves:
             points = np.stack([profile.x, np.degrees(curve.radius)], axis=1).tolist()
-            line = axes.path(points)
-            dash = DASHES[modes.index(curve.mode) % len(DASHES)]
-            color = MACHINES[n % len(MACHINES)]
-            content.append(
-                f'<path d="{line}" fill="none" stroke="{color}" '
-                f'stroke-opacity="{1 if curve.own else 0.4}" '
-                f'stroke-width="{2 if curve.own else 1.2}"{dash}>'
-                f"<title>{esc(name)}, mode {esc(curve.mode)}, {esc(curve.title)}</title></path>"
-            )
+            title = f"{esc(name)}, mode {esc(curve.mode)}, {esc(curve.title)}"
+            look = {
+                "stroke": MACHINES[n % len(MACHINES)],
+                "stroke_opacity": 1 if curve.own else 0.4,
+                "stroke_width": 2 if curve.own else 1.2,
+                "stroke_dasharray": DASHES[modes.index(curve.mode) % len(DASHES)],
+            }
+            path = axes.path(points)
+            content.append(tag("path", tag("title", title), d=path, fill="none", **look))
     columns = [
         f"{first.across} = {x:.2f}: "
         + " · ".join(
@@ -176,10 +183,7 @@ def profile_figure(profiles: Sequence[tuple[str, Profile]]) -> Figure:
 
 def profile_mark(axes: Axes, at: float) -> str:
     """Where the machine stands."""
-    if not axes.x[0] <= at <= axes.x[1]:
-        return ""
-    x, low = axes.px(at, axes.y[0])
-    return f'<path d="M{x:.1f} {axes.top:g}V{low:.1f}" stroke="currentColor" stroke-width="1.5"/>'
+    return upright(axes, at)
 
 
 def _rings(spec: LocusSpec, axes: Axes) -> str:
@@ -188,33 +192,21 @@ def _rings(spec: LocusSpec, axes: Axes) -> str:
     x0, y0 = axes.px(0.0, 0.0)
     scale = axes.inner[0] / (axes.x[1] - axes.x[0])
     rings = [r for r in ticks(0.0, reach, 5, TURN if spec.units[0] == "rad" else STEPS) if r]
-    circles = "".join(
-        f'<circle cx="{x0:g}" cy="{y0:g}" r="{r * scale:.1f}"/>' for r in [*rings, reach]
-    )
+    circles = "".join(tag("circle", cx=x0, cy=y0, r=r * scale) for r in [*rings, reach])
     rays = "".join(
         f"M{x0:g} {y0:g}l{reach * scale * math.cos(a):.1f} {reach * scale * math.sin(a):.1f}"
         for a in np.radians(np.arange(0, 360, 30))
     )
-    labels = "".join(
-        f'<text x="{x0 + 3:g}" y="{y0 - r * scale - 2:.1f}" fill="currentColor" '
-        f'fill-opacity=".6" font-size="9">{number(r)}</text>'
-        for r in rings
-    )
-    return (
-        f'<g fill="none" stroke="currentColor" stroke-opacity=".16">{circles}<path d="{rays}"/></g>'
-        f"{labels}"
-    )
+    look = {"fill_opacity": 0.6, "font_size": 9}
+    labels = (label(x0 + 3, y0 - r * scale - 2, number(r), "start", **look) for r in rings)
+    drawn = circles + tag("path", d=rays)
+    faint = tag("g", drawn, fill="none", stroke="currentColor", stroke_opacity=0.16)
+    return faint + "".join(labels)
 
 
 def _told(spec: LocusSpec, axes: Axes) -> tuple[list[str], list[str]]:
     """What is told of each column and of each row under the pointer."""
-    middles = (np.arange(CELLS) + 0.5) / CELLS
-    xs, ys = (low + middles * (high - low) for low, high in (axes.x, axes.y))
-    if spec.polar:
-        return [f"{number(round(x, 1))}, " for x in xs.tolist()], [
-            number(round(y, 1)) for y in ys.tolist()
-        ]
-    units = ["°" if unit == "rad" else f" {unit}" for unit in spec.units]
-    columns = [f"{spec.axes[0]} = {number(round(x, 1))}{units[0]}, " for x in xs.tolist()]
-    rows = [f"{spec.axes[1]} = {number(round(y, 1))}{units[1]}" for y in ys.tolist()]
-    return columns, rows
+    if not spec.polar:
+        return pointed(axes, *_names(spec), CELLS)
+    xs, ys = (middles(span, CELLS).tolist() for span in (axes.x, axes.y))
+    return [f"{number(round(x, 1))}, " for x in xs], [number(round(y, 1)) for y in ys]

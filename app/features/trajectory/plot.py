@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import degrees, isfinite, nan
+from math import isfinite, nan
 
 import numpy as np
 
 from app.features.trajectory.compute import Computed, known_distances
 from app.review.units import minus, number
 from app.scene import palette
-from app.widgets.axes import Axes, Figure, label, scales, ticks
+from app.widgets.axes import Axes, Figure, grid, scales, thinned, ticks
+from app.widgets.svg import document, label, line, tag
 from app.widgets.texts import esc
 from kinematics.arrays import Array
-from kinematics.mechanism import Coordinate
 from kinematics.trajectories import Event, Trajectory
 
 WIDTH = 430.0
@@ -60,18 +60,16 @@ def strips(computed: Computed, plot: str) -> tuple[Strip, ...]:
     plan = of.plan
     torque = joints[0].unit == "rad"
     actuators = [n for n, name in enumerate(found.names) if name.kind == "actuation"]
-    forces = _curves(
-        [found.names[n].symbol for n in actuators],
-        [found.names[n].limb or 0 for n in actuators],
-        found.times,
-        found.forces[:, actuators],
-        plan.forces,
-    )
+    named = [(found.names[n].symbol, found.names[n].limb or 0) for n in actuators]
+    forces = _curves(named, found.times, found.forces[:, actuators], plan.forces)
     near = _distance(found)
     unknown = "" if np.isfinite(near.values).any() else "not known yet"
 
     def curves(values: Array, limits: tuple[float, ...] = ()) -> tuple[Curve, ...]:
-        return _joint_curves(joints, found.times, values, limits)
+        scale = [joint.outer(1.0) for joint in joints]
+        most = [v * s for v, s in zip(limits, scale, strict=False)]
+        own = [(joint.symbol, joint.limb or n + 1) for n, joint in enumerate(joints)]
+        return _curves(own, found.times, values * scale, most)
 
     accelerations = curves(found.joint_accelerations, plan.accelerations)
     known = {
@@ -103,26 +101,10 @@ def _distance(found: Trajectory) -> Curve:
     return Curve("", palette.WORKSPACE_DEEP, times, values)
 
 
-def _joint_curves(
-    joints: Sequence[Coordinate], times: Array, values: Array, limits: tuple[float, ...]
-) -> tuple[Curve, ...]:
-    scale = [degrees(1.0) if joint.unit == "rad" else 1.0 for joint in joints]
-    return _curves(
-        [joint.symbol for joint in joints],
-        [joint.limb or n + 1 for n, joint in enumerate(joints)],
-        times,
-        values * scale,
-        tuple(v * s for v, s in zip(limits, scale, strict=False)),
-    )
-
-
 def _curves(
-    symbols: Sequence[str],
-    limbs: Sequence[int],
-    times: Array,
-    values: Array,
-    limits: tuple[float, ...],
+    joints: Sequence[tuple[str, int]], times: Array, values: Array, limits: Sequence[float]
 ) -> tuple[Curve, ...]:
+    """Those of quantities, each with its symbol and its limb, 0 for none."""
     return tuple(
         Curve(
             symbol,
@@ -131,7 +113,7 @@ def _curves(
             values[:, n],
             limits[n] if n < len(limits) else None,
         )
-        for n, (symbol, limb) in enumerate(zip(symbols, limbs, strict=True))
+        for n, (symbol, limb) in enumerate(joints)
     )
 
 
@@ -226,18 +208,16 @@ def mark(computed: Computed, plot: str, axes: Axes, at: float, *, measuring: boo
     boxes = strip_axes(shown, axes)
     x, _ = axes.px(at, 0.0)
     # Through the boxes only: between them stand the values.
-    line = "".join(f"M{x:.1f} {box.top:g}v{box.inner[1]:.1f}" for box in boxes)
-    parts = [f'<path class="cursor" d="{line}" stroke="currentColor" stroke-width="1.5"/>']
+    cursor = "".join(f"M{x:.1f} {box.top:g}v{box.inner[1]:.1f}" for box in boxes)
+    parts = [line(cursor, "currentColor", 1.5, class_="cursor")]
     events = computed.found.events
     lost = any(e.kind == "singularity" and e.start <= at <= e.end for e in events)
     for strip, box in zip(shown, boxes, strict=True):
         open_ = lost and "(N" in strip.title  # no force holds the load there
         values = [nan] * len(strip.curves) if open_ else _at(strip, at)
         parts.append(_symbols(strip, box, values))
-    if measuring:
-        for strip, box in zip(shown, boxes, strict=True):
-            if _of_distance(strip):
-                parts.append(_strip(strip, box, last=strip is shown[-1]))
+        if measuring and _of_distance(strip):
+            parts.append(_strip(strip, box, last=strip is shown[-1]))
     return "".join(parts)
 
 
@@ -245,16 +225,8 @@ def plots_svg(computed: Computed, plot: str, title: str) -> str:
     """The plots as a file of their own."""
     drawn = figure(computed, plot, legend=True)
     a = drawn.axes
-    head = 14.0
-    return (
-        '<?xml version="1.0" encoding="UTF-8"?>\n'
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{a.width:g}" height="{a.height + head:g}" '
-        f'viewBox="0 {-head:g} {a.width:g} {a.height + head:g}" color="{palette.INK}" '
-        'font-family="system-ui, Segoe UI, Helvetica, Arial, sans-serif" font-size="11">'
-        f'<rect y="{-head:g}" width="100%" height="100%" fill="#FFFFFF"/>'
-        f'<text x="{a.left:g}" y="4" font-weight="600" fill="currentColor">{esc(title)}</text>'
-        f"{drawn.content}</svg>\n"
-    )
+    heading = label(a.left, 4, title, "start", font_weight=600)
+    return document((a.width, a.height), heading + drawn.content, paper="#FFFFFF", top=14.0)
 
 
 def _at(strip: Strip, at: float) -> list[float]:
@@ -267,11 +239,10 @@ def _symbols(strip: Strip, axes: Axes, values: Sequence[float] | None) -> str:
     for n, curve in enumerate(strip.curves):
         shown = "" if values is None else _value(values[n])
         if text := " ".join(filter(None, (curve.symbol, shown))):
-            texts.append(f'<tspan fill="{curve.color}" dx="5">{esc(text)}</tspan>')
-    return (
-        f'<text class="values" x="{axes.width - axes.right:g}" y="{axes.top - 5:g}" '
-        f'text-anchor="end" font-size="9" font-weight="600">{"".join(texts)}</text>'
-    )
+            texts.append(tag("tspan", esc(text), fill=curve.color, dx=5))
+    look = {"text_anchor": "end", "font_size": 9, "font_weight": 600}
+    place = {"x": axes.width - axes.right, "y": axes.top - 5}
+    return tag("text", "".join(texts), class_="values", **place, **look)
 
 
 def _value(value: float) -> str:
@@ -286,24 +257,17 @@ def _curve_paths(strip: Strip, axes: Axes) -> str:
     paths = []
     limits: dict[float, str] = {}
     for curve in strip.curves:
-        count = len(curve.times)
-        kept = np.unique(np.append(np.arange(0, count, max(1, count // MOST)), count - 1))
+        kept = thinned(len(curve.times), MOST)
         path = _runs(curve.times[kept], curve.values[kept], axes)
-        paths.append(
-            f'<path class="curve" d="{path}" fill="none" stroke="{curve.color}" '
-            'stroke-width="1.7" stroke-linejoin="round"/>'
-        )
+        paths.append(line(path, curve.color, 1.7, class_="curve", stroke_linejoin="round"))
         if curve.limit is not None:
             limits.setdefault(round(curve.limit, 9), curve.color)
     for limit, color in limits.items():
         for value in (limit, -limit) if strip.both else (limit,):
             if axes.y[0] <= value <= axes.y[1]:
-                _, y = axes.px(0.0, value)
-                paths.append(
-                    f'<path class="limit" d="M{axes.left:g} {y:.1f}h{axes.inner[0]:g}" '
-                    f'stroke="{color if len(limits) > 1 else palette.BEYOND}" '
-                    'stroke-width="1.2" stroke-dasharray="5 3"/>'
-                )
+                path = f"M{axes.left:g} {axes.px(0.0, value)[1]:.1f}h{axes.inner[0]:g}"
+                color = color if len(limits) > 1 else palette.BEYOND
+                paths.append(line(path, color, 1.2, class_="limit", stroke_dasharray="5 3"))
     return axes.clipped("".join(paths))
 
 
@@ -324,26 +288,22 @@ def _bands(found: Trajectory, axes: Axes) -> str:
     parts = []
     for event in found.events:
         color = QUIET if event.kind == "near" else palette.BEYOND
-        x0, _ = axes.px(event.start, 0.0)
-        x1, _ = axes.px(event.end, 0.0)
-        width = max(x1 - x0, 1.6)
-        opacity = ".85" if x1 - x0 < 1.6 else ".14"
-        parts.append(
-            f'<rect class="event" x="{x0:.1f}" y="{axes.top:g}" width="{width:.1f}" '
-            f'height="{axes.inner[1]:g}" fill="{color}" fill-opacity="{opacity}"/>'
-        )
+        x0, x1 = (axes.px(t, 0.0)[0] for t in (event.start, event.end))
+        place = {"x": x0, "y": axes.top, "width": max(x1 - x0, 1.6), "height": axes.inner[1]}
+        opacity = 0.85 if x1 - x0 < 1.6 else 0.14
+        parts.append(tag("rect", class_="event", **place, fill=color, fill_opacity=opacity))
     return "".join(parts)
 
 
 def _frame(strip: Strip, axes: Axes, *, last: bool) -> str:
     wide, high = axes.inner
     levels, times = _levels(axes.y, 3 if high < ALONE else 7), ticks(*axes.x, 8)
-    grid = "".join(f"M{axes.left:g} {axes.px(0.0, v)[1]:.1f}h{wide:g}" for v in levels)
-    middle = label(axes.left + wide / 2, axes.top + high / 2 + 4, strip.note, opacity=0.6)
+    middle = axes.left + wide / 2, axes.top + high / 2 + 4
     return (
         scales(axes, "t (s)" if last else "", "", times, levels, (number if last else None, _tick))
         + label(axes.left, axes.top - 5, strip.title, "start")
-        + f'<path d="{grid}" stroke="currentColor" stroke-opacity=".08"/>{middle}'
+        + grid(axes, (), levels, 0.08)
+        + label(*middle, strip.note, fill_opacity=0.6)
     )
 
 
@@ -357,9 +317,7 @@ def _levels(span: tuple[float, float], most: int) -> list[float]:
 
 
 def _tick(value: float) -> str:
-    if abs(value) >= 1e4:
-        return number(value / 1000.0) + "k"
-    return number(value)
+    return number(value / 1000.0) + "k" if abs(value) >= 1e4 else number(value)
 
 
 def _told(events: Sequence[Event], t: float, slack: float) -> str:

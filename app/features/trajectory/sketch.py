@@ -8,11 +8,12 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from app.features.trajectory.compute import Reach
-from app.review.units import in_page_units, number, page_unit
+from app.review.units import in_page_units
 from app.scene import palette
-from app.widgets.axes import Axes, Figure, columns, cross, scales, steps, ticks
+from app.widgets.axes import Axes, Figure, columns, cross, named, named_scales, pointed
 from app.widgets.desk import Client, Desk
 from app.widgets.plots import Plot
+from app.widgets.svg import line, tag
 from kinematics.arrays import Array
 from kinematics.mechanism import Coordinate
 
@@ -77,26 +78,16 @@ def sketch_figure(axes: Sequence[Coordinate], reach: Reach) -> Figure:
     """The plane of two coordinates, shaded where the machine can be."""
     box = sketch_axes(axes, reach)
     first, second = axes
-    middles = (np.arange(CELLS) + 0.5) / CELLS
-    xs, ys = (low + middles * (high - low) for low, high in (box.x, box.y))
-    content = (
-        f'<path class="reach" d="{columns(box, reach.inside)}" fill="{palette.WORKSPACE}" '
-        'fill-opacity=".4" shape-rendering="crispEdges"/>'
-        + _lost(axes, box, reach)
-        + scales(
-            box,
-            f"{first.symbol} ({page_unit(first)})",
-            f"{second.symbol} ({page_unit(second)})",
-            ticks(*box.x, 6, steps(first)),
-            ticks(*box.y, 6, steps(second)),
-        )
-        + '<polyline class="trace" points="" fill="none" stroke="currentColor" stroke-width="2"/>'
-    )
+    names = named(first), named(second)
+    look = {"class_": "reach", "fill_opacity": 0.4, "shape_rendering": "crispEdges"}
+    trace = {"points": "", "fill": "none", "stroke": "currentColor", "stroke_width": 2}
     return Figure(
         box,
-        content,
-        [f"{first.symbol} = {number(round(x, 1))} {page_unit(first)}, " for x in xs.tolist()],
-        [f"{second.symbol} = {number(round(y, 1))} {page_unit(second)}" for y in ys.tolist()],
+        tag("path", d=columns(box, reach.inside), fill=palette.WORKSPACE, **look)
+        + _lost(axes, box, reach)
+        + named_scales(box, *names)
+        + tag("polyline", class_="trace", **trace),
+        *pointed(box, *names, CELLS),
         [""] * CELLS**2,
         "Hold the mouse button and draw the path",
         f"The plane of {first.symbol} and {second.symbol}",
@@ -106,11 +97,7 @@ def sketch_figure(axes: Sequence[Coordinate], reach: Reach) -> Figure:
 def _lost(axes: Sequence[Coordinate], box: Axes, reach: Reach) -> str:
     """The curves where control is lost, as far as they are within the box."""
     path = "".join(box.path(_in_page(axes, curve)) for curve in reach.lost)
-    if not path:
-        return ""
-    return box.clipped(
-        f'<path class="lost" d="{path}" fill="none" stroke="{palette.BEYOND}" stroke-width="2"/>'
-    )
+    return box.clipped(line(path, palette.BEYOND, 2, class_="lost")) if path else ""
 
 
 def _in_page(axes: Sequence[Coordinate], points: Array) -> list[tuple[float, float]]:
@@ -120,14 +107,11 @@ def _in_page(axes: Sequence[Coordinate], points: Array) -> list[tuple[float, flo
 
 def sketch_mark(axes: Sequence[Coordinate], box: Axes, path: Array, here: Sequence[float]) -> str:
     """The path (N, 2), mm and rad, and a cross where the machine stands."""
-    line = ""
+    drawn = ""
     if len(path):
         points = _in_page(axes, path)
         x, y = box.px(*points[0])
-        line = (
-            f'<path class="stroke" d="{box.path(points)}" fill="none" '
-            f'stroke="{palette.WORKSPACE_DEEP}" stroke-width="2.4"/>'
-            f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="{palette.WORKSPACE_DEEP}"/>'
-        )
+        drawn = line(box.path(points), palette.WORKSPACE_DEEP, 2.4, class_="stroke")
+        drawn += tag("circle", cx=x, cy=y, r=4, fill=palette.WORKSPACE_DEEP)
     u, v = (in_page_units(c, value) for c, value in zip(axes, here, strict=True))
-    return line + cross(box, u, v)
+    return drawn + cross(box, u, v)
