@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import os
 import secrets
 import stat
+from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
@@ -87,3 +90,10 @@ def write_file(path: Path | str, data: bytes) -> Path:
 def _reason(error: Exception) -> str:
     said = getattr(error, "strerror", None) or str(error)
     return said[:1].lower() + said[1:]
+
+
+def csv_text(rows: Iterable[Iterable[object]]) -> str:
+    """Rows as CSV; the first one names the columns."""
+    written = io.StringIO()
+    csv.writer(written, lineterminator="\n").writerows(rows)
+    return written.getvalue()

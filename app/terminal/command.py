@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.shell_completion import CompletionItem
 
+from app.terminal.files import format_of
 from kinematics.errors import BohemiaError, InputError
 from kinematics.storage import write_file
 
@@ -60,11 +61,7 @@ class Output:
         """
         if self.path is None:
             return ""
-        path, kind = self.path, self.path.suffix.removeprefix(".").lower()
-        if kind not in known:
-            got = f"has the ending .{kind}" if kind else "has no ending"
-            endings = ", ".join(f".{each}" for each in known)
-            raise InputError(f"{str(path)!r} {got}; {what} is written as one of {endings}")
+        path, kind = self.path, format_of(self.path, known, f"{what} is")
         if path.is_dir():
             raise InputError(f"cannot write {str(path)!r}: it is a folder")
         if not path.parent.is_dir():

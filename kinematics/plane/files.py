@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 from collections.abc import Callable
 from math import atan2, degrees, isfinite
@@ -10,6 +9,7 @@ from typing import Any
 
 from kinematics.answers.sections import BOUNDS, EdgeBound, Section, SectionSpec
 from kinematics.errors import InputError
+from kinematics.storage import csv_text
 
 LINETYPES: dict[EdgeBound, str] = {
     "rho_max": "CONTINUOUS",
@@ -58,30 +58,19 @@ def _edge(section: Section, k: int) -> Edge:
 def section_csv(section: Section, spec: SectionSpec) -> str:
     """One row an edge, in order; loop, piece and edge count from 1. A line has no center."""
     u, v = ("".join(letter for letter in axis if letter.isalnum()) for axis in spec.axes)
-    written = io.StringIO()
-    rows = csv.writer(written, lineterminator="\n")
     places = [f"{name}_{axis}_mm" for name in ("from", "to", "center") for axis in (u, v)]
-    rows.writerow(
+    rows: list[list[object]] = [
         ["loop", "piece", "edge", "kind", "limb", "bound", *places, "radius_mm", "sweep_deg"]
-    )
+    ]
     for n, loop in enumerate(section_loops(section)):
-        for k, edge in enumerate(loop):
-            rows.writerow(
-                [
-                    n + 1,
-                    int(section.loop_piece[n]) + 1,
-                    k + 1,
-                    edge["kind"],
-                    edge["limb"],
-                    edge["bound"],
-                    *edge["from"],
-                    *edge["to"],
-                    *(edge["center"] or ("", "")),
-                    "" if edge["radius"] is None else edge["radius"],
-                    edge["sweep_deg"],
-                ]
-            )
-    return written.getvalue()
+        for k, edge in enumerate(loop, start=1):
+            kind = edge["kind"], edge["limb"], edge["bound"]
+            center = edge["center"] or ("", "")
+            radius = "" if edge["radius"] is None else edge["radius"]
+            points = *edge["from"], *edge["to"], *center
+            where = n + 1, int(section.loop_piece[n]) + 1, k
+            rows.append([*where, *kind, *points, radius, edge["sweep_deg"]])
+    return csv_text(rows)
 
 
 def section_dxf(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 from math import ceil
 from typing import TYPE_CHECKING, Any
@@ -10,10 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from app.terminal import tables
+from app.terminal.files import picture
 from kinematics.answers.sections import Quantity
 from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.facets.map_sweeps import Map, MapRequest
+from kinematics.storage import csv_text
 
 if TYPE_CHECKING:  # loaded only where a figure is drawn
     from matplotlib.axes import Axes
@@ -23,7 +24,6 @@ FORMATS: tuple[str, ...] = ("csv", "npz", "png", "svg")
 UNITS = {"mm³": "_mm3", "mm": "_mm", "%": "_percent", "": ""}
 COLORS = "cividis"  # even steps for every kind of colour sight, and in grey
 MOST_SHAPES = 10_000  # beyond so many cells an SVG holds them as one picture
-DOTS = 200  # per inch
 FEWEST_FOR_LINES = 8  # points along an axis from which contour lines mean something
 ANGLE_STEPS = (1, 1.5, 2, 3, 4.5, 6, 9, 10)
 EMPTY, UNKNOWN = "#FFFFFF", "#D5D9DE"
@@ -41,7 +41,7 @@ def map_bytes(found: Map, kind: str) -> bytes:
         case "npz":
             return map_npz(found)
         case "png" | "svg":
-            return _figure_bytes(found, kind)
+            return picture(map_figure(found), kind)
     raise InputError(f"there is no format {kind!r}; a map is written as {', '.join(FORMATS)}")
 
 
@@ -68,15 +68,13 @@ def axis_values(request: MapRequest) -> tuple[list[float], list[float]]:
 def map_csv(found: Map) -> str:
     """One row a point, the second coordinate running fastest; points that are not done left out."""
     request = found.request
-    written = io.StringIO()
-    rows = csv.writer(written, lineterminator="\n")
     named = (name for pair in columns(request) for name in pair)
-    rows.writerow([*(axis.json_key for axis in request.coordinates), *named])
+    rows: list[list[object]] = [[*(axis.json_key for axis in request.coordinates), *named]]
     first, second = axis_values(request)
     for i, j in np.argwhere(found.done).tolist():
-        pairs = zip(found.values[:, i, j].tolist(), found.errors[:, i, j].tolist(), strict=True)
-        rows.writerow([first[i], second[j], *(number for pair in pairs for number in pair)])
-    return written.getvalue()
+        pairs = np.stack([found.values[:, i, j], found.errors[:, i, j]], axis=1)
+        rows.append([first[i], second[j], *pairs.ravel().tolist()])
+    return csv_text(rows)
 
 
 def map_npz(found: Map) -> bytes:
@@ -207,20 +205,3 @@ def _alike(first: list[float], second: list[float]) -> bool:
     """Ranges of comparable length, which equal scales leave readable."""
     ratio = abs(first[-1] - first[0]) / max(abs(second[-1] - second[0]), 1e-9)
     return 0.4 < ratio < 2.5
-
-
-def _figure_bytes(found: Map, kind: str) -> bytes:
-    import logging
-
-    import matplotlib
-
-    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it talks of its font cache
-    written = io.BytesIO()
-    with matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": "bohemia"}):
-        map_figure(found).savefig(
-            written,
-            format=kind,
-            dpi=DOTS,
-            metadata={"Date": None} if kind == "svg" else None,
-        )
-    return written.getvalue()

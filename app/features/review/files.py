@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from app.terminal import files
 from app.terminal.tables import LOCUS
-from kinematics.errors import ComputationError, InputError
+from kinematics.errors import ComputationError
 from kinematics.facets.solids import SolidRequest, build_solid
 from kinematics.mechanism import Coordinate, Design
 
@@ -50,11 +51,6 @@ class ExportedFile:
     name: str
     data: bytes
 
-    @property
-    def media_type(self) -> str:
-        """What it is, for a server that hands it out."""
-        return MEDIA_TYPES[self.name.rpartition(".")[2]]
-
 
 def format_of(path: PurePath) -> str:
     """The format that a file's ending asks for.
@@ -62,12 +58,7 @@ def format_of(path: PurePath) -> str:
     Raises:
         InputError: no ending or one that Bohemia does not write.
     """
-    ending = path.suffix.removeprefix(".").lower()
-    if ending not in FORMATS:
-        known = ", ".join(f".{kind}" for kind in FORMATS)
-        got = f"has the ending .{ending}" if ending else "has no ending"
-        raise InputError(f"{str(path)!r} {got}; a solid is written as one of {known}")
-    return ending
+    return files.format_of(path, FORMATS, "a solid is")
 
 
 def placed(mesh: SolidMesh, placement: ArrayLike) -> SolidMesh:
@@ -84,8 +75,7 @@ def solid_bytes(built: BuiltSolid, placement: ArrayLike, kind: str) -> bytes:
     """
     from kinematics.solids.files import encode
 
-    if kind not in FORMATS:
-        raise InputError(f"there is no format {kind!r}; a solid is written as {_list(FORMATS)}")
+    files.format_known(kind, FORMATS, "a solid is")
     if built.triangles == 0:
         raise ComputationError("the solid is empty, so there is nothing to write")
     return encode(placed(built.mesh, placement), kind)
@@ -171,21 +161,12 @@ def design_file(design: Design) -> ExportedFile:
 def sanitized(text: str) -> str:
     """``text`` as a part of a file name on every system: letters, digits and ``. + -``."""
     plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()[:80]
-    if not _signs(plain):
+    if not re.fullmatch(r"[+-]+", plain):  # a working mode: all its minus signs carry meaning
         plain = re.sub(r"[^A-Za-z0-9.+-]+", "-", plain).strip("-.")
     return plain or "unnamed"
-
-
-def _signs(text: str) -> bool:
-    """A working mode, whose leading and trailing minus signs carry meaning."""
-    return re.fullmatch(r"[+-]+", text) is not None
 
 
 def _number(value: float) -> str:
     """Up to four decimals, no trailing zeros, never "-0"."""
     text = f"{value:.4f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
-
-
-def _list(words: tuple[str, ...]) -> str:
-    return f"{', '.join(words[:-1])} or {words[-1]}"

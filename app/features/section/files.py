@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from app.features.section.plot import section_svg
 from app.scene.palette import limb_color, rgb
+from app.terminal.files import format_known
 from kinematics.answers.sections import Section, SectionSpec
-from kinematics.errors import InputError
 from kinematics.plane.files import section_csv, section_dxf, section_loops
 
 __all__ = ["FORMATS", "section_bytes", "section_loops"]
@@ -19,9 +19,7 @@ def section_bytes(section: Section, spec: SectionSpec, kind: str, *, title: str 
     Raises:
         InputError: ``kind`` is not one of `FORMATS`.
     """
-    if kind not in FORMATS:
-        raise InputError(f"there is no format {kind!r}; a section is written as svg, dxf or csv")
-    if kind == "svg":
+    if format_known(kind, FORMATS, "a section is") == "svg":
         return section_svg(section, spec, width=900, height=720, title=title).encode()
     if kind == "csv":
         return section_csv(section, spec).encode()

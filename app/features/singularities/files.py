@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import csv
-import io
+from collections.abc import Iterator
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from app.scene.palette import BEYOND, INK, limb_color
+from app.terminal.files import format_known, picture
 from kinematics.answers.loci import LocusCurves, LocusSpec
 from kinematics.answers.singularities import SingularityKind
 from kinematics.arrays import Array
-from kinematics.errors import InputError
+from kinematics.storage import csv_text
 
 if TYPE_CHECKING:  # loaded only where a figure is drawn
     from matplotlib.figure import Figure
@@ -49,11 +50,9 @@ def locus_bytes(
     Raises:
         InputError: ``kind`` is not one of `FORMATS`.
     """
-    if kind not in FORMATS:
-        raise InputError(f"there is no format {kind!r}; a chart is written as csv or svg")
-    if kind == "csv":
+    if format_known(kind, FORMATS, "a chart is") == "csv":
         return locus_csv(found, spec).encode()
-    return _svg(found, spec, title, note)
+    return picture(locus_figure(found, spec, title=title, note=note), kind)
 
 
 def columns(spec: LocusSpec) -> tuple[str, str]:
@@ -72,36 +71,37 @@ def outer(points: Array, spec: LocusSpec) -> Array:
 
 def curves(found: LocusCurves, spec: LocusSpec) -> list[dict[str, Any]]:
     """The curves as plain values; a closed one ends where it begins."""
-    points = outer(found.points, spec)
+    points, residuals = outer(found.points, spec), _residuals(found, spec)
     answer = []
-    for n, kind in enumerate(found.kinds):
-        part = slice(int(found.start[n]), int(found.start[n + 1]))
+    for part, kind, limb in _each(found):
         line = points[part]
         answer.append(
             {
                 "kind": kind,
-                "limb": int(found.limb[n]) or None,
+                "limb": limb or None,
                 "closed": len(line) > 2 and bool((line[0] == line[-1]).all()),
                 "points": line.tolist(),
-                "residual": float(_residuals(found, spec)[part].max(initial=0.0)),
+                "residual": float(residuals[part].max(initial=0.0)),
             }
         )
     return answer
 
 
+def _each(found: LocusCurves) -> Iterator[tuple[slice, SingularityKind, int]]:
+    """Of each curve its points among all, its kind, and its limb or 0."""
+    ends = pairwise(found.start.tolist())
+    for (first, behind), kind, limb in zip(ends, found.kinds, found.limb.tolist(), strict=True):
+        yield slice(first, behind), kind, limb
+
+
 def locus_csv(found: LocusCurves, spec: LocusSpec) -> str:
     """One row a point; curves count from 1, a limb is empty where a curve belongs to none."""
-    written = io.StringIO()
-    rows = csv.writer(written, lineterminator="\n")
     unit = "deg" if spec.units[0] == "rad" else spec.units[0]
-    rows.writerow(["curve", "kind", "limb", *columns(spec), f"residual_{unit}"])
-    residuals = _residuals(found, spec)
-    points = outer(found.points, spec)
-    for n, kind in enumerate(found.kinds):
-        for k in range(int(found.start[n]), int(found.start[n + 1])):
-            limb = int(found.limb[n]) or ""
-            rows.writerow([n + 1, kind, limb, *points[k].tolist(), float(residuals[k])])
-    return written.getvalue()
+    rows: list[list[object]] = [["curve", "kind", "limb", *columns(spec), f"residual_{unit}"]]
+    told = np.column_stack([outer(found.points, spec), _residuals(found, spec)])
+    for n, (part, kind, limb) in enumerate(_each(found), start=1):
+        rows += ([n, kind, limb or "", *point] for point in told[part].tolist())
+    return csv_text(rows)
 
 
 def _residuals(found: LocusCurves, spec: LocusSpec) -> Array:
@@ -126,9 +126,7 @@ def locus_figure(found: LocusCurves, spec: LocusSpec, *, title: str = "", note: 
     points = outer(found.points, spec)
     bounds = outer(found.bounds.T, spec).T
     named: set[str] = set()
-    for n, kind in enumerate(found.kinds):
-        part = slice(int(found.start[n]), int(found.start[n + 1]))
-        limb = int(found.limb[n])
+    for part, kind, limb in _each(found):
         color, dash = _STYLES[kind]
         name = f"{kind}, limb {limb}" if limb else kind
         u, v = points[part].T
@@ -170,17 +168,3 @@ def locus_figure(found: LocusCurves, spec: LocusSpec, *, title: str = "", note: 
         )
     panel.set_title(f"{title}\n{note}".strip(), fontsize=10)
     return figure
-
-
-def _svg(found: LocusCurves, spec: LocusSpec, title: str, note: str) -> bytes:
-    import logging
-
-    import matplotlib
-
-    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it talks of its font cache
-    written = io.BytesIO()
-    with matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": "bohemia"}):
-        locus_figure(found, spec, title=title, note=note).savefig(
-            written, format="svg", metadata={"Date": None}
-        )
-    return written.getvalue()

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from app.scene.palette import BEYOND, INK
+from app.terminal.files import format_known, picture
 from kinematics.answers.circles import MicrTable
-from kinematics.errors import InputError
+from kinematics.storage import csv_text
 
 if TYPE_CHECKING:  # loaded only where a figure is drawn
     from matplotlib.figure import Figure
@@ -27,7 +26,6 @@ COLUMNS = (
     "crosses_ring",
 )
 _COLORS = "viridis"
-_DOTS = 200  # per inch
 
 
 def micr_bytes(
@@ -43,30 +41,21 @@ def micr_bytes(
     Raises:
         InputError: ``ending`` is not one of `FORMATS`.
     """
-    match ending:
-        case "csv":
-            return micr_csv(kind, ratios, heights, found).encode()
-        case "svg" | "png":
-            return _picture(micr_figure(title, ratios, heights, found), ending)
-    raise InputError(f"there is no format {ending!r}; curves are written as csv, svg or png")
+    if format_known(ending, FORMATS, "curves are") == "csv":
+        return micr_csv(kind, ratios, heights, found).encode()
+    return picture(micr_figure(title, ratios, heights, found), ending)
 
 
 def micr_csv(kind: str, ratios: Sequence[float], heights: Sequence[float], found: MicrTable) -> str:
     """One row a circle; where no tilt is singular both angles are empty."""
-    written = io.StringIO()
-    rows = csv.writer(written, lineterminator="\n")
-    rows.writerow(COLUMNS)
-    radius, contact = np.degrees(found.radius), np.degrees(found.contact)
-    for n, mode in enumerate(found.modes):
-        for r, ratio in enumerate(ratios):
-            for h, height in enumerate(heights):
-                angles = [
-                    value if np.isfinite(value) else ""
-                    for value in (float(radius[n, r, h]), float(contact[n, r, h]))
-                ]
-                crosses = int(found.barred[n, r, h])
-                rows.writerow([kind, mode, ratio, round(height, 12), *angles, crosses])
-    return written.getvalue()
+    rows: list[Sequence[object]] = [COLUMNS]
+    angles = np.degrees(np.stack([found.radius, found.contact], axis=-1))
+    for place in np.ndindex(*found.radius.shape):
+        n, r, h = place
+        told = [value if np.isfinite(value) else "" for value in angles[place].tolist()]
+        crosses = int(found.barred[place])
+        rows.append([kind, found.modes[n], ratios[r], round(heights[h], 12), *told, crosses])
+    return csv_text(rows)
 
 
 def micr_figure(
@@ -102,16 +91,3 @@ def micr_figure(
     panels[0].set_ylabel("MICR (°)")
     panels[-1].legend(title="h₂/h₁", fontsize=8, frameon=False)
     return figure
-
-
-def _picture(figure: Figure, ending: str) -> bytes:
-    import logging
-
-    import matplotlib
-
-    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it talks of its font cache
-    written = io.BytesIO()
-    with matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": "bohemia"}):
-        metadata = {"Date": None} if ending == "svg" else None
-        figure.savefig(written, format=ending, dpi=_DOTS, metadata=metadata)
-    return written.getvalue()

@@ -5,13 +5,12 @@ Lengths mm, angles degrees, times s; forces N, torques N·mm.
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Sequence
-from math import degrees, isfinite
+from math import isfinite
 
 from kinematics.answers.motion import WrenchName
 from kinematics.mechanism import Coordinate
+from kinematics.storage import csv_text
 from kinematics.trajectories import Trajectory
 from kinematics.trajectories.points import LARGEST, MOST, Points, read_points
 
@@ -25,16 +24,14 @@ def columns_of(
     near a singularity is. NaN and infinity stay.
     """
     columns: dict[str, list[float]] = {"t": found.times.tolist()}
-    for n, axis in enumerate(axes):
-        columns[axis.json_key] = _outer(found.poses[:, n].tolist(), axis)
-    for n, joint in enumerate(joints):
-        columns[joint.json_key] = _outer(found.joints[:, n].tolist(), joint)
-    for what, values in (
-        ("per_s", found.joint_rates),
-        ("per_s2", found.joint_accelerations),
+    for tail, values, named in (
+        ("", found.poses, axes),
+        ("", found.joints, joints),
+        ("_per_s", found.joint_rates, joints),
+        ("_per_s2", found.joint_accelerations, joints),
     ):
-        for n, joint in enumerate(joints):
-            columns[f"{joint.json_key}_{what}"] = _outer(values[:, n].tolist(), joint)
+        for n, axis in enumerate(named):
+            columns[axis.json_key + tail] = [axis.outer(v) for v in values[:, n].tolist()]
     for n, key in enumerate(force_keys(found.names, joints)):
         columns[key] = found.forces[:, n].tolist()
     columns["within_stroke"] = [float(ok) for ok in found.reachable.tolist()]
@@ -60,17 +57,10 @@ def trajectory_csv(
 ) -> str:
     """One row a sample; empty where there is no number, "inf" where there is no singularity."""
     columns = columns_of(found, axes, joints)
-    written = io.StringIO()
-    rows = csv.writer(written, lineterminator="\n")
-    rows.writerow(columns)
-    for row in zip(*columns.values(), strict=True):
-        rows.writerow(["" if value != value else _plain(value) for value in row])
-    return written.getvalue()
+    rows = zip(*columns.values(), strict=True)
+    told = (["" if value != value else _plain(value) for value in row] for row in rows)
+    return csv_text([columns, *told])
 
 
 def _plain(value: float) -> float | int:
     return int(value) if isfinite(value) and value == int(value) and abs(value) < 1e15 else value
-
-
-def _outer(values: Sequence[float], axis: Coordinate) -> list[float]:
-    return [degrees(v) if axis.unit == "rad" else float(v) for v in values]
