@@ -8,7 +8,6 @@ from pathlib import Path
 
 from app.review import content as read
 from app.review.state import Review, new_review
-from app.review.units import from_page_units, in_page_units
 from kinematics.designs.files import read_design, write_design
 from kinematics.errors import InputError
 from kinematics.storage import read_text, write_file
@@ -24,10 +23,7 @@ def to_text(review: Review) -> str:
         "bohemia_session": VERSION,
         "design_name": review.design.name,
         "design": write_design(review.design),
-        "pose": {
-            read.key_of(c): in_page_units(c, v)
-            for c, v in zip(coordinates, review.pose, strict=True)
-        },
+        "pose": {read.key_of(c): c.outer(v) for c, v in zip(coordinates, review.pose, strict=True)},
         "working_mode": review.mode,
         "gives_way": review.gives_way,
     }
@@ -63,7 +59,7 @@ def from_text(text: str, *, origin: str) -> Review:
         key = read.key_of(c)
         if key not in given:
             raise InputError(f"{origin}: pose has no {key}")
-        value = from_page_units(c, read.number(given[key], f"{origin}: pose: {key}"))
+        value = c.inner(read.number(given[key], f"{origin}: pose: {key}"))
         pose.append(min(max(value, c.lower), c.upper))
     mode = read.typed(content, "working_mode", str, origin)
     read.checked_modes((mode,), fresh.machine, origin)

@@ -10,16 +10,6 @@ from kinematics.errors import InputError
 from kinematics.mechanism import Coordinate
 
 
-def in_page_units(coordinate: Coordinate, value: float) -> float:
-    """mm stay, radians become degrees."""
-    return value if coordinate.unit == "mm" else math.degrees(value)
-
-
-def from_page_units(coordinate: Coordinate, value: float) -> float:
-    """mm stay, degrees become radians."""
-    return value if coordinate.unit == "mm" else math.radians(value)
-
-
 def page_unit(coordinate: Coordinate) -> str:
     """The unit that stands behind a number on the page."""
     return "mm" if coordinate.unit == "mm" else "°"
@@ -37,7 +27,7 @@ def within(coordinate: Coordinate, value: float) -> tuple[float, str]:
     # A round trip through degrees may leave the range by an ulp; that is not worth a sentence.
     if abs(kept - value) <= 1e-9 * max(1.0, abs(value)):
         return kept, ""
-    low, high = (in_page_units(coordinate, v) for v in (coordinate.lower, coordinate.upper))
+    low, high = (coordinate.outer(v) for v in (coordinate.lower, coordinate.upper))
     unit = " mm" if coordinate.unit == "mm" else " °"
     text = f"{coordinate.symbol} is kept within {low:g} … ".replace("-", "−")
     return kept, f"{text}{high:g}{unit}."
@@ -64,13 +54,13 @@ def place_text(axes: Sequence[Coordinate], pose: Sequence[float]) -> str:
 
 
 def _value(axis: Coordinate, value: float) -> str:
-    return f"{axis.symbol} {tenths(in_page_units(axis, value))}"
+    return f"{axis.symbol} {tenths(axis.outer(value))}"
 
 
 def joint_text(axis: Coordinate, value: float) -> str:
     """An actuated joint in the page's units: "312.4 mm"."""
     unit = page_unit(axis)
-    return f"{tenths(in_page_units(axis, value))}{'' if unit == '°' else ' '}{unit}"
+    return f"{tenths(axis.outer(value))}{'' if unit == '°' else ' '}{unit}"
 
 
 def sentence(text: str) -> str:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from app.review.state import Review
-from app.review.units import in_page_units, page_unit
+from app.review.units import page_unit
 from kinematics.answers.drawings import Drawing
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
@@ -136,9 +136,9 @@ def joint_rows(machine: Machine[Any], posture: Posture) -> tuple[JointRow, ...]:
             JointRow(
                 limb,
                 c.symbol,
-                in_page_units(c, value),
-                in_page_units(c, c.lower),
-                in_page_units(c, c.upper),
+                c.outer(value),
+                c.outer(c.lower),
+                c.outer(c.upper),
                 page_unit(c),
                 level,
                 note,

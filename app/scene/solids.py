@@ -24,9 +24,9 @@ COATS = max(painting.STEPS + 1, painting.PIECES + 1)
 
 
 class Solids:
-    """A mesh for each solid, further ones for coats, and its edges; made once for a mechanism."""
+    """A mesh for each solid, further ones for coats, and its edges; made with nothing to see."""
 
-    def __init__(self, nodes: Nodes) -> None:
+    def __init__(self, nodes: Nodes, specs: Iterable[SolidSpec]) -> None:
         self._nodes = nodes
         self._meshes: dict[str, list[Any]] = {}  # the solid's own, then those of its coats
         self._edges: dict[str, Any] = {}
@@ -34,11 +34,6 @@ class Solids:
         self._faces: dict[str, object] = {}  # which faces a mesh has
         self._shown: dict[str, tuple[object, ...]] = {}
         self._coats: dict[str, tuple[Coat, ...]] = {}
-
-    def prepare(self, specs: Iterable[SolidSpec]) -> None:
-        """Make the nodes, with nothing to see."""
-        for known in (self._meshes, self._edges, self._lines, self._faces, self._shown):
-            known.clear()
         for spec in sorted(specs, key=_draw_order):
             color, name = palette.solid_color(spec), f"/solids/{spec.key}"
             meshes = [self._nodes.mesh(name, color)]

@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from app.review.units import from_page_units, in_page_units, number, page_unit, sentence
+from app.review.units import number, page_unit, sentence
 from app.widgets.desk import Client, Desk, answer, put, put_prop
 from app.widgets.texts import esc, red
 from kinematics.errors import InputError
@@ -147,9 +147,7 @@ class LimitsBox(Typed):
 
 def shown_pose(pose: Sequence[float], axes: Sequence[Coordinate]) -> str:
     """ "90, 110, 430, 5, −3"."""
-    return ", ".join(
-        number(round(in_page_units(c, v), DIGITS)) for c, v in zip(axes, pose, strict=False)
-    )
+    return ", ".join(number(round(c.outer(v), DIGITS)) for c, v in zip(axes, pose, strict=False))
 
 
 def typed_pose(text: str, axes: Sequence[Coordinate], what: str) -> tuple[float, ...]:
@@ -161,7 +159,7 @@ def typed_pose(text: str, axes: Sequence[Coordinate], what: str) -> tuple[float,
     values = typed_numbers(text, what)
     if values and len(values) != len(axes):
         raise InputError(f"{what} needs {len(axes)} numbers: {units(axes)}")
-    return tuple(from_page_units(c, v) for c, v in zip(axes, values, strict=False))
+    return tuple(c.inner(v) for c, v in zip(axes, values, strict=False))
 
 
 def typed_numbers(text: str, what: str) -> tuple[float, ...]:

@@ -13,7 +13,7 @@ from app.features.workspace.state import ChooseModes, Show
 from app.review import view as compute
 from app.review.changes import change
 from app.review.state import Review, new_review
-from app.review.units import from_page_units, in_page_units, page_unit
+from app.review.units import page_unit
 from kinematics.designs.files import load_design, presets
 
 
@@ -115,7 +115,7 @@ def test_page_units() -> None:
     coordinates = review.machine.coordinates
     assert [page_unit(c) for c in coordinates] == ["mm", "mm", "mm", "°", "°"]
     for c in coordinates:
-        assert from_page_units(c, in_page_units(c, 0.75)) == pytest.approx(0.75)
+        assert c.inner(c.outer(0.75)) == pytest.approx(0.75)
 
 
 def test_the_mode_that_reaches_a_pose_flips_the_fewest_limbs(review: Review) -> None:

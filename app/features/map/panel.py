@@ -16,7 +16,7 @@ from app.features.map.state import Chart, SetChart, Span, map_axes
 from app.features.move.state import Place
 from app.features.section.part import SectionPart
 from app.review.state import Review
-from app.review.units import from_page_units, in_page_units, number, page_unit
+from app.review.units import number, page_unit
 from app.widgets.axes import cross, nearest
 from app.widgets.boxes import Typed, Typing
 from app.widgets.desk import Client, Panel, Sheet, explain, put_prop
@@ -117,7 +117,7 @@ class MapPanel(Panel):
 
     def _draw_cross(self) -> None:
         pose, drawn = self.review.pose, self._plot.figure
-        x, y = (in_page_units(c, pose[n]) for c, n in zip(self._axes, self._indices, strict=True))
+        x, y = (c.outer(pose[n]) for c, n in zip(self._axes, self._indices, strict=True))
         self._plot.mark("" if drawn is None else cross(drawn.axes, x, y, 8.0))
 
     def _edit(self, _: Span, client: Client) -> None:
@@ -139,7 +139,7 @@ class MapPanel(Panel):
         for n, c, value, known in zip(
             self._indices, self._axes, (x, y), (request.first, request.second), strict=True
         ):
-            pose[n] = nearest(known, from_page_units(c, value))  # that of the cell that is told
+            pose[n] = nearest(known, c.inner(value))  # that of the cell that is told
         self.desk.send(Place(tuple(pose), gesture="map"), client)
 
 
@@ -165,7 +165,7 @@ def _labels(axis: Coordinate) -> tuple[str, str]:
 
 def shown(axis: Coordinate, span: Span) -> str:
     """A span as it can be typed: "-90, 90, 37"."""
-    low, high = (number(round(in_page_units(axis, v), 6)) for v in (span.low, span.high))
+    low, high = (number(round(axis.outer(v), 6)) for v in (span.low, span.high))
     return f"{low}, {high}, {span.count}"
 
 
@@ -185,7 +185,7 @@ def typed_span(axis: Coordinate, typed: str) -> Span:
         ) from None
     if not abs(count) < 1e9 or count != round(count):
         raise InputError(f"how many values of {axis.symbol} is a whole number")
-    return Span(from_page_units(axis, low), from_page_units(axis, high), int(count))
+    return Span(axis.inner(low), axis.inner(high), int(count))
 
 
 def state_html(charted: Charted, chosen: str) -> str:

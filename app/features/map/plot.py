@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 
-from app.review.units import in_page_units, minus, number, page_unit, volume_text, with_error
+from app.review.units import minus, number, page_unit, volume_text, with_error
 from app.scene import palette
 from app.widgets.axes import Axes, Figure, columns, named, named_scales, ticks
 from app.widgets.svg import label, line, tag
@@ -20,7 +20,7 @@ def figure(found: Map, *, stale: bool) -> Figure:
     quantity = found.request.quantities[0]
     first, second = found.request.coordinates
     x, y = (
-        np.array([in_page_units(c, v) for v in given])
+        np.array([c.outer(v) for v in given])
         for c, given in ((first, found.request.first), (second, found.request.second))
     )
     axes = Axes(400, 342, 46, 24, 74, 38, _ends(x), _ends(y))

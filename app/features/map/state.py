@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Self
 from app.review import content as session
 from app.review.changes import Change, Taken
 from app.review.state import Review, Slice
-from app.review.units import from_page_units, in_page_units, within
+from app.review.units import within
 from kinematics.errors import InputError
 from kinematics.mechanism import Coordinate
 
@@ -61,7 +61,7 @@ class Chart(Slice):
         if not axes:
             return {}
         spans = {
-            session.key_of(c): [in_page_units(c, s.low), in_page_units(c, s.high), s.count]
+            session.key_of(c): [c.outer(s.low), c.outer(s.high), s.count]
             for c, s in zip(axes, self.spans, strict=True)
         }
         return {self.filed_as: {"quantity": self.quantity} | spans}
@@ -80,7 +80,7 @@ class Chart(Slice):
                 what = f"{origin}: map: {key}"
                 if not isinstance(values, list) or len(values) != 3 or type(values[2]) is not int:
                     raise InputError(f"{what} is [from, to, how many]")
-                low, high = (from_page_units(c, session.number(v, what)) for v in values[:2])
+                low, high = (c.inner(session.number(v, what)) for v in values[:2])
                 span = Span(low, high, values[2])
             spans.append(span)
         try:

@@ -10,7 +10,7 @@ from typing import Any
 from app.features.move.state import Drive, Flip, GiveWay, GoHome, Move, Place
 from app.review.modes import page_mode
 from app.review.state import Review
-from app.review.units import from_page_units, in_page_units, page_unit
+from app.review.units import page_unit
 from app.review.view import JointRow, Moment
 from app.scene import palette
 from app.widgets.desk import Client, Command, Panel, Sheet, Slider, answer, explain, put, put_prop
@@ -88,9 +88,9 @@ class MovePanel(Panel):
 
     def _slider(self, change: type[Move | Drive], n: int, c: Coordinate, value: float) -> Slider:
         def send(value: float, client: Client) -> None:
-            self.desk.send(change(n, from_page_units(c, value)), client)
+            self.desk.send(change(n, c.inner(value)), client)
 
-        low, high, shown = (in_page_units(c, v) for v in (c.lower, c.upper, value))
+        low, high, shown = (c.outer(v) for v in (c.lower, c.upper, value))
         shown = shown if math.isfinite(shown) else low
         return Slider(self.desk, f"{c.symbol} ({page_unit(c)})", low, high, STEP, shown, send)
 
@@ -139,7 +139,7 @@ class MovePanel(Panel):
         view = sheet.view
         axes = view.review.machine.coordinates
         for slider, c, value in zip(self._pose, axes, view.posture.pose, strict=True):
-            slider.draw(*(in_page_units(c, v) for v in (c.lower, c.upper, value)))
+            slider.draw(*(c.outer(v) for v in (c.lower, c.upper, value)))
         for slider, row in zip(self._joints, view.joints, strict=True):
             slider.draw(row.low, row.high, row.value)
         rows = table(map(_row, view.joints), _COLUMNS, "border-spacing:0 2px")

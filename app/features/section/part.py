@@ -34,8 +34,6 @@ class SectionPart(Part):
 
     def __init__(self, stage: Stage) -> None:
         super().__init__(stage)
-        self._plane = Plane(stage.scene, lambda *what: stage.ask(self.drag, *what))
-        self._inside = Inside(stage.scene)
         self._grip = Grip()
         self._region: Region | None = None
         self._asked: dict[str, compute.Inside] = {}  # balls and boxes in that workspace
@@ -50,8 +48,8 @@ class SectionPart(Part):
     def prepare(self) -> None:
         kind = self.stage.view.review.design.mechanism
         threading.Thread(target=self._make_ready, args=(kind,), daemon=True).start()
-        self._plane.prepare()
-        self._inside.prepare()
+        self._plane = Plane(self.stage.scene, lambda *what: self.stage.ask(self.drag, *what))
+        self._inside = Inside(self.stage.scene)
 
     def _make_ready(self, kind: str) -> None:
         """What takes long the first time on a machine, where it is in nobody's way."""

@@ -24,20 +24,11 @@ INSIDE = palette.mixed(palette.WORKSPACE, -0.2)
 
 
 class Plane:
-    """Scene nodes of the section; made once for a mechanism, then only brought up to date."""
+    """Scene nodes of the section, made with nothing to see, then only brought up to date."""
 
     def __init__(self, nodes: Nodes, moved: Callable[[str, int | None, float], None]) -> None:
         self._nodes = nodes
-        self._moved = moved
-        self._frame: Any = None
-        self._hatch: Any = None
-        self._outline: Any = None
-        self._edges: Edges | None = None
-        self._handle: Any = None
-
-    def prepare(self) -> None:
-        """Make the nodes, with nothing to see."""
-        scene, nodes = self._nodes.server.scene, self._nodes
+        scene = nodes.server.scene
         self._frame = scene.add_frame("/section", show_axes=False, visible=False)
         grey = palette.mixed(palette.WORKSPACE, -0.15)
         self._hatch = nodes.lines("/section/hatch", grey, 1.2)
@@ -53,11 +44,10 @@ class Plane:
             depth_test=False,
             opacity=0.85,
         )
-
-        self._handle = self._nodes.sized(handle, scale=0.3)
+        self._handle = nodes.sized(handle, scale=0.3)
 
         async def dragged(event: Any) -> None:
-            self._moved(event.phase, event.client_id, float(event.target.position[0]))
+            moved(event.phase, event.client_id, float(event.target.position[0]))
 
         self._handle.on_update(dragged)
 
@@ -90,7 +80,6 @@ class Plane:
 
     def fill(self, drawn: Drawn) -> None:
         """Show a section in the plane."""
-        assert self._edges is not None
         self._nodes.points(self._hatch, drawn.hatch)
         self._edges.show(drawn.lines, drawn.line_limb, drawn.locus)
 
@@ -100,16 +89,9 @@ class Ball:
 
     def __init__(self, nodes: Nodes, name: str, color: str) -> None:
         self._nodes = nodes
-        self._name = name
-        self._color = color
-        self._node: Any = None
-        self._label: Any = None
-
-    def prepare(self) -> None:
-        """Make the nodes, with nothing to see."""
-        self._node = self._nodes.mesh(f"{self._name}/ball", self._color, None)
+        self._node = nodes.mesh(f"{name}/ball", color, None)
         self._node.vertices, self._node.faces = _BALL
-        self._label = self._nodes.label(f"/labels{self._name} ball")
+        self._label = nodes.label(f"/labels{name} ball")
 
     def show(self, ball: Sphere | None) -> None:
         """Bring it to this one; None hides it."""
@@ -128,14 +110,8 @@ class Inside:
     def __init__(self, nodes: Nodes) -> None:
         self._nodes = nodes
         self._ball = Ball(nodes, "/inside", INSIDE)
-        self._box: Any = None
-        self._label: Any = None
-
-    def prepare(self) -> None:
-        """Make the nodes, with nothing to see."""
-        self._ball.prepare()
-        self._box = self._nodes.lines("/inside/box", palette.mixed(INSIDE, -0.4), 3.0)
-        self._label = self._nodes.label("/labels/largest box")
+        self._box = nodes.lines("/inside/box", palette.mixed(INSIDE, -0.4), 3.0)
+        self._label = nodes.label("/labels/largest box")
 
     def show(self, ball: Sphere | None, box: Box | None) -> None:
         """Bring them to these; None hides one."""

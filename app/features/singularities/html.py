@@ -11,7 +11,7 @@ from app.features.singularities.compute import Controlled, Here, Logged
 from app.features.workspace.compute import Solids
 from app.features.workspace.state import ASPECTS
 from app.review.state import Review
-from app.review.units import how_far, in_page_units, minus, page_unit, plural, volume_text
+from app.review.units import how_far, minus, page_unit, plural, volume_text
 from app.review.view import short_title
 from app.scene import painting, palette
 from app.widgets.texts import NUMERIC, aged, bar, box, chip, esc, quiet, red, table, tone, track
@@ -271,8 +271,8 @@ def motion_html(here: Here | None) -> str:
     rows = [
         (
             f"{chip(palette.limb_color(c.limb or n + 1))}{esc(c.symbol)}",
-            f"{_finite(in_page_units(c, float(v)))} {page_unit(c)}/s",
-            f"{_finite(in_page_units(c, float(a)))} {page_unit(c)}/s²",
+            f"{_finite(c.outer(float(v)))} {page_unit(c)}/s",
+            f"{_finite(c.outer(float(a)))} {page_unit(c)}/s²",
         )
         for n, (c, v, a) in enumerate(zip(joints, rates, accelerations, strict=True))
     ]
@@ -282,7 +282,7 @@ def motion_html(here: Here | None) -> str:
     rows.append((f"{chip(palette.VELOCITY)}O′", f"{_finite(speed)} mm/s", f"{_finite(gain)} mm/s²"))
     # Which rate is not the one that was typed, as it follows from the others.
     followed = [
-        f"{c.symbol} follows: {_finite(in_page_units(c, float(v)))} {page_unit(c)}/s"
+        f"{c.symbol} follows: {_finite(c.outer(float(v)))} {page_unit(c)}/s"
         for c, v, typed in zip(axes, np.asarray(motion.pose_rates), here.place.rates, strict=False)
         if abs(float(v) - typed) > 1e-9 * max(1.0, abs(typed))
     ]

@@ -53,8 +53,6 @@ class ControlPart(Part):
 
     def __init__(self, stage: Stage) -> None:
         super().__init__(stage)
-        self._held = Held(stage.scene)
-        self._loads = Loads(stage.scene, lambda *what: stage.ask(self.pull, *what))
         self._grip = Grip()
         self._free: Asked[Any, Any] | None = None  # a ball that a person asked for
         self._swing: tuple[float, tuple[float, ...]] | None = None
@@ -62,8 +60,8 @@ class ControlPart(Part):
         self._log: tuple[Logged, ...] = ()
 
     def prepare(self) -> None:
-        self._held.prepare()
-        self._loads.prepare()
+        self._held = Held(self.stage.scene)
+        self._loads = Loads(self.stage.scene, lambda *what: self.stage.ask(self.pull, *what))
         self._swing = None
 
     # --- what is wanted

@@ -42,21 +42,10 @@ def _arrows(nodes: Nodes, node: Any, arrows: list[Arrow]) -> None:
 
 
 class Held:
-    """Scene nodes, made once for a mechanism, then only moved."""
+    """Scene nodes, made with nothing to see, then only moved."""
 
     def __init__(self, nodes: Nodes) -> None:
         self._nodes = nodes
-        self._lines: list[Any] = []
-        self._arrows: Any = None
-        self._ways: Any = None
-        self._labels: list[Any] = []
-        self._ghost: Any = None
-        self._ghost_of: object = None
-        self._ball = Ball(nodes, "/free", palette.FREE)
-
-    def prepare(self) -> None:
-        """Make the nodes, with nothing to see."""
-        nodes = self._nodes
         self._lines = [
             nodes.lines(f"/control/wrench{n}", palette.limb_color(n + 1), 2.0) for n in range(MOST)
         ]
@@ -64,8 +53,8 @@ class Held:
         self._ways = nodes.lines("/control/ways", palette.INK, 2.5)
         self._labels = [nodes.label(f"/control/labels/way{n}") for n in range(MOST)]
         self._ghost = nodes.mesh("/control/ghost", palette.BEYOND, 0.6)
-        self._ghost_of = None
-        self._ball.prepare()
+        self._ghost_of: object = None
+        self._ball = Ball(nodes, "/free", palette.FREE)
 
     def show(self, view: View, here: Here | None, ball: Sphere | None) -> None:
         """Bring them to what is known of the present place."""
@@ -147,23 +136,13 @@ def _way_color(way: Clearance) -> str:
 
 
 class Loads:
-    """Scene nodes, made once for a mechanism, then only moved."""
+    """Scene nodes, made with nothing to see, then only moved."""
 
     def __init__(
         self, nodes: Nodes, pulled: Callable[[str, int | None, tuple[float, ...]], None]
     ) -> None:
         self._nodes = nodes
-        self._on_pull = pulled
         self.pulled = False  # a hand holds the arrow's tip and decides where it is
-        self._forces: Any = None
-        self._load: Any = None
-        self._rates: Any = None
-        self._labels: dict[str, list[Any]] = {}
-        self._tip: Any = None
-
-    def prepare(self) -> None:
-        """Make the nodes, with nothing to see."""
-        nodes = self._nodes
         self._forces, self._load, self._rates = (
             nodes.arrows(f"/control/{name}", shaft)
             for name, shaft in (("forces", 0.012), ("load", 0.014), ("rates", 0.008))
@@ -179,7 +158,7 @@ class Loads:
 
         async def dragged(event: Any) -> None:
             tip = tuple(float(v) for v in event.target.position)
-            self._on_pull(event.phase, event.client_id, tip)
+            pulled(event.phase, event.client_id, tip)
 
         self._tip.on_update(dragged)
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from app.features.solutions.compute import Ahead, Known, Listed, Row, partner
 from app.review.modes import page_mode
 from app.review.state import Review
-from app.review.units import in_page_units, joint_text, pose_text, tenths
+from app.review.units import joint_text, pose_text, tenths
 from app.scene import palette
 from app.terminal.tables import condition_text
 from app.widgets.texts import box, esc, quiet, red, table, tone, track
@@ -58,7 +58,7 @@ def row_html(row: Row, axes: Sequence[Coordinate]) -> str:
     names = "sol here" if row.here else "sol"
     where = [c for c in axes if c.unit == "mm"]
     turned = [c for c in axes if c.unit == "rad"]
-    value = {c.key: in_page_units(c, v) for c, v in zip(axes, row.pose, strict=True)}
+    value = {c.key: c.outer(v) for c, v in zip(axes, row.pose, strict=True)}
     first = " ".join(f"<q>{esc(c.symbol)}</q> {tenths(value[c.key])}" for c in where)
     first += " <q>mm</q> " if where else ""
     first += " ".join(f"<q>{esc(c.symbol)}</q> {tenths(value[c.key])}°" for c in turned)
@@ -156,9 +156,7 @@ def _stroke(
 
     low = at(axis.lower if below is None else below)
     high = at(axis.upper if above is None else above)
-    left, right = (
-        "free" if v is None else tenths(in_page_units(axis, v - value)) for v in (below, above)
-    )
+    left, right = ("free" if v is None else tenths(axis.outer(v - value)) for v in (below, above))
     folds = [(at(v), None, palette.BEYOND) for v in (below, above) if v is not None]
     color = palette.limb_color(axis.limb or 1)
     line = track([(low, high, color), *folds, (at(value), None, "currentColor")])

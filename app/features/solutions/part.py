@@ -226,12 +226,12 @@ class SolutionsPart(Part):
         self._explorer = Explorer(stage.put)
         self.answers = self._explorer.answers
         self.lanes = {self._explorer.lane.name: self._explorer.lane}
-        self._ghosts = Ghosts(stage.scene, lambda identity: stage.ask(self.visit, identity))
         self._drawn: object = None
         self._from = 0.0  # the time from which they may be brought up to date again
 
     def prepare(self) -> None:
-        self._ghosts.prepare()
+        stage = self.stage
+        self._ghosts = Ghosts(stage.scene, lambda identity: stage.ask(self.visit, identity))
         self._drawn = None
 
     def ask(self) -> None:

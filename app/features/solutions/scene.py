@@ -38,26 +38,16 @@ _TRIANGLE = (
 
 
 class Ghosts:
-    """Scene nodes of the solutions; made once, then only their arrays change."""
+    """Scene nodes of the solutions, made empty; then only their arrays change."""
 
     def __init__(self, nodes: Nodes, visit: Callable[[int], None]) -> None:
         self._nodes = nodes
-        self._visit = visit
-        self._edges = _Batch(nodes, "/ghosts/edges", cylinder(6), None)
-        self._faces = _Batch(nodes, "/ghosts/faces", _TRIANGLE, FAINT)
-        self._fold_edges = _Batch(nodes, "/fold/edges", cylinder(6), None)
-        self._fold_faces = _Batch(nodes, "/fold/faces", _TRIANGLE, FULL)
-        self._label: Any = None
-
-    def prepare(self) -> None:
-        """Make the meshes, empty; call it before the solids' are made."""
-        for batch in (self._faces, self._edges):
-            batch.make(CAPACITY)
-        for batch in (self._fold_faces, self._fold_edges):
-            batch.make(16)
-        self._label = self._nodes.label("/labels/fold")
-        for batch in (self._faces, self._edges):
-            batch.on_click(self._visit)
+        # Before the solids' are made.
+        self._faces = _Batch(nodes, "/ghosts/faces", _TRIANGLE, FAINT, CAPACITY, visit)
+        self._edges = _Batch(nodes, "/ghosts/edges", cylinder(6), None, CAPACITY, visit)
+        self._fold_faces = _Batch(nodes, "/fold/faces", _TRIANGLE, FULL, 16)
+        self._fold_edges = _Batch(nodes, "/fold/edges", cylinder(6), None, 16)
+        self._label = nodes.label("/labels/fold")
 
     def show(self, view: View, atlas: Listed, fold: Ahead | None) -> None:
         """Bring them to the solutions that pass the filter; all but the present one."""
@@ -91,7 +81,10 @@ class Ghosts:
 
 
 class _Batch:
-    """Copies of one small shape as a batched mesh; slots that are not used have no size."""
+    """Copies of one small shape as a batched mesh; slots that are not used have no size.
+
+    ``act`` is called with the owner of the copy that a person clicks.
+    """
 
     def __init__(
         self,
@@ -99,27 +92,24 @@ class _Batch:
         name: str,
         shape: tuple[np.ndarray, np.ndarray],
         opacity: float | None,
+        capacity: int,
+        act: Callable[[int], None] | None = None,
     ) -> None:
         self._nodes = nodes
         self._name = name
         self._shape = shape
         self._opacity = opacity
-        self._mesh: Any = None
-        self._act: Callable[[int], None] | None = None
+        self._act = act
         self._owners: Sequence[int] = ()
         self._each = 1
+        self._make(capacity)
 
-    def make(self, capacity: int) -> None:
+    def _make(self, capacity: int) -> None:
         """Make the mesh for so many copies, with none to see."""
-        vertices, faces = self._shape
-        self._mesh = self._nodes.server.scene.add_batched_meshes_simple(
+        self._mesh: Any = self._nodes.server.scene.add_batched_meshes_simple(
             self._name,
-            vertices,
-            faces,
-            np.tile(np.array([1, 0, 0, 0], np.float32), (capacity, 1)),
-            np.zeros((capacity, 3), np.float32),
-            batched_scales=np.zeros((capacity, 3), np.float32),
-            batched_colors=np.zeros((capacity, 3), np.uint8),
+            *self._shape,
+            **_unseen(capacity),
             opacity=self._opacity,
             side="double",
             lod="off",
@@ -128,18 +118,13 @@ class _Batch:
             visible=False,
         )
         if self._act is not None:
-            self.on_click(self._act)
+            self._mesh.on_click(self._clicked)
 
-    def on_click(self, act: Callable[[int], None]) -> None:
-        """Call ``act`` with the owner of the copy that a person clicks."""
-        self._act = act
-
-        async def clicked(event: Any) -> None:
-            owners, each = self._owners, self._each
-            if event.instance_index is not None and event.instance_index // each < len(owners):
-                act(owners[event.instance_index // each])
-
-        self._mesh.on_click(clicked)
+    async def _clicked(self, event: Any) -> None:
+        owners, each = self._owners, self._each
+        known = event.instance_index is not None and event.instance_index // each < len(owners)
+        if known and self._act is not None:
+            self._act(owners[event.instance_index // each])
 
     def show(
         self, turns: Array, places: Array, scales: Array, colors: np.ndarray, owners: Sequence[int]
@@ -154,21 +139,26 @@ class _Batch:
         if capacity < count:
             while capacity < count:
                 capacity *= 2
-            self.make(capacity)
+            self._make(capacity)
             self._nodes.forget(self._name)
             self._nodes.set(self._mesh, visible=True)
-        arrays: dict[str, np.ndarray] = {
-            "batched_wxyzs": np.tile(np.array([1, 0, 0, 0], np.float32), (capacity, 1)),
-            "batched_positions": np.zeros((capacity, 3), np.float32),
-            "batched_scales": np.zeros((capacity, 3), np.float32),
-            "batched_colors": np.zeros((capacity, 3), np.uint8),
-        }
+        arrays = _unseen(capacity)
         copies = np.repeat(colors, self._each, axis=0)
         for (key, array), values in zip(
             arrays.items(), (turns, places, scales, copies), strict=True
         ):
             array[:count] = values[:count]
             self._nodes.set(self._mesh, **{key: array})
+
+
+def _unseen(count: int) -> dict[str, Any]:
+    """So many copies of no size."""
+    return {
+        "batched_wxyzs": np.tile(np.array([1, 0, 0, 0], np.float32), (count, 1)),
+        "batched_positions": np.zeros((count, 3), np.float32),
+        "batched_scales": np.zeros((count, 3), np.float32),
+        "batched_colors": np.zeros((count, 3), np.uint8),
+    }
 
 
 def _sticks(edges: Array, placements: Array, radius: Array) -> tuple[Array, Array, Array]:

@@ -48,7 +48,6 @@ class TrajectoryPart(Part):
 
     def __init__(self, stage: Stage) -> None:
         super().__init__(stage)
-        self._trail = Trail(stage.scene)
         self._asked: compute.Asked | None = None
         self._given_up = False  # its distances to singularities
         self.playing = Playing(stage)
@@ -60,7 +59,7 @@ class TrajectoryPart(Part):
         self._before: Computed | None = None
 
     def prepare(self) -> None:
-        self._trail.prepare()
+        self._trail = Trail(self.stage.scene)
         self._told = self._before = None
         self.playing.forget()
         if self.stage.view.review[Plan].on:  # its window has been closed and is opened again

@@ -26,7 +26,6 @@ from app.features.trajectory.state import (
     trimmed,
 )
 from app.review.state import Review
-from app.review.units import from_page_units
 from app.widgets.boxes import PoseBox, PosesBox, Typing, units
 from app.widgets.desk import (
     QUIET,
@@ -160,7 +159,7 @@ class WayFolder(Group):
     def _stroked(self, stroke: Array, client: Client) -> None:
         poses = np.tile(np.asarray(self.review.pose), (len(stroke), 1))
         for n, values in zip(plane_of(self.review[Plan], self._axes), stroke.T, strict=True):
-            poses[:, n] = [from_page_units(self._axes[n], v) for v in values.tolist()]
+            poses[:, n] = [self._axes[n].inner(v) for v in values.tolist()]
         made: list[Pose] = [tuple(pose) for pose in poses.tolist()]
         self.desk.send(set_plan("stroke", trimmed(made)), client)
 

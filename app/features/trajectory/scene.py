@@ -3,8 +3,6 @@ marks at way points and at warnings."""
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,19 +18,11 @@ HEAD = 0.1  # of the machine's size: an arrow's head
 
 
 class Trail:
-    """Scene nodes, made once for a mechanism, then only brought up to date."""
+    """Scene nodes, made with nothing to see, then only brought up to date."""
 
     def __init__(self, nodes: Nodes) -> None:
         self._nodes = nodes
-        self._lines: list[Any] = []  # where nothing is wrong, and where something is
-        self._marks: Any = None
-        self._knots: Any = None
-        self._arrows: Any = None
-
-    def prepare(self) -> None:
-        """Make the nodes, with nothing to see."""
-        nodes = self._nodes
-        self._lines = [
+        self._lines = [  # where nothing is wrong, and where something is
             nodes.lines("/trajectory/line", QUIET, 3.5),
             nodes.lines("/trajectory/beyond", palette.BEYOND, 3.5),
         ]

@@ -8,7 +8,6 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from app.features.trajectory.compute import Reach
-from app.review.units import in_page_units
 from app.scene import palette
 from app.widgets.axes import Axes, Figure, columns, cross, named, named_scales, pointed
 from app.widgets.desk import Client, Desk
@@ -68,8 +67,7 @@ def read_stroke(text: str) -> Array | None:
 def sketch_axes(axes: Sequence[Coordinate], reach: Reach) -> Axes:
     """The plot's box, in the page's units."""
     x, y = (
-        (in_page_units(c, low), in_page_units(c, high))
-        for c, (low, high) in zip(axes, reach.bounds, strict=True)
+        (c.outer(low), c.outer(high)) for c, (low, high) in zip(axes, reach.bounds, strict=True)
     )
     return Axes(SIZE, SIZE - 8, 46, 22, 12, 38, x, y)
 
@@ -102,7 +100,7 @@ def _lost(axes: Sequence[Coordinate], box: Axes, reach: Reach) -> str:
 
 def _in_page(axes: Sequence[Coordinate], points: Array) -> list[tuple[float, float]]:
     """Points (N, 2), mm and rad, in the page's units."""
-    return [(in_page_units(axes[0], x), in_page_units(axes[1], y)) for x, y in points.tolist()]
+    return [(axes[0].outer(x), axes[1].outer(y)) for x, y in points.tolist()]
 
 
 def sketch_mark(axes: Sequence[Coordinate], box: Axes, path: Array, here: Sequence[float]) -> str:
@@ -113,5 +111,5 @@ def sketch_mark(axes: Sequence[Coordinate], box: Axes, path: Array, here: Sequen
         x, y = box.px(*points[0])
         drawn = line(box.path(points), palette.WORKSPACE_DEEP, 2.4, class_="stroke")
         drawn += tag("circle", cx=x, cy=y, r=4, fill=palette.WORKSPACE_DEEP)
-    u, v = (in_page_units(c, value) for c, value in zip(axes, here, strict=True))
+    u, v = (c.outer(value) for c, value in zip(axes, here, strict=True))
     return drawn + cross(box, u, v)

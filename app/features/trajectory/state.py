@@ -13,7 +13,6 @@ from typing import Any, ClassVar, Literal, Self
 from app.review import content as session
 from app.review.changes import Change, Taken
 from app.review.state import Review, Slice
-from app.review.units import from_page_units, in_page_units
 from kinematics.answers.trajectories import Playback
 from kinematics.errors import InputError
 from kinematics.machine import Machine
@@ -180,7 +179,7 @@ class Plan(Slice):
             return " ".join(map(repr, value))
         if name in _TURNING:
             joints = review.machine.joints
-            return [in_page_units(c, v) for c, v in zip(joints, value, strict=False)]
+            return [c.outer(v) for c, v in zip(joints, value, strict=False)]
         return value
 
     @classmethod
@@ -198,7 +197,7 @@ class Plan(Slice):
             return tuple(value)
         value = super().taken(name, value, review, what)
         if name in _TURNING and isinstance(value, tuple) and len(value) == len(joints):
-            return tuple(from_page_units(c, v) for c, v in zip(joints, value, strict=True))
+            return tuple(c.inner(v) for c, v in zip(joints, value, strict=True))
         return value
 
 
@@ -227,14 +226,14 @@ def step_plan(name: str, value: Any) -> SetPlan:
 
 
 def _written(pose: Pose, axes: Sequence[Coordinate]) -> str:
-    return " ".join(repr(in_page_units(c, v)) for c, v in zip(axes, pose, strict=False))
+    return " ".join(repr(c.outer(v)) for c, v in zip(axes, pose, strict=False))
 
 
 def _pose(text: Any, axes: Sequence[Coordinate], what: str) -> Pose:
     values = _numbers(text, what)
     if values and len(values) != len(axes):
         raise InputError(f"{what}: a pose has {len(axes)} numbers, got {len(values)}")
-    return tuple(from_page_units(c, v) for c, v in zip(axes, values, strict=False))
+    return tuple(c.inner(v) for c, v in zip(axes, values, strict=False))
 
 
 def _numbers(text: Any, what: str) -> tuple[float, ...]:

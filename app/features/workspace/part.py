@@ -49,7 +49,6 @@ class SolidsPart(Part):
 
     def __init__(self, stage: Stage) -> None:
         super().__init__(stage)
-        self._scene = drawing.Solids(stage.scene)
         self._painter = Painter()
         self._wishes: tuple[SolidWish, ...] = ()
         self._shown: dict[str, tuple[Built, tuple[Coat, ...]]] = {}
@@ -63,7 +62,8 @@ class SolidsPart(Part):
     def prepare(self) -> None:
         self._painter = Painter()  # the last machine's solids are none of this one's
         self._shown.clear()
-        self._scene.prepare(self.stage.view.review.machine.solid_specs)
+        specs = self.stage.view.review.machine.solid_specs
+        self._scene = drawing.Solids(self.stage.scene, specs)
 
     # --- what is wanted
 
@@ -176,11 +176,12 @@ class RegionsPart(Part):
 
     def __init__(self, stage: Stage) -> None:
         super().__init__(stage)
-        self._scene = Flats(stage.scene)
+        self._scene: Flats | None = None  # where the mechanism has no regions
         self._fitted = False
 
     def prepare(self) -> None:
-        self._scene.prepare(bool(self.stage.view.review.machine.region_specs))
+        offered = self.stage.view.review.machine.region_specs
+        self._scene = Flats(self.stage.scene) if offered else None
         self._fitted = False
 
     def wished(self, view: View) -> Iterable[Asked[Any, Any]]:
@@ -189,7 +190,8 @@ class RegionsPart(Part):
 
     def show(self, sheet: Sheet) -> None:
         told = self.answers[REGIONS]
-        self._scene.show(told.shown, faint=self.aged(told))
+        if self._scene is not None:
+            self._scene.show(told.shown, faint=self.aged(told))
         self.stage.tell(Laying(told.shown, told.stale, told.trouble))
         if told.now is not None and not self._fitted:
             self._fitted = True

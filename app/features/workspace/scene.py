@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from app.features.workspace.compute import Laid, region_colors
 from app.scene import palette
 from app.scene.edges import Edges
@@ -14,22 +12,16 @@ OPACITY, FAINT = 0.55, 0.2
 
 
 class Flats:
-    """Scene nodes of regions, made once for a mechanism."""
+    """Scene nodes of regions, made with nothing to see."""
 
     def __init__(self, nodes: Nodes) -> None:
         self._nodes = nodes
-        self._fills: list[Any] = []
-        self._edges: Edges | None = None
-
-    def prepare(self, offered: bool) -> None:
-        """Make them, with nothing to see; none where the mechanism has no regions."""
-        self._fills, self._edges = [], None
-        if offered:
-            for n in range(MOST):
-                fill = self._nodes.mesh(f"/regions/fill{n}", palette.WORKSPACE, OPACITY)
-                fill.flat_shading = True
-                self._fills.append(fill)
-            self._edges = Edges(self._nodes, "/regions", 2.5)
+        self._fills = [
+            nodes.mesh(f"/regions/fill{n}", palette.WORKSPACE, OPACITY) for n in range(MOST)
+        ]
+        for fill in self._fills:
+            fill.flat_shading = True
+        self._edges = Edges(nodes, "/regions", 2.5)
 
     def show(self, laid: Laid | None, *, faint: bool) -> None:
         """Bring them to these regions; None hides them."""
@@ -42,8 +34,6 @@ class Flats:
                 opacity = FAINT if faint else OPACITY
                 self._nodes.set(node, color=palette.rgb(colors[n]), opacity=opacity)
             self._nodes.set(node, visible=seen)
-        if self._edges is None:
-            return
         if laid is None:
             self._edges.hide()
         else:
