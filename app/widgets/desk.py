@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar, ParamSpec, Protocol, TypeVar
@@ -32,6 +32,8 @@ QUIET = palette.rgb(palette.PLATFORM)  # buttons
 
 A = ParamSpec("A")
 P = TypeVar("P")
+Said = tuple[str, str, str]
+"""Of a command: its label, its description, its key."""
 Setter = Callable[[str, Any], Change]
 """From a field's name and its value to the change that sets it."""
 
@@ -114,6 +116,7 @@ class Group:
         self.gui = desk.gui
         self.sheet = sheet
         self.groups: list[Group] = []
+        self.keys: list[Command] = []
         self._bound: list[tuple[Any, Callable[[Review], Any]]] = []
         self.build(sheet.view.review)
 
@@ -139,9 +142,19 @@ class Group:
         for group in self.groups:
             group.told(sheet, news)
 
-    def commands(self) -> tuple[Command, ...]:
+    def commands(self) -> list[Command]:
         """What can be done with a key, too."""
-        return ()
+        return [*self.keys, *(command for group in self.groups for command in group.commands())]
+
+    def key(self, label: str, description: str, key: str, act: Callable[[], None]) -> None:
+        """Something that can be done with a key, too."""
+        self.keys.append(Command(label, description, key, act))
+
+    def toggle(
+        self, command: Said, read: Callable[[Review], bool], change: Callable[[bool], Change]
+    ) -> None:
+        """Something of the review that a key turns on and off."""
+        self.key(*command, lambda: self.desk.send(change(not read(self.review))))
 
     # --- widgets that stay true to the review
 
@@ -165,9 +178,17 @@ class Group:
         return self.bind(handle, lambda review: getattr(review[kind], name), change)
 
     def switch(
-        self, label: str, kind: type[Slice], name: str, setter: Setter, hint: str | None = None
+        self,
+        label: str,
+        kind: type[Slice],
+        name: str,
+        setter: Setter,
+        hint: str | None = None,
+        command: Said | None = None,
     ) -> Any:
-        """A checkbox for a field of a slice."""
+        """A checkbox for a field of a slice; with a ``command`` a key does it, too."""
+        if command is not None:
+            self.toggle(command, lambda review: getattr(review[kind], name), partial(setter, name))
         return self.field(self.gui.add_checkbox(label, False, hint=hint), kind, name, setter)
 
     def choice(
@@ -201,6 +222,47 @@ class Group:
         made = self.gui.add_button_group(label, kinds)
         clicked(self.desk, made, lambda client: save(made.value.lower(), client))
         return made
+
+    def answer(self, handle: Any, act: Callable[[Any, Client], None]) -> None:
+        """Call ``act(value, client)`` when a person changes a widget."""
+        answer(self.desk, handle, act)
+
+    def clicked(self, handle: Any, act: Callable[[Client], None]) -> None:
+        """Call ``act(client)`` when a person presses a button."""
+        clicked(self.desk, handle, act)
+
+    def upload(
+        self, label: str, kinds: str, act: Callable[[Any, Client], None], hint: str | None = None
+    ) -> None:
+        """A button with which a person chooses a file of these kinds (MIME)."""
+        icon = viser.Icon.UPLOAD
+        made = self.gui.add_upload_button(label, mime_type=kinds, color=QUIET, icon=icon, hint=hint)
+        uploaded(self.desk, made, act)
+
+    def window(self, title: str, width: int, *, visible: bool) -> tuple[Any, Any]:
+        """A panel of its own beside the scene, ``width`` px, and its tab."""
+        made = self.gui.add_panel(visible=visible)
+        made.dock_left()
+        made.set_width(width)
+        return made, made.add_tab(title)
+
+    def put(self, handle: Any, value: Any) -> None:
+        """Show a value in a widget."""
+        put(self.desk, handle, value)
+
+    def set(self, handle: Any, **properties: Any) -> None:
+        """Bring properties of a widget to these values."""
+        for name, value in properties.items():
+            put_prop(handle, name, value)
+
+    def see(self, on: bool, *handles: Any) -> None:
+        """Show widgets or hide them."""
+        for handle in handles:
+            put_prop(handle, "visible", on)
+
+    def offer(self, menu: Any, options: Iterable[str], none: str) -> None:
+        """Bring the options of a menu to these, or to ``none`` where there are none."""
+        self.set(menu, options=tuple(options) or (none,))
 
     def say(self, handle: Any, content: str, stale: bool = False) -> None:
         """Bring a piece of HTML to what it is to say."""

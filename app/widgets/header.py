@@ -12,7 +12,7 @@ from app.review.units import sentence
 from app.review.view import Clear, Legend, Moment
 from app.scene import palette
 from app.widgets.boxes import NUMBERS_GO_BACK
-from app.widgets.desk import Command, Group, Sheet, clicked, put_prop
+from app.widgets.desk import Group, Sheet
 from app.widgets.texts import AGED_STYLE, aged, bar, box, chip, esc, tone
 
 PATIENCE = 0.6  # s; work that ends sooner is not worth a progress bar
@@ -27,18 +27,14 @@ class Header(Group):
         self._legend = self.gui.add_html("")
         self._doing = self.gui.add_html(_doing("", 0.0))
         self._cancel = self.gui.add_button("Cancel", visible=False, color="gray")
-        clicked(self.desk, self._cancel, lambda _: self.desk.cancel())
+        self.clicked(self._cancel, lambda _: self.desk.cancel())
+        desk = self.desk
+        self.key("Undo", "Take back the last change", "ctrl+Z", desk.undo)
+        self.key("Redo", "Do it again", "ctrl+Y", desk.redo)
+        self.key("Fit the view", "Show the machine and its solids whole", "F", desk.fit_view)
         self._clear = Clear("", stale=False)
         self._away = False  # the machine is not shown where the review has it
         self._more: tuple[tuple[str, str], ...] = ()
-
-    def commands(self) -> tuple[Command, ...]:
-        desk = self.desk
-        return (
-            Command("Undo", "Take back the last change", "ctrl+Z", desk.undo),
-            Command("Redo", "Do it again", "ctrl+Y", desk.redo),
-            Command("Fit the view", "Show the machine and its solids whole", "F", desk.fit_view),
-        )
 
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)
@@ -64,8 +60,8 @@ class Header(Group):
         """Show what takes longer than a moment, with a way to stop it."""
         waited = 0.0 if work is None else time.monotonic() - work.since
         show = work is not None and work.title is not None and waited > PATIENCE
-        put_prop(self._cancel, "visible", show)
-        put_prop(self._doing, "content", _doing(work.title or "" if show and work else "", waited))
+        self.see(show, self._cancel)
+        self.set(self._doing, content=_doing(work.title or "" if show and work else "", waited))
 
 
 _SLOT = """<style>div:has(>.work)+div:has(>button){position:relative;height:0;top:-30px;

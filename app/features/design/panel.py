@@ -13,15 +13,10 @@ from app.features.review.files import design_file
 from app.review.state import Review
 from app.scene import palette
 from app.widgets.desk import (
-    QUIET,
     Client,
     Panel,
     Sheet,
-    answer,
     explain,
-    put,
-    put_prop,
-    uploaded,
 )
 from app.widgets.texts import box, esc, tone
 from kinematics.answers.solutions import Finding
@@ -45,18 +40,13 @@ class DesignPanel(Panel):
     TITLE = "Design"
 
     def build(self, review: Review) -> None:
-        gui, desk = self.gui, self.desk
+        gui = self.gui
         names = (*(preset.name for preset in presets()), OWN)
         self._choice = gui.add_dropdown("Design", names, initial_value=_chosen(review))
-        answer(desk, self._choice, self._choose)
+        self.answer(self._choice, self._choose)
         self._about = gui.add_html("")
-        upload = gui.add_upload_button(
-            "Open a design file (TOML)",
-            mime_type=".toml,application/toml,text/plain",
-            color=QUIET,
-            icon=viser.Icon.UPLOAD,
-        )
-        uploaded(desk, upload, self._open)
+        kinds = ".toml,application/toml,text/plain"
+        self.upload("Open a design file (TOML)", kinds, self._open)
         self._trouble = gui.add_html("", visible=False)
         self.button("Save this design as a file", self._save, icon=viser.Icon.DOWNLOAD)
         self._fields: dict[Path, Any] = {}
@@ -69,7 +59,7 @@ class DesignPanel(Panel):
 
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)
-        put(self.desk, self._choice, _chosen(self.review))
+        self.put(self._choice, _chosen(self.review))
         self.say(self._about, _about(self.review))
         held = [h for h in self._fields.values() if self.desk.hands.hold(h)]
         if self._drawn == self.review.design and not held:
@@ -78,7 +68,7 @@ class DesignPanel(Panel):
         for rows in _grouped(self.review).values():
             for stem, fields in rows:
                 values = tuple(f.value for f in fields)
-                put(self.desk, self._fields[stem], values if len(values) > 1 else values[0])
+                self.put(self._fields[stem], values if len(values) > 1 else values[0])
 
     def _field(self, stem: Path, fields: list[DesignField]) -> None:
         values: Any = tuple(f.value for f in fields)
@@ -86,7 +76,7 @@ class DesignPanel(Panel):
         make = makers.get(len(values), self.gui.add_number)
         handle = make(_label(fields), values if len(values) in makers else values[0], step=0.1)
         self._fields[stem] = handle
-        answer(self.desk, handle, partial(self._edit, [f.path for f in fields]))
+        self.answer(handle, partial(self._edit, [f.path for f in fields]))
 
     def _edit(self, paths: list[Path], value: Any, client: Client) -> None:
         values = value if isinstance(value, tuple) else (value,)
@@ -111,7 +101,7 @@ class DesignPanel(Panel):
         """What is wrong with an uploaded file stays readable until the next one."""
         content = f'<div style="color:{palette.BEYOND}">{esc(text)}</div>'
         self.say(self._trouble, box(content))
-        put_prop(self._trouble, "visible", bool(text))
+        self.set(self._trouble, visible=bool(text))
 
     def _save(self, client: Client) -> None:
         self.desk.download(design_file(self.review.design), client)

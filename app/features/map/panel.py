@@ -19,7 +19,7 @@ from app.review.state import Review
 from app.review.units import number, page_unit
 from app.widgets.axes import cross, nearest
 from app.widgets.boxes import Typed, Typing
-from app.widgets.desk import Client, Panel, Sheet, explain, put_prop
+from app.widgets.desk import Client, Panel, Sheet, explain
 from app.widgets.plots import Plot
 from app.widgets.texts import box, esc, red
 from kinematics.errors import InputError
@@ -100,10 +100,9 @@ class MapPanel(Panel):
         if not isinstance(news, Charted):
             return
         running = bool(news.running)
-        put_prop(self._progress, "visible", running)
-        put_prop(self._progress, "value", round(100.0 * news.share, 1))
-        put_prop(self._start, "visible", not running)
-        put_prop(self._stop, "visible", running)
+        self.see(running, self._progress, self._stop)
+        self.see(not running, self._start)
+        self.set(self._progress, value=round(100.0 * news.share, 1))
         wanted = self.review[Chart].quantity
         chosen = next(title for title, key in self._titles.items() if key == wanted)
         self.say(self._state, state_html(news, chosen))

@@ -13,7 +13,7 @@ from app.review.state import Review
 from app.review.units import page_unit
 from app.review.view import JointRow, Moment
 from app.scene import palette
-from app.widgets.desk import Client, Command, Panel, Sheet, Slider, answer, explain, put, put_prop
+from app.widgets.desk import Client, Panel, Sheet, Slider, explain
 from app.widgets.texts import NUMERIC, bar, box, chip, esc, quiet, table, tone
 from kinematics.answers.modes import Mode
 from kinematics.answers.singularities import ModeChange
@@ -71,20 +71,13 @@ class MovePanel(Panel):
                 self._other = gui.add_html("")
                 self._change = gui.add_html("")
                 self._go = self.button("Go where modes meet", self._go_to_change)
-        self.button(
-            "Home position",
-            lambda client: self.desk.send(GoHome(), client),
-            hint="Back to the design's home pose (hotkey H)",
-        )
+        hint = "Back to the design's home pose (hotkey H)"
+        send = self.desk.send
+        self.button("Home position", lambda client: send(GoHome(), client), hint=hint)
+        self.key("Home position", "The design's home pose", "H", lambda: send(GoHome()))
         explain(gui, machine.text("move"), HELP)
         self._mode = machine.mechanism.mode(review.mode)
         self._followed = 0.0
-
-    def commands(self) -> tuple[Command, ...]:
-        home = Command(
-            "Home position", "The design's home pose", "H", lambda: self.desk.send(GoHome())
-        )
-        return (home,)
 
     def _slider(self, change: type[Move | Drive], n: int, c: Coordinate, value: float) -> Slider:
         def send(value: float, client: Client) -> None:
@@ -109,7 +102,7 @@ class MovePanel(Panel):
         hint = machine.text("mode") or None
         for n, sign in enumerate(of(review.mode).signs):
             switch = self.gui.add_checkbox(f"Limb {n + 1} on +", sign == "+", hint=hint)
-            answer(self.desk, switch, partial(self._flip, n))
+            self.answer(switch, partial(self._flip, n))
             self._switches.append(switch)
 
     def draw(self, sheet: Sheet) -> None:
@@ -117,13 +110,13 @@ class MovePanel(Panel):
         self._draw_machine(sheet)
         self._mode = self.review.machine.mechanism.mode(self.review.mode)
         for switch, sign in zip(self._switches, self._mode.signs, strict=True):
-            put(self.desk, switch, sign == "+")
+            self.put(switch, sign == "+")
         if self._has_modes:
             self.say(self._other, _other_modes(self.review))
             machine = self.review.machine
             self._meeting = machine.singularities.mode_change(sheet.view.posture)
             self.say(self._change, "" if self._meeting is None else box(esc(self._meeting.text)))
-            put_prop(self._go, "visible", self._meeting is not None and not self._meeting.here)
+            self.set(self._go, visible=self._meeting is not None and not self._meeting.here)
 
     def told(self, sheet: Sheet, news: Any) -> None:
         now = time.monotonic()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import viser
@@ -15,22 +14,23 @@ from app.review import session
 from app.review.changes import Restore, SetOption
 from app.review.state import Options, Review
 from app.terminal.tables import LOCUS
-from app.widgets.desk import QUIET, Client, Command, Panel, Sheet, explain, put_prop, uploaded
+from app.widgets.desk import Client, Panel, Said, Sheet, explain
 from app.widgets.texts import box, esc
 from kinematics.errors import InputError
 from kinematics.facets.solids import RESOLUTIONS
 
 PIECES = 12  # of one solid that can be saved alone
 NONE = "none is shown"
-OPTIONS = {
-    "machine": "Machine",
-    "handle": "Drag handle",
-    "labels": "Joint names",
-    "frames": "Frames",
-    "axes": "Axes e₁, e₂",
-    "grid": "Ground grid",
-    "dark": "Dark page",
+OPTIONS: dict[str, tuple[str, Said | None]] = {
+    "machine": ("Machine", ("Machine", "Show or hide it", "M")),
+    "handle": ("Drag handle", None),
+    "labels": ("Joint names", ("Labels", "Show or hide the joints' names", "L")),
+    "frames": ("Frames", None),
+    "axes": ("Axes e₁, e₂", ("Axes e₁ and e₂", "Show or hide them", "E")),
+    "grid": ("Ground grid", None),
+    "dark": ("Dark page", None),
 }
+"""Titles, and the commands of those that have a key."""
 
 HELP = """
 **Drag** to turn the view, **right-drag** to shift it, **scroll** to zoom. **Ctrl/Cmd + K** opens
@@ -65,35 +65,19 @@ class ReviewPanel(Panel):
             self.button("Session file", self._session, icon=icon.DOWNLOAD)
             self.button("Picture of the view (PNG)", part.picture, icon=icon.CAMERA)
             self.button("Scene as a page (HTML)", part.scene_page, icon=icon.WORLD)
-            upload = gui.add_upload_button(
-                "Open a session file",
-                mime_type=".json,application/json",
-                color=QUIET,
-                icon=icon.UPLOAD,
-            )
-            uploaded(desk, upload, self._open)
+            self.upload("Open a session file", ".json,application/json", self._open)
         with gui.add_folder("What is drawn"):
-            for name, title in OPTIONS.items():
-                self.switch(title, Options, name, SetOption)
+            for name, (title, command) in OPTIONS.items():
+                self.switch(title, Options, name, SetOption, command=command)
             self.button("Fit the view", lambda _: desk.fit_view(), icon=icon.MAXIMIZE)
         gui.add_html(box(f"This page: <b>{esc(desk.address)}</b>"))
         explain(gui, HELP)
         self._keys: dict[str, tuple[str, str]] = {}  # the solid's, and which part of it
 
-    def commands(self) -> tuple[Command, ...]:
-        def toggle(name: str) -> None:
-            self.desk.send(SetOption(name, not getattr(self.review[Options], name)))
-
-        return (
-            Command("Labels", "Show or hide the joints' names", "L", partial(toggle, "labels")),
-            Command("Axes e₁ and e₂", "Show or hide them", "E", partial(toggle, "axes")),
-            Command("Machine", "Show or hide it", "M", partial(toggle, "machine")),
-        )
-
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)
-        put_prop(self._undo, "disabled", not sheet.can_undo)
-        put_prop(self._redo, "disabled", not sheet.can_redo)
+        self.set(self._undo, disabled=not sheet.can_undo)
+        self.set(self._redo, disabled=not sheet.can_redo)
 
     def told(self, sheet: Sheet, news: Any) -> None:
         if not isinstance(news, Solids):
@@ -101,10 +85,8 @@ class ReviewPanel(Panel):
         self._keys = {wish.spec.title: (wish.spec.key, "") for wish in news.wishes}
         for wish in news.wishes:
             self._keys |= _parts(wish, news)
-        options = tuple(self._keys) or (NONE,)
-        if tuple(self._solid.options) != options:
-            self._solid.options = options
-        put_prop(self._save, "disabled", not self._keys)
+        self.offer(self._solid, self._keys, NONE)
+        self.set(self._save, disabled=not self._keys)
 
     def _export(self, client: Client) -> None:
         chosen = self._keys.get(self._solid.value)

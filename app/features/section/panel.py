@@ -12,7 +12,7 @@ from app.features.section.part import SectionPart
 from app.features.section.state import Cut, MoveCut, SetCut, point_in_section
 from app.review.state import Review
 from app.widgets.axes import nearest
-from app.widgets.desk import TYPED, Client, Command, Panel, Sheet, Slider, explain, put_prop
+from app.widgets.desk import TYPED, Client, Panel, Sheet, Slider, explain
 from app.widgets.plots import Plot
 from app.widgets.texts import box, red
 from kinematics.answers.sections import Volume
@@ -49,7 +49,9 @@ class SectionPanel(Panel):
         spec = review.machine.section_spec
         assert spec is not None
         self._spec = spec
-        self.switch("Show the section", Cut, "on", SetCut, "In the scene and as a plot (hotkey X)")
+        hint = "In the scene and as a plot (hotkey X)"
+        command = "Section", "Show or hide the section of the workspace", "X"
+        self.switch("Show the section", Cut, "on", SetCut, hint, command)
         lengths = [c for c in review.machine.coordinates if c.unit == "mm"]
         # Until it is known where the workspace lies.
         self._range = (min(c.lower for c in lengths), max(c.upper for c in lengths))
@@ -63,10 +65,8 @@ class SectionPanel(Panel):
             digits=TYPED,
         )
         self.button("Through the platform", self._go_through)
-        self._window = gui.add_panel(visible=review[Cut].on)
-        self._window.dock_left()
-        self._window.set_width(WIDTH)
-        with self._window.add_tab(spec.title):
+        self._window, tab = self.window(spec.title, WIDTH, visible=review[Cut].on)
+        with tab:
             self._plot = gui.add_html("")
         self._numbers = gui.add_html("")
         self._profile = Plot(desk, self._pointed)
@@ -75,12 +75,6 @@ class SectionPanel(Panel):
         self.saving("Save as", KINDS, lambda *what: desk.ask(part.save_section, *what))
         explain(gui, review.machine.text("section"), HELP)
 
-    def commands(self) -> tuple[Command, ...]:
-        def toggle() -> None:
-            self.desk.send(SetCut("on", not self.review[Cut].on))
-
-        return (Command("Section", "Show or hide the section of the workspace", "X", toggle),)
-
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)
         cut, known = self.review[Cut], self._known
@@ -88,7 +82,7 @@ class SectionPanel(Panel):
         self._at.draw(math.floor(low), math.ceil(high), cut.at)
         if self._profile_of is not None:
             self._profile.mark(mark(self._profile_of, cut.at))
-        put_prop(self._window, "visible", cut.on)
+        self.see(cut.on, self._window)
         if not cut.on:
             self.say(self._numbers, box(HINT))
         elif known is not None and known.trouble:

@@ -14,7 +14,7 @@ from app.features.singularities.state import Control, SetControl
 from app.review.state import Review
 from app.review.view import short_title
 from app.widgets.boxes import NumbersBox
-from app.widgets.desk import Client, Group, Sheet, answer, put_prop
+from app.widgets.desk import Client, Group, Sheet
 from app.widgets.plots import Plot
 from app.widgets.texts import box, esc
 from kinematics.answers.circles import OrientationCircle
@@ -56,7 +56,7 @@ class ChartFolder(Group):
         if not isinstance(news, Controlled):
             return
         spec, curves, stale = self._spec(), news.curves, news.curves_stale
-        put_prop(self._save, "visible", curves is not None and not stale)
+        self.set(self._save, visible=curves is not None and not stale)
         told = ""
         if spec is not None and curves is not None:
             circle = None if stale else _singular_circle(news.here)
@@ -125,7 +125,7 @@ class ProfileFolder(Group):
             self._plot = Plot(desk, self._pointed)
             text = gui.add_text("Further h₂/h₁", "", hint="Numbers, as 0.5, 1, 2")
             self._ratios = NumbersBox(desk, text, (), "ratios, as 0.5, 1, 2")
-            answer(desk, text, self._set_ratios)
+            self.answer(text, self._set_ratios)
             self._comparison = gui.add_html("")
 
     def draw(self, sheet: Sheet) -> None:

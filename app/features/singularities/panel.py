@@ -29,14 +29,11 @@ from app.scene.painting import Scale
 from app.widgets.boxes import RatesBox
 from app.widgets.desk import (
     Client,
-    Command,
     Elsewhere,
     Group,
     Panel,
     Sheet,
-    answer,
     explain,
-    put_prop,
 )
 from app.widgets.texts import box, esc
 from kinematics.answers.clearances import Remedy
@@ -92,8 +89,7 @@ class SingularitiesPanel(Panel):
             self._offers = gui.add_html("")
             self._way = gui.add_dropdown("Change", ("none",), hint="Which of these")
             self._change = self.button("Change the design so", self._change_design)
-        self._aspects = any(spec.key == ASPECTS for spec in machine.solid_specs)
-        if self._aspects:
+        if any(spec.key == ASPECTS for spec in machine.solid_specs):
             self.groups.append(AspectsFolder(desk, sheet))
         if specs(machine):
             self.groups.append(ChartFolder(desk, sheet))
@@ -105,13 +101,6 @@ class SingularitiesPanel(Panel):
             self.button("Clear", lambda _: desk.ask(part.clear_log))
         explain(gui, machine.text("singularities"), HELP)
 
-    def commands(self) -> tuple[Command, ...]:
-        def toggle() -> None:
-            self.desk.send(Show(ASPECTS, self.review[Workspace].shown(ASPECTS) is None))
-
-        text = "Show or hide the aspects of the present mode"
-        return (Command("Aspects", text, "A", toggle),) if self._aspects else ()
-
     def told(self, sheet: Sheet, news: Any) -> None:
         super().told(sheet, news)
         match news:
@@ -120,24 +109,23 @@ class SingularitiesPanel(Panel):
             case Controlled(here=here, stale=stale):
                 self.say(self._here, here_html(news), stale)
                 swings = here is not None and any(s.motion is not None for s in here.singular)
-                put_prop(self._swing, "visible", swings)
+                self.see(swings, self._swing)
                 self.say(self._clearances, clearances_html(here), stale)
                 self._draw_remedy(None if here is None else here.remedy)
                 self.say(self._log, log_html(news.log))
 
     def _draw_remedy(self, remedy: Remedy | None) -> None:
-        put_prop(self._out, "visible", remedy is not None)
+        self.see(remedy is not None, self._out)
         if remedy is None:
             return
         lines = [esc(sentence(remedy.text))]
         if remedy.nearest is not None:
             lines.append(esc(pose_text(self.review.machine.coordinates, remedy.nearest.pose)))
         self.say(self._remedy, box("<br>".join(lines)))
-        put_prop(self._escape, "visible", remedy.nearest is not None)
+        self.see(remedy.nearest is not None, self._escape)
         ways = tuple(f"{n + 1}" for n in range(min(len(remedy.changes), WAYS)))
         self.say(self._offers, ways_html(remedy))
-        put_prop(self._way, "visible", bool(ways))
-        put_prop(self._change, "visible", bool(ways))
+        self.see(bool(ways), self._way, self._change)
         if ways and tuple(self._way.options) != ways:
             self._way.options = ways
 
@@ -155,11 +143,10 @@ class AspectsFolder(Group):
         part = desk.part(ControlPart)
         measures = {m.title: m.key for m in review.machine.measures.specs}
         with gui.add_folder("Aspects of the present mode"):
-            self.bind(
-                gui.add_checkbox("Show", False, hint="Hotkey A"),
-                lambda review: review[Workspace].shown(ASPECTS) is not None,
-                partial(Show, ASPECTS),
-            )
+            command = "Aspects", "Show or hide the aspects of the present mode", "A"
+            self.toggle(command, _shown, partial(Show, ASPECTS))
+            show = gui.add_checkbox("Show", False, hint="Hotkey A")
+            self.bind(show, _shown, partial(Show, ASPECTS))
             self.switch("Singular surface", Control, "locus", SetControl, "Where control is lost")
             self.bind(
                 gui.add_slider("Opacity", 0.05, 1.0, 0.05, 0.5), _opacity, partial(Fade, (ASPECTS,))
@@ -205,8 +192,7 @@ class AspectsFolder(Group):
                     x, y, z = (f"{v:.1f}".replace("-", "−") for v in ball.center)
                     text = f"Radius <b>{ball.radius:.2f} mm</b> about {x}, {y}, {z} mm"
                 self.say(self._ball, box(text) if text else "")
-                put_prop(self._go, "visible", ball is not None)
-                put_prop(self._hide, "visible", ball is not None)
+                self.see(ball is not None, self._go, self._hide)
 
     def _scale(self, scale: Scale | None) -> str:
         shade = self.review[Control].shade
@@ -256,7 +242,7 @@ class MotionFolder(Group):
                 ("Accelerations", "accelerations", "Likewise, by s²; empty for none"),
             ):
                 typed = RatesBox(self.desk, gui.add_text(label, "", hint=hint), axes, name)
-                answer(self.desk, typed.handle, partial(self._set, name, typed))
+                self.answer(typed.handle, partial(self._set, name, typed))
                 self._boxes[name] = typed
             self._told = gui.add_html("")
 
@@ -274,6 +260,10 @@ class MotionFolder(Group):
 
 
 PANELS = (SingularitiesPanel,)
+
+
+def _shown(review: Review) -> bool:
+    return review[Workspace].shown(ASPECTS) is not None
 
 
 def _opacity(review: Review) -> float:

@@ -26,15 +26,10 @@ from app.review.state import Review
 from app.review.view import Moment
 from app.widgets.desk import (
     Client,
-    Command,
     Elsewhere,
     Panel,
     Sheet,
-    answer,
-    clicked,
     explain,
-    put,
-    put_prop,
 )
 from app.widgets.texts import box, esc, quiet
 
@@ -74,24 +69,20 @@ class SolutionsPanel(Panel):
         self._elsewhere = Elsewhere(gui)
         self._style = gui.add_html(style(stale=False))
         self._count = gui.add_html("")
-        self.switch(
-            "Ghosts",
-            Atlas,
-            "ghosts",
-            SetAtlas,
-            "The platform in every other solution of the list; click one to go there (hotkey G)",
-        )
+        hint = "The platform in every other solution of the list; click one to go there (hotkey G)"
+        command = "Ghosts", "Show or hide the platform in all other solutions", "G"
+        self.switch("Ghosts", Atlas, "ghosts", SetAtlas, hint, command)
         self.switch("Within strokes", Atlas, "within_stroke", SetAtlas)
         self.choice("Sort by", SORTED, lambda r: r[Atlas].sort, partial(SetAtlas, "sort"))
         self._choice = gui.add_dropdown("Of", (EVERY, SAME, PATTERN), visible=any(known))
-        answer(desk, self._choice, self._choose)
+        self.answer(self._choice, self._choose)
         self._pattern = gui.add_text(
             "Pattern",
             _pattern(review),
             hint="One sign a limb, ? for either; several separated by commas: +?+++, −−+++",
             visible=False,
         )
-        answer(desk, self._pattern, self._choose_pattern)
+        self.answer(self._pattern, self._choose_pattern)
         self._remarks = gui.add_html("")
         self._folder = gui.add_folder("List")
         self._buttons: list[Any] = []
@@ -108,7 +99,7 @@ class SolutionsPanel(Panel):
         with gui.add_folder("Fold ahead"):
             self._strokes = gui.add_html("")
             self._which = gui.add_dropdown("Fold", (NO_FOLD,), visible=False)
-            answer(desk, self._which, self._choose_fold)
+            self.answer(self._which, self._choose_fold)
             self._words = gui.add_html("")
             self._drive = self.button("Drive to the fold", self._go_to_fold)
             self._partner = self.button("Go to the solution it merges with", self._go_to_partner)
@@ -118,20 +109,13 @@ class SolutionsPanel(Panel):
         gui.add_html(box(f'<div style="opacity:0.75">{key_html(machine.coordinates, limbs)}</div>'))
         explain(gui, HELP, machine.text("solutions"))
 
-    def commands(self) -> tuple[Command, ...]:
-        def toggle() -> None:
-            self.desk.send(SetAtlas("ghosts", not self.review[Atlas].ghosts))
-
-        text = "Show or hide the platform in all other solutions"
-        return (Command("Ghosts", text, "G", toggle),)
-
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)
         choice = _choice(self.review)
-        put(self.desk, self._choice, choice)
-        put_prop(self._pattern, "visible", self._choice.value == PATTERN)
+        self.put(self._choice, choice)
+        self.set(self._pattern, visible=self._choice.value == PATTERN)
         if choice == PATTERN:
-            put(self.desk, self._pattern, _pattern(self.review))
+            self.put(self._pattern, _pattern(self.review))
 
     def told(self, sheet: Sheet, news: Any) -> None:
         match news:
@@ -145,7 +129,7 @@ class SolutionsPanel(Panel):
         self.say(self._count, count_html(atlas, solutions.trouble))
         self.say(self._remarks, remarks_html(atlas))
         self.say(self._empty, empty_html(atlas))
-        put_prop(self._empty, "visible", not atlas.rows and bool(atlas.hidden))
+        self.set(self._empty, visible=not atlas.rows and bool(atlas.hidden))
         self.say(self._style, style(stale=atlas.stale))
         # What belongs to other actuators stays as it is and fades: that is one message, not many.
         drawn = (solutions.known, sheet.view.review[Atlas], self._limit)
@@ -159,17 +143,16 @@ class SolutionsPanel(Panel):
         while len(self._buttons) < len(rows):
             with self._folder:
                 made = self.gui.add_button("", visible=False)
-            clicked(self.desk, made, partial(self._visit, len(self._buttons)))
+            self.clicked(made, partial(self._visit, len(self._buttons)))
             self._buttons.append(made)
         axes = self.review.machine.coordinates
         for n, made in enumerate(self._buttons):
             if n < len(rows):
-                put_prop(made, "_icon_html", row_html(rows[n], axes))
-            put_prop(made, "visible", n < len(rows))
-        put_prop(self._folder, "visible", bool(rows))
+                self.set(made, _icon_html=row_html(rows[n], axes))
+            self.set(made, visible=n < len(rows))
+        self.see(bool(rows), self._folder)
         left = len(atlas.rows) - len(rows)
-        put_prop(self._more, "visible", left > 0)
-        put_prop(self._more, "label", f"Show {min(PAGE, left)} of {left} more")
+        self.set(self._more, visible=left > 0, label=f"Show {min(PAGE, left)} of {left} more")
 
     def _draw_folds(self, sheet: Sheet, solutions: Solutions) -> None:
         review, posture = sheet.view.review, sheet.view.posture
@@ -177,10 +160,9 @@ class SolutionsPanel(Panel):
         self._folds = {title(review, a): a for a in solutions.ahead if a.fold is not None}
         known = bool(solutions.ahead)
         merges = fold is not None and fold.fold is not None and fold.fold.partner is not None
-        put_prop(self._strokes, "visible", known)
-        put_prop(self._which, "visible", fold is not None)
-        put_prop(self._drive, "visible", fold is not None)
-        put_prop(self._partner, "visible", merges)
+        self.see(known, self._strokes)
+        self.see(fold is not None, self._which, self._drive)
+        self.see(merges, self._partner)
         if not known:
             self.say(self._words, quiet(solutions.fold_trouble or "Known when the hand rests."))
             return
@@ -191,14 +173,12 @@ class SolutionsPanel(Panel):
             for n, (axis, value) in enumerate(joints)
         ]
         self.say(self._strokes, box(strokes_html(spans)))
-        names = tuple(self._folds) or (NO_FOLD,)
-        if tuple(self._which.options) != names:
-            self._which.options = names
+        self.offer(self._which, self._folds, NO_FOLD)
         if fold is None:
             text = "No actuator, driven alone, meets a fold before the end of its stroke."
             self.say(self._words, quiet(text))
             return
-        put(self.desk, self._which, title(review, fold))
+        self.put(self._which, title(review, fold))
         self.say(self._words, box(esc(words(review, fold, solutions.known))))
 
     # --- what a person asks for

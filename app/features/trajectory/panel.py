@@ -20,14 +20,9 @@ from app.widgets.boxes import LimitsBox, Typing
 from app.widgets.desk import (
     TYPED,
     Client,
-    Command,
     Panel,
     Sheet,
-    answer,
-    clicked,
     explain,
-    put,
-    put_prop,
 )
 from app.widgets.plots import Plot
 from app.widgets.texts import box
@@ -86,7 +81,9 @@ class TrajectoryPanel(Panel):
         gui, desk = self.gui, self.desk
         part = self._part = desk.part(TrajectoryPart)
         hint = "In the scene and as plots (hotkey T)"
-        self.switch("Show the trajectory", Plan, "on", set_plan, hint)
+        command = "Trajectory", "Show or hide the trajectory and its plots", "T"
+        self.switch("Show the trajectory", Plan, "on", set_plan, hint, command)
+        self.key("Play", "Play the trajectory, or pause", "P", lambda: desk.ask(part.playing.play))
         self._summary = gui.add_html("")
         self._progress = gui.add_progress_bar(0.0, visible=False)
         self._give_up = self.button(
@@ -134,7 +131,7 @@ class TrajectoryPanel(Panel):
             samples = self.gui.add_number("Samples", 2, min=2, max=MOST_SAMPLES, step=1)
             self.field(samples, Plan, "samples", step_plan, round)
         for typed in (self._duration, *self._ramps):
-            put_prop(typed, "precision", TYPED)
+            self.set(typed, precision=TYPED)
 
     def _add_limits(self, review: Review) -> None:
         gui, desk, joints = self.gui, self.desk, review.machine.joints
@@ -169,13 +166,12 @@ class TrajectoryPanel(Panel):
 
     def _add_window(self, review: Review) -> None:
         gui, desk, playing = self.gui, self.desk, self._part.playing
-        self._window = gui.add_panel(visible=review[Plan].on)
-        self._window.dock_left()
-        self._window.set_width(WIDTH)
-        with self._window.add_tab("Along the trajectory"):
+        title = "Along the trajectory"
+        self._window, tab = self.window(title, WIDTH, visible=review[Plan].on)
+        with tab:
             self._plot = Plot(desk, lambda t, _, client: desk.ask(playing.scrub, t, client))
             self._scrub = gui.add_slider("Time (s)", 0.0, 1.0, 0.001, 0.0)
-            put_prop(self._scrub, "precision", 3)
+            self.set(self._scrub, precision=3)
             self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY, hint="Hotkey P")
             self._stop = self.button(
                 "Stop here",
@@ -192,21 +188,8 @@ class TrajectoryPanel(Panel):
             hint = "No machine is driven across a singularity"
             self.switch("Stop where singular", Plan, "halt", set_plan, hint)
             self._menu("Plot", PLOTS, "plot")
-        answer(desk, self._scrub, lambda at, client: desk.ask(playing.scrub, float(at), client))
-        clicked(desk, self._play, lambda _: desk.ask(playing.play))
-
-    def commands(self) -> tuple[Command, ...]:
-        def toggle() -> None:
-            self.desk.send(set_plan("on", not self.review[Plan].on))
-
-        def play() -> None:
-            self.desk.ask(self._part.playing.play)
-
-        show = "Show or hide the trajectory and its plots"
-        return (
-            Command("Trajectory", show, "T", toggle),
-            Command("Play", "Play the trajectory, or pause", "P", play),
-        )
+        self.answer(self._scrub, lambda at, client: desk.ask(playing.scrub, float(at), client))
+        self.clicked(self._play, lambda _: desk.ask(playing.play))
 
     # --- what is drawn
 
@@ -214,13 +197,12 @@ class TrajectoryPanel(Panel):
         super().draw(sheet)
         plan = self.review[Plan]
         trapezoid = plan.law == "trapezoidal"
-        put_prop(self._duration, "visible", not trapezoid)
-        for typed in self._ramps:
-            put_prop(typed, "visible", trapezoid)
+        self.see(not trapezoid, self._duration)
+        self.see(trapezoid, *self._ramps)
         for name, box_ in self._limits.items():
             self._typing.draw(box_, getattr(plan, name))
         if not plan.on:
-            put_prop(self._window, "visible", False)
+            self.see(False, self._window)
 
     def told(self, sheet: Sheet, news: Any) -> None:
         super().told(sheet, news)
@@ -230,42 +212,40 @@ class TrajectoryPanel(Panel):
                 self._draw_trajectory(news)
             case Moment():
                 self._moment = news
-                put(self.desk, self._scrub, round(news.at, 3))
-                put_prop(self._play, "label", "Pause" if news.playing else "Play")
-                icons = viser.Icon.PLAYER_PLAY, viser.Icon.PLAYER_PAUSE
-                put_prop(self._play, "icon", icons[news.playing])
-                put_prop(self._stop, "disabled", not news.away)
-                put_prop(self._back, "disabled", not news.away)
+                self.put(self._scrub, round(news.at, 3))
+                icon = viser.Icon.PLAYER_PAUSE if news.playing else viser.Icon.PLAYER_PLAY
+                self.set(self._play, label="Pause" if news.playing else "Play", icon=icon)
+                for button in (self._stop, self._back):
+                    self.set(button, disabled=not news.away)
                 self._draw_cursor()
 
     def _draw_trajectory(self, moved: Moved) -> None:
         plan, computed, machine = self.review[Plan], moved.computed, self.review.machine
         self.say(self._summary, summary_html(moved) if plan.on else HINT)
-        put_prop(self._window, "visible", plan.on and not moved.missing)
         there = plan.on and computed is not None and not moved.stale
-        put_prop(self._progress, "visible", there and moved.measuring)
-        put_prop(self._progress, "value", round(100.0 * moved.share, 1))
-        put_prop(self._give_up, "visible", there and moved.measuring)
-        put_prop(self._go_on, "visible", there and not moved.measuring and moved.share < 1.0)
+        measuring = there and moved.measuring
+        self.see(plan.on and not moved.missing, self._window)
+        self.see(measuring, self._progress, self._give_up)
+        self.set(self._progress, value=round(100.0 * moved.share, 1))
+        self.see(there and not moved.measuring and moved.share < 1.0, self._go_on)
         events = () if computed is None else computed.found.events
-        put_prop(self._next, "visible", there and bool(events))
+        self.see(there and bool(events), self._next)
         fits = ""
         if plan.degree and there:
             axes, joints = machine.coordinates, machine.joints
             fits = fits_html(moved.fits, moved.fit_trouble, axes, joints)
         self.say(self._fits, fits)
-        put_prop(self._play, "disabled", not there)
+        self.set(self._play, disabled=not there)
         if computed is None:
             self._plot.draw(None)
         else:
-            measuring = moved.measuring and not moved.stale
             # While distances come in they are left to the cursor: the drawing stays.
             of = (computed.found.events if measuring else computed, plan.plot, measuring)
             drawn = partial(figure, computed, plan.plot, measuring=measuring)
             self._plot.draw(of, drawn, stale=moved.stale)
             duration = computed.law.duration
-            put_prop(self._scrub, "max", math.ceil(duration * 1e3) / 1e3)
-            put_prop(self._scrub, "step", duration / STEPS)
+            most = math.ceil(duration * 1e3) / 1e3
+            self.set(self._scrub, max=most, step=duration / STEPS)
         self._draw_cursor()
 
     def _draw_cursor(self) -> None:

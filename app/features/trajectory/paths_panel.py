@@ -6,7 +6,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import viser
 
 from app.features.trajectory.compute import Moved
 from app.features.trajectory.files import LARGEST, read_points
@@ -28,15 +27,9 @@ from app.features.trajectory.state import (
 from app.review.state import Review
 from app.widgets.boxes import PoseBox, PosesBox, Typing, units
 from app.widgets.desk import (
-    QUIET,
     Client,
     Group,
     Sheet,
-    answer,
-    clicked,
-    put,
-    put_prop,
-    uploaded,
 )
 from app.widgets.texts import box, esc
 from kinematics.arrays import Array
@@ -75,13 +68,8 @@ class WayFolder(Group):
             # A button for uploads does not hide itself; what it stands in does.
             self._files = gui.add_folder("File", visible=False)
             with self._files:
-                file = gui.add_upload_button(
-                    "Open a CSV file",
-                    mime_type=".csv,text/csv",
-                    color=QUIET,
-                    icon=viser.Icon.UPLOAD,
-                    hint="Its first line names the pose coordinates, and t if points have times",
-                )
+                hint = "Its first line names the pose coordinates, and t if points have times"
+                self.upload("Open a CSV file", ".csv,text/csv", self._open, hint)
             self._plane = [gui.add_dropdown(t, symbols) for t in ("To the right", "Upwards")]
             self._sketch = Sketch(desk, self._stroked)
             smooth = gui.add_number("Smoothing (mm)", 0.0, min=0.0, step=0.5)
@@ -97,11 +85,10 @@ class WayFolder(Group):
         self._typed = {"start": self._start, "end": self._end, "points": self._points}
         for name, typed in self._typed.items():
             self._typing.watch(typed, partial(self._take, name))
-        clicked(desk, self._ends, self._take_end)
-        clicked(desk, self._list, self._edit_list)
-        uploaded(desk, file, self._open)
+        self.clicked(self._ends, self._take_end)
+        self.clicked(self._list, self._edit_list)
         for menu in self._plane:
-            answer(desk, menu, self._turn)
+            self.answer(menu, self._turn)
 
     # --- what a person does
 
@@ -171,7 +158,7 @@ class WayFolder(Group):
         for name, typed in self._typed.items():
             self._typing.draw(typed, getattr(plan, name))
         for menu, n in zip(self._plane, plane_of(plan, self._axes), strict=True):
-            put(self.desk, menu, self._axes[n].symbol)
+            self.put(menu, self._axes[n].symbol)
         way = plan.way
         joined = way == POINTS or (way == FILE and not plan.times)
         for seen, handles in (
@@ -183,8 +170,7 @@ class WayFolder(Group):
             (joined, (self._through,)),
             (joined and plan.through == "lines", (self._blend,)),
         ):
-            for handle in handles:
-                put_prop(handle, "visible", seen)
+            self.see(seen, *handles)
         self.say(self._source, self._said())
 
     def _said(self) -> str:

@@ -25,14 +25,10 @@ from app.review.modes import matching, page_mode
 from app.review.state import Review
 from app.widgets.desk import (
     Client,
-    Command,
     Group,
     Panel,
     Sheet,
-    answer,
     explain,
-    put,
-    put_prop,
 )
 from app.widgets.texts import box, esc
 from kinematics.facets.solids import SolidSpec, SurfaceKind
@@ -85,14 +81,14 @@ class WorkspacePanel(Panel):
             hint="Working modes",
             visible=of_modes and len(machine.modes) > 1,
         )
-        answer(desk, self._choice, self._choose)
+        self.answer(self._choice, self._choose)
         self._set = gui.add_text(
             "Modes",
             _set_text(review),
             hint="One sign a limb, ? for either; several separated by commas: +?+++, −−+++",
             visible=False,
         )
-        answer(desk, self._set, self._choose_set)
+        self.answer(self._set, self._choose_set)
         self.choice(
             "Made of",
             MADE_OF,
@@ -108,6 +104,8 @@ class WorkspacePanel(Panel):
             self.groups.append(UsableFolder(desk, sheet))
         self._limbs(specs)
         self._parts = gui.add_html("")
+        command = "Workspace", "Show or hide the workspace solid", "W"
+        self.toggle(command, partial(_shown, "workspace"), partial(Show, "workspace"))
         explain(gui, machine.text("workspace"), HELP)
         self._solids = Solids((), {}, {}, None)
         self._measured: Sections | None = None
@@ -120,7 +118,7 @@ class WorkspacePanel(Panel):
         if self._whole:
             gui.add_html(box("<b>Vertex spaces of the limbs</b>"))
             self._all = gui.add_checkbox("All limbs", False)
-            answer(self.desk, self._all, self._show_all)
+            self.answer(self._all, self._show_all)
         for limb in sorted({s.limb for s in specs if s.limb is not None}):
             own = [s for s in specs if s.limb == limb]
             with gui.add_folder(f"Limb {limb}", expand_by_default=False):
@@ -130,22 +128,16 @@ class WorkspacePanel(Panel):
                     self._display(spec, title[:1].upper() + title[1:] + figure)
                 self._opacity(tuple(s.key for s in own), 0.25)
 
-    def commands(self) -> tuple[Command, ...]:
-        def toggle() -> None:
-            self.desk.send(Show("workspace", self.review[Workspace].shown("workspace") is None))
-
-        return (Command("Workspace", "Show or hide the workspace solid", "W", toggle),)
-
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)
         wanted = self.review[Workspace]
         choice = {"all": ALL, "current": CURRENT}.get(str(wanted.modes), CHOSEN)
-        put(self.desk, self._choice, choice)
-        put_prop(self._set, "visible", choice == CHOSEN)
+        self.put(self._choice, choice)
+        self.set(self._set, visible=choice == CHOSEN)
         if choice == CHOSEN:
-            put(self.desk, self._set, _set_text(self.review))
+            self.put(self._set, _set_text(self.review))
         if self._all is not None:
-            put(self.desk, self._all, all(wanted.shown(key) for key in self._whole))
+            self.put(self._all, all(wanted.shown(key) for key in self._whole))
         self._draw_solids()
 
     def told(self, sheet: Sheet, news: Any) -> None:
@@ -167,11 +159,8 @@ class WorkspacePanel(Panel):
     # --- widgets
 
     def _display(self, spec: SolidSpec, title: str) -> None:
-        self.bind(
-            self.gui.add_checkbox(title, False),
-            lambda review: review[Workspace].shown(spec.key) is not None,
-            partial(Show, spec.key),
-        )
+        made = self.gui.add_checkbox(title, False)
+        self.bind(made, partial(_shown, spec.key), partial(Show, spec.key))
 
     def _opacity(self, keys: tuple[str, ...], value: float) -> None:
         def shown(review: Review) -> float:
@@ -222,8 +211,8 @@ class UsableFolder(Group):
     def told(self, sheet: Sheet, news: Any) -> None:
         if isinstance(news, Sections):
             self.say(self._told, inscribed_html(news))
-            put_prop(self._hide, "visible", news.ball is not None or news.box is not None)
-            put_prop(self._go, "visible", news.ball is not None)
+            self.set(self._hide, visible=news.ball is not None or news.box is not None)
+            self.set(self._go, visible=news.ball is not None)
 
 
 class RegionsFolder(Group):
@@ -254,6 +243,10 @@ class RegionsFolder(Group):
 
 
 PANELS = (WorkspacePanel,)
+
+
+def _shown(key: str, review: Review) -> bool:
+    return review[Workspace].shown(key) is not None
 
 
 def _set_text(review: Review) -> str:
