@@ -17,7 +17,7 @@ from app.review.changes import Change
 from app.review.state import Review, Slice
 from app.review.view import View
 from app.scene import palette
-from app.widgets.texts import aged, box
+from app.widgets.texts import aged, box, faint
 from kinematics.errors import BohemiaError
 from kinematics.machine import Machine
 
@@ -395,7 +395,7 @@ class Elsewhere:
 
     def __init__(self, gui: viser.GuiApi) -> None:
         text = "Of the pose that the review holds: the trajectory shows the machine elsewhere."
-        self._note = gui.add_html(box(f'<i style="opacity:.75">{text}</i>'), visible=False)
+        self._note = gui.add_html(box(faint(text, "i")), visible=False)
 
     def draw(self, away: bool) -> None:
         put_prop(self._note, "visible", away)

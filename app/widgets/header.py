@@ -13,7 +13,7 @@ from app.review.view import Clear, Legend, Moment
 from app.scene import palette
 from app.widgets.boxes import NUMBERS_GO_BACK
 from app.widgets.desk import Group, Sheet
-from app.widgets.texts import AGED_STYLE, aged, bar, box, chip, esc, tone
+from app.widgets.texts import AGED_STYLE, aged, bar, box, chip, edged, esc, styled, tone
 
 PATIENCE = 0.6  # s; work that ends sooner is not worth a progress bar
 
@@ -94,30 +94,26 @@ def _status(sheet: Sheet, clear: Clear) -> str:
     text = esc(status.text)
     if clear.text and sheet.view.posture.closes:
         text += aged(f" · {esc(clear.text)}", clear.stale, "span")
-    color = tone(status.level)
     indent = "padding-left:calc(0.6em + 4px)"
-    lines = [
-        f'<div style="border-left:4px solid {color};padding-left:0.6em;font-weight:600">'
-        f"{text}</div>"
-    ]
+    lines = [edged(text, tone(status.level), "font-weight:600")]
     if status.remedy:
-        lines.append(f'<div style="{indent}">{esc(status.remedy)}</div>')
-    lines += [
-        f'<div style="{indent};color:{tone("near")}">{esc(sentence(note))}</div>'
-        for note in sheet.notes
-    ]
+        lines.append(styled(esc(status.remedy), indent, "div"))
+    near = f"{indent};color:{tone('near')}"
+    lines += [styled(esc(sentence(note)), near, "div") for note in sheet.notes]
     # The height is kept so that the tabs below do not jump as the sentence changes.
-    return box(f'<div style="min-height:4.2em">{"".join(lines)}</div>')
+    return box(styled("".join(lines), "min-height:4.2em", "div"))
 
 
 def _legend(sheet: Sheet, more: tuple[tuple[str, str], ...]) -> str:
     limbs = sorted({row.limb for row in sheet.view.joints})
     entries = [(palette.limb_color(n), f"limb {n}") for n in limbs]
-    entries.append((palette.NEAR, "near its end"))
-    entries.append((palette.BEYOND, "singular, beyond a limit"))
-    entries.append((palette.WORKSPACE, "workspace"))
+    entries += [
+        (palette.NEAR, "near its end"),
+        (palette.BEYOND, "singular, beyond a limit"),
+        (palette.WORKSPACE, "workspace"),
+    ]
     spans = "".join(
-        f'<span style="white-space:nowrap;margin-right:0.9em">{chip(color)}{esc(text)}</span>'
+        styled(chip(color) + esc(text), "white-space:nowrap;margin-right:0.9em")
         for color, text in (*entries, *more)
     )
-    return box(f'<div style="opacity:0.85">{spans}</div>')
+    return box(styled(spans, "opacity:0.85", "div"))

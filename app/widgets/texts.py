@@ -28,9 +28,24 @@ def tone(level: Tone) -> str:
     return _TONES[level]
 
 
+def styled(content: str, style: str, tag: str = "span") -> str:
+    """A piece with a look, CSS."""
+    return f'<{tag} style="{style}">{content}</{tag}>'
+
+
+def faint(content: str, tag: str = "span") -> str:
+    """A piece of less weight."""
+    return styled(content, "opacity:.75", tag)
+
+
+def edged(content: str, color: str, more: str = "") -> str:
+    """A piece with a bar of a colour at its left; ``more`` CSS."""
+    return styled(content, f"border-left:4px solid {color};padding-left:.6em;{more}", "div")
+
+
 def box(content: str) -> str:
     """A block with the margins of the panel's other rows."""
-    return f'<div style="padding:0.3em 0.75em;font-size:0.82em;line-height:1.45">{content}</div>'
+    return styled(content, "padding:0.3em 0.75em;font-size:0.82em;line-height:1.45", "div")
 
 
 def aged(content: str, stale: bool, tag: str = "div") -> str:
@@ -40,12 +55,12 @@ def aged(content: str, stale: bool, tag: str = "div") -> str:
 
 def red(text: str) -> str:
     """A block that tells what is wrong."""
-    return box(f'<b style="color:{palette.BEYOND}">{esc(text)}</b>')
+    return box(styled(esc(text), f"color:{palette.BEYOND}", "b"))
 
 
 def quiet(text: str) -> str:
     """A block of less weight."""
-    return box(f'<span style="opacity:0.75">{esc(text)}</span>')
+    return box(faint(esc(text)))
 
 
 def chip(color: str) -> str:

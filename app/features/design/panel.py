@@ -12,13 +12,8 @@ from app.features.design.state import EditDesign, UseDesign
 from app.features.review.files import design_file
 from app.review.state import Review
 from app.scene import palette
-from app.widgets.desk import (
-    Client,
-    Panel,
-    Sheet,
-    explain,
-)
-from app.widgets.texts import box, esc, tone
+from app.widgets.desk import Client, Panel, Sheet, explain
+from app.widgets.texts import box, edged, esc, faint, styled, tone
 from kinematics.answers.solutions import Finding
 from kinematics.designs.files import MAX_BYTES, load_design, presets, read_design
 from kinematics.errors import InputError
@@ -99,8 +94,7 @@ class DesignPanel(Panel):
 
     def _complain(self, text: str) -> None:
         """What is wrong with an uploaded file stays readable until the next one."""
-        content = f'<div style="color:{palette.BEYOND}">{esc(text)}</div>'
-        self.say(self._trouble, box(content))
+        self.say(self._trouble, box(styled(esc(text), f"color:{palette.BEYOND}", "div")))
         self.set(self._trouble, visible=bool(text))
 
     def _save(self, client: Client) -> None:
@@ -140,12 +134,14 @@ def _about(review: Review) -> str:
     design = review.design
     lines = [f"<b>{esc(design.title or design.name)}</b>"]
     if design.source:
-        lines.append(f'<span style="opacity:0.75">{esc(design.source)}</span>')
+        lines.append(faint(esc(design.source)))
+    colors = {"warning": palette.BEYOND}
     found = "".join(
-        f'<div style="border-left:3px solid '
-        f"{palette.BEYOND if finding.severity == 'warning' else tone('quiet')};"
-        f'padding-left:0.6em;margin-top:0.4em"><b>{esc(finding.title)}</b><br>'
-        f"{esc(finding.text)}</div>"
+        edged(
+            f"<b>{esc(finding.title)}</b><br>{esc(finding.text)}",
+            colors.get(finding.severity, tone("quiet")),
+            "margin-top:0.4em",
+        )
         for finding in findings(design)
     )
     return box("<br>".join(lines) + found)

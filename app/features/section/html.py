@@ -8,7 +8,7 @@ from app.review.units import area_text, number, plural, spaced, tenths
 from app.scene import palette
 from app.widgets.axes import Axes, Figure, middles, scales, thinned, ticks, upright
 from app.widgets.svg import line, tag
-from app.widgets.texts import box, chip, esc, table
+from app.widgets.texts import box, chip, esc, faint, table
 from kinematics.answers.sections import Section, SectionSpec, Volume
 
 COLUMNS = 336  # places along x′ of which the profile tells the area, one a pixel
@@ -53,10 +53,9 @@ def numbers_html(section: Section, spec: SectionSpec, along: tuple[float, float]
             (2 * first, 2 * second, first + second), section.second_moments.tolist(), strict=True
         )
     )
-    details = (
-        f'<details style="opacity:.75"><summary>Exactly</summary>{exact}<br>second moments about '
-        f"the centroid (I<sub>{first}{first}</sub> = ∫{first}² dA):<br>{moments}</details>"
-    )
+    summary = f"I<sub>{first}{first}</sub> = ∫{first}² dA"
+    exactly = f"{exact}<br>second moments about the centroid ({summary}):<br>{moments}"
+    details = faint(f"<summary>Exactly</summary>{exactly}", "details")
     return box(f"{body}{details}")
 
 

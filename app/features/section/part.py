@@ -11,7 +11,6 @@ from typing import Any
 from app.features.move.state import Visit
 from app.features.review.files import ExportedFile, solid_name
 from app.features.section import compute
-from app.features.section.compute import BALL, BOX, SECTION, VOLUME, Drawn, Region, Sections
 from app.features.section.files import section_bytes
 from app.features.section.scene import Inside, Plane
 from app.features.section.state import Cut, MoveCut
@@ -24,7 +23,7 @@ from kinematics.errors import BohemiaError
 from kinematics.machine import machine_of, required
 
 PREPARING = 15  # how much that process gives way to all others (nice)
-QUESTIONS: dict[str, Any] = {"ball": BALL, "box": BOX}
+QUESTIONS: dict[str, Any] = {"ball": compute.BALL, "box": compute.BOX}
 
 
 class SectionPart(Part):
@@ -35,7 +34,7 @@ class SectionPart(Part):
     def __init__(self, stage: Stage) -> None:
         super().__init__(stage)
         self._grip = Grip()
-        self._region: Region | None = None
+        self._region: compute.Region | None = None
         self._asked: dict[str, compute.Inside] = {}  # balls and boxes in that workspace
         self._going: tuple[Client] | None = None
         self._preparing: Process | None = None
@@ -71,8 +70,8 @@ class SectionPart(Part):
         if region is None:
             return
         if review[Cut].on:
-            yield SECTION(compute.wish(review))
-        yield VOLUME(region)
+            yield compute.SECTION(compute.wish(review))
+        yield compute.VOLUME(region)
         for what, request in self._asked.items():
             yield QUESTIONS[what](request, *request)
 
@@ -83,7 +82,7 @@ class SectionPart(Part):
     def _place(self) -> None:
         """Put the plane where it belongs, and what is drawn of a workspace before where it did."""
         view = self.stage.view
-        review, drawn = view.review, self.answers[SECTION].shown
+        review, drawn = view.review, self.answers[compute.SECTION].shown
         if self._region is None:
             self._plane.hide()
             return
@@ -123,13 +122,13 @@ class SectionPart(Part):
         The working mode changes if the present one does not get there.
         """
         self._going = (client,)
-        if self.answers[BALL].now is not None:
+        if self.answers[compute.BALL].now is not None:
             return self._go()
         self.inscribe("ball", here=False)
         return False
 
     def _go(self) -> bool:
-        balls, going, self._going = self.answers[BALL].now, self._going, None
+        balls, going, self._going = self.answers[compute.BALL].now, self._going, None
         if not balls or going is None:
             return False
         review = self.stage.review
@@ -146,7 +145,7 @@ class SectionPart(Part):
         for what, question in QUESTIONS.items():
             if asked.question is question and not answer:
                 self.stage.complain(f"There is no {what}: nothing of the workspace is there.")
-        return asked.question is BALL and self._going is not None and self._go()
+        return asked.question is compute.BALL and self._going is not None and self._go()
 
     def lost(self, asked: Asked[Any, Any]) -> None:
         lost = [what for what, question in QUESTIONS.items() if question is asked.question]
@@ -157,14 +156,14 @@ class SectionPart(Part):
     # --- what is shown
 
     def show(self, sheet: Sheet) -> None:
-        section, volume = self.answers[SECTION], self.answers[VOLUME]
-        found = Sections(
+        section, volume = self.answers[compute.SECTION], self.answers[compute.VOLUME]
+        found = compute.Sections(
             section.shown,
             section.stale,
             volume.now,
             volume.old,
-            next(iter(self.answers[BALL].now or ()), None),
-            next(iter(self.answers[BOX].now or ()), None),
+            next(iter(self.answers[compute.BALL].now or ()), None),
+            next(iter(self.answers[compute.BOX].now or ()), None),
             section.trouble or volume.trouble,
         )
         if found.drawn is not None:
@@ -177,14 +176,14 @@ class SectionPart(Part):
     def save_section(self, kind: str, client: Client) -> None:
         """Save the section as a file of this kind."""
         missing = "There is no section to save; show it first."
-        drawn = self.answers[SECTION].now
+        drawn = self.answers[compute.SECTION].now
         self.save(drawn, lambda drawn: section_file(drawn, kind), client, missing)
 
 
 PARTS = (SectionPart,)
 
 
-def section_file(drawn: Drawn, kind: str) -> ExportedFile:
+def section_file(drawn: compute.Drawn, kind: str) -> ExportedFile:
     """A section as a file."""
     of = drawn.wish.region
     machine = machine_of(of.design)

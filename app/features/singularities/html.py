@@ -14,7 +14,22 @@ from app.review.state import Review
 from app.review.units import how_far, minus, page_unit, plural, volume_text
 from app.review.view import short_title
 from app.scene import painting, palette
-from app.widgets.texts import NUMERIC, aged, bar, box, chip, esc, quiet, red, table, tone, track
+from app.widgets.texts import (
+    NUMERIC,
+    aged,
+    bar,
+    box,
+    chip,
+    edged,
+    esc,
+    faint,
+    quiet,
+    red,
+    styled,
+    table,
+    tone,
+    track,
+)
 from kinematics.answers.bounds import named
 from kinematics.answers.clearances import Clearance, Remedy
 from kinematics.answers.loci import LocusCurves, LocusSpec
@@ -53,10 +68,8 @@ def here_html(controlled: Controlled) -> str:
     elif here.remedy is not None:
         parts.append("This pose is out of reach; the ways out are below.")
     elif not here.singular:
-        parts.append(
-            f'<div style="border-left:4px solid {tone("good")};padding-left:.6em">'
-            "<b>The platform is held</b>: the wrenches are independent here.</div>"
-        )
+        held = "<b>The platform is held</b>: the wrenches are independent here."
+        parts.append(edged(held, tone("good")))
     rows = [_measure(m, v) for m, v in here.measures if math.isfinite(v)]
     if rows:
         columns = ("", f"{NUMERIC};padding:0 .6em", "width:36%")
@@ -65,13 +78,10 @@ def here_html(controlled: Controlled) -> str:
 
 
 def _card(singular: Singularity) -> str:
-    color = palette.BEYOND
     near = "Near a " if singular.measure > AT else "In a "
-    return (
-        f'<div style="border-left:4px solid {color};padding-left:.6em;margin-bottom:.4em">'
-        f'<b style="color:{color}">{near}{esc(singular.kind)} singularity</b><br>'
-        f'{esc(singular.text)}<br><span style="opacity:.8">{esc(singular.cause)}</span></div>'
-    )
+    head = styled(f"{near}{esc(singular.kind)} singularity", f"color:{palette.BEYOND}", "b")
+    why = styled(esc(singular.cause), "opacity:.8")
+    return edged(f"{head}<br>{esc(singular.text)}<br>{why}", palette.BEYOND, "margin-bottom:.4em")
 
 
 def _measure(measure: Measure, value: float) -> tuple[str, str, str]:
@@ -96,21 +106,19 @@ _WHAT = {
 def clearances_html(here: Here | None) -> str:
     if here is None or not here.clearances:
         return ""
-    rows = "".join(_clearance(c) for c in here.clearances[:TOLD])
-    return box(f'<table style="width:100%;border-spacing:0 1px">{rows}</table>')
+    rows = map(_clearance, here.clearances[:TOLD])
+    return box(table(rows, ("", NUMERIC), "border-spacing:0 1px"))
 
 
-def _clearance(way: Clearance) -> str:
+def _clearance(way: Clearance) -> tuple[str, str]:
     lost = way.kind in ("parallel", "constraint")
-    mark = chip(
-        palette.BEYOND if lost else palette.limb_color(way.limb) if way.limb else palette.WORKSPACE
-    )
+    limb = palette.limb_color(way.limb) if way.limb else palette.WORKSPACE
+    mark = chip(palette.BEYOND if lost else limb)
     whose = f"limb {way.limb}, " if way.limb else ""
     way_there = " by turning" if way.angle is not None else f" {way.along}" if way.along else ""
     end = "" if way.bound in ("", "link") else f" ({named(way.bound)})"
     what = f"{whose}{_WHAT[way.kind]}{end}{way_there}"
-    far = f'<td style="{NUMERIC}">{how_far(way, 2)}</td>'
-    return f'<tr title="{esc(way.text)}"><td>{mark}{esc(what)}</td>{far}</tr>'
+    return f'<span title="{esc(way.text)}">{mark}{esc(what)}</span>', how_far(way, 2)
 
 
 def ways_html(remedy: Remedy) -> str:
@@ -146,7 +154,7 @@ def forces_html(here: Here | None) -> str:
             )
         )
     forces = table(rows, ("", f"{NUMERIC};padding:0 .6em", "width:45%"), "border-spacing:0 2px")
-    return box(f'{forces}<span style="opacity:.75">positive: {_POSITIVE[units[0]]}</span>')
+    return box(forces + faint(f"positive: {_POSITIVE[units[0]]}"))
 
 
 _POSITIVE = {"N": "the limb pushes the platform", "N·mm": "the actuator turns its joint forwards"}
@@ -184,24 +192,23 @@ def pieces_html(review: Review, solids: Solids) -> str:
         if solid.locus_residual is not None
         else ""
     )
-    thin = f"At {built.resolution} resolution; pieces thinner than a cell may be missed. "
     told = (
-        f"{table(rows, ('', '', 'opacity:.75'))}{tail}"
-        f'<div style="opacity:.75">together {volume_text(solid.volume, solid.volume_error)}'
-        f"{exact}. {thin}Slices at this orientation: pieces may be joined through others.</div>"
+        f"together {volume_text(solid.volume, solid.volume_error)}{exact}. "
+        f"At {built.resolution} resolution; pieces thinner than a cell may be missed. "
+        "Slices at this orientation: pieces may be joined through others."
     )
-    return box(aged(told, ASPECTS in solids.old))
+    listed = f"{table(rows, ('', '', 'opacity:.75'))}{tail}{faint(told, 'div')}"
+    return box(aged(listed, ASPECTS in solids.old))
 
 
 def circles_html(here: Here | None) -> str:
     if here is None or not here.circles:
         return ""
-    rows = "".join(
-        f'<div style="padding:.1em 0">{chip(_LIMIT[c.limit])}'
-        f"<b>{math.degrees(c.radius):.4f}°</b> {esc(c.text)}</div>"
+    rows = (
+        f"{chip(_LIMIT[c.limit])}<b>{math.degrees(c.radius):.4f}°</b> {esc(c.text)}"
         for c in here.circles
     )
-    return box(rows)
+    return box("".join(styled(row, "padding:.1em 0", "div") for row in rows))
 
 
 _LIMIT = {
@@ -227,38 +234,33 @@ def comparison_html(here: Here | None, beside: Here | None) -> str:
         if found[0] is not None and found[1] is not None:
             one, two = (math.degrees(c.radius) for c in found if c is not None)
             rows.append(_pair(title, f"{one:.3f}°", f"{two:.3f}°", one > two))
-    head = "".join(f'<th style="text-align:right">{esc(name)}</th>' for name in names)
-    return box(f'<table style="width:100%"><tr><th></th>{head}</tr>{"".join(rows)}</table>')
+    return box(table(rows, ("", *("text-align:right",) * 2), heads=("", *map(esc, names))))
 
 
-def _pair(title: str, one: str, two: str, better: bool) -> str:
+def _pair(title: str, one: str, two: str, better: bool) -> tuple[str, ...]:
     bold = ("font-weight:600" if flag else "" for flag in (better, not better))
-    cells = "".join(
-        f'<td style="{NUMERIC};{style}">{esc(text)}</td>'
-        for style, text in zip(bold, (one, two), strict=True)
+    cells = (
+        styled(esc(text), f"{NUMERIC};{look}") for look, text in zip(bold, (one, two), strict=True)
     )
-    return f"<tr><td>{esc(title)}</td>{cells}</tr>"
+    return esc(title), *cells
 
 
 def legend_html(measure: Measure, steps: painting.Scale) -> str:
     shades = [f"background:{steps.color(n)};height:.7em" for n in range(painting.STEPS)]
-    low, high = float(steps.edges[0]), float(steps.edges[-1])
     unit = f" {measure.unit}" if measure.unit else ""
-    return (
-        f"{esc(measure.title)}{table([[''] * len(shades)], shades, 'border-spacing:0')}"
-        f'<div style="display:flex;justify-content:space-between"><span>{low:.3g}{esc(unit)}</span>'
-        f"<span>{high:.3g}{esc(unit)}</span></div>"
-    )
+    ends = "".join(styled(f"{v:.3g}{esc(unit)}", "") for v in steps.edges[[0, -1]].tolist())
+    spread = styled(ends, "display:flex;justify-content:space-between", "div")
+    return f"{esc(measure.title)}{table([[''] * len(shades)], shades, 'border-spacing:0')}{spread}"
 
 
 def log_html(lines: tuple[Logged, ...]) -> str:
     if not lines:
-        return box('<span style="opacity:.75">Nothing yet.</span>')
+        return quiet("Nothing yet.")
     rows = []
     for line in lines[:LINES]:
         at = time.strftime("%H:%M:%S", time.localtime(line.at))
-        rows.append(f'<div><span style="opacity:.6">{at}</span> {esc(line.text)}</div>')
-    return box("".join(rows))
+        rows.append(f"{styled(at, 'opacity:.6')} {esc(line.text)}")
+    return box("<br>".join(rows))
 
 
 def motion_html(here: Here | None) -> str:

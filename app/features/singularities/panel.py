@@ -5,19 +5,9 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
+from app.features.singularities import html
 from app.features.singularities.charts_panel import ChartFolder, ProfileFolder, specs
 from app.features.singularities.compute import Controlled
-from app.features.singularities.html import (
-    WAYS,
-    clearances_html,
-    forces_html,
-    here_html,
-    legend_html,
-    log_html,
-    motion_html,
-    pieces_html,
-    ways_html,
-)
 from app.features.singularities.part import ControlPart
 from app.features.singularities.state import Control, SetControl
 from app.features.workspace.compute import Solids
@@ -27,14 +17,7 @@ from app.review.units import page_unit, pose_text, sentence
 from app.review.view import Moment
 from app.scene.painting import Scale
 from app.widgets.boxes import RatesBox
-from app.widgets.desk import (
-    Client,
-    Elsewhere,
-    Group,
-    Panel,
-    Sheet,
-    explain,
-)
+from app.widgets.desk import Client, Elsewhere, Group, Panel, Sheet, explain
 from app.widgets.texts import box, esc
 from kinematics.answers.clearances import Remedy
 from kinematics.machine import Machine
@@ -97,7 +80,7 @@ class SingularitiesPanel(Panel):
             self.groups.append(ProfileFolder(desk, sheet))
         self.groups += [LoadFolder(desk, sheet), MotionFolder(desk, sheet)]
         with gui.add_folder("What happened on the way", expand_by_default=False):
-            self._log = gui.add_html(log_html(()))
+            self._log = gui.add_html(html.log_html(()))
             self.button("Clear", lambda _: desk.ask(part.clear_log))
         explain(gui, machine.text("singularities"), HELP)
 
@@ -107,12 +90,12 @@ class SingularitiesPanel(Panel):
             case Moment(away=away):
                 self._elsewhere.draw(away)
             case Controlled(here=here, stale=stale):
-                self.say(self._here, here_html(news), stale)
+                self.say(self._here, html.here_html(news), stale)
                 swings = here is not None and any(s.motion is not None for s in here.singular)
                 self.see(swings, self._swing)
-                self.say(self._clearances, clearances_html(here), stale)
+                self.say(self._clearances, html.clearances_html(here), stale)
                 self._draw_remedy(None if here is None else here.remedy)
-                self.say(self._log, log_html(news.log))
+                self.say(self._log, html.log_html(news.log))
 
     def _draw_remedy(self, remedy: Remedy | None) -> None:
         self.see(remedy is not None, self._out)
@@ -123,8 +106,8 @@ class SingularitiesPanel(Panel):
             lines.append(esc(pose_text(self.review.machine.coordinates, remedy.nearest.pose)))
         self.say(self._remedy, box("<br>".join(lines)))
         self.see(remedy.nearest is not None, self._escape)
-        ways = tuple(f"{n + 1}" for n in range(min(len(remedy.changes), WAYS)))
-        self.say(self._offers, ways_html(remedy))
+        ways = tuple(f"{n + 1}" for n in range(min(len(remedy.changes), html.WAYS)))
+        self.say(self._offers, html.ways_html(remedy))
         self.see(bool(ways), self._way, self._change)
         if ways and tuple(self._way.options) != ways:
             self._way.options = ways
@@ -178,13 +161,13 @@ class AspectsFolder(Group):
 
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)
-        self.say(self._pieces, pieces_html(self.review, self._solids))
+        self.say(self._pieces, html.pieces_html(self.review, self._solids))
 
     def told(self, sheet: Sheet, news: Any) -> None:
         match news:
             case Solids(scale=scale):
                 self._solids = news
-                self.say(self._pieces, pieces_html(self.review, news))
+                self.say(self._pieces, html.pieces_html(self.review, news))
                 self.say(self._legend, self._scale(scale))
             case Controlled(ball=ball, seeking=seeking):
                 text = "Seeking …" if seeking else ""
@@ -202,7 +185,7 @@ class AspectsFolder(Group):
             return ""
         if scale is None:
             return box(f"{esc(measure.title)}: shown when aspects or workspace are on display")
-        return box(legend_html(measure, scale))
+        return box(html.legend_html(measure, scale))
 
 
 class LoadFolder(Group):
@@ -226,7 +209,7 @@ class LoadFolder(Group):
 
     def told(self, sheet: Sheet, news: Any) -> None:
         if isinstance(news, Controlled):
-            self.say(self._forces, forces_html(news.here), news.stale)
+            self.say(self._forces, html.forces_html(news.here), news.stale)
 
 
 class MotionFolder(Group):
@@ -253,7 +236,7 @@ class MotionFolder(Group):
 
     def told(self, sheet: Sheet, news: Any) -> None:
         if isinstance(news, Controlled):
-            self.say(self._told, motion_html(news.here), news.stale)
+            self.say(self._told, html.motion_html(news.here), news.stale)
 
     def _set(self, name: str, typed: RatesBox, _: str, client: Client) -> None:
         self.desk.send(SetControl(name, typed.read()), client)

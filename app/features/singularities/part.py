@@ -11,21 +11,6 @@ from app.features.design.state import EditDesign
 from app.features.move.state import GoHome, Move, Place, Visit
 from app.features.review.files import ExportedFile, solid_name
 from app.features.singularities import compute
-from app.features.singularities.compute import (
-    BESIDE,
-    CURVES,
-    CURVES_BESIDE,
-    FREE,
-    HERE,
-    PASSED,
-    PROFILES,
-    Controlled,
-    Here,
-    Logged,
-    counterpart,
-    same_branch,
-    spot_of,
-)
 from app.features.singularities.files import locus_bytes
 from app.features.singularities.html import held_text
 from app.features.singularities.scene import Held, Loads
@@ -57,7 +42,7 @@ class ControlPart(Part):
         self._free: Asked[Any, Any] | None = None  # a ball that a person asked for
         self._swing: tuple[float, tuple[float, ...]] | None = None
         self._watched: compute.Place | None = None
-        self._log: tuple[Logged, ...] = ()
+        self._log: tuple[compute.Logged, ...] = ()
 
     def prepare(self) -> None:
         self._held = Held(self.stage.scene)
@@ -67,27 +52,27 @@ class ControlPart(Part):
     # --- what is wanted
 
     def wished(self, view: View) -> Iterable[Asked[Any, Any]]:
-        review, spot = view.review, spot_of(view.review)
-        machine, control, other = review.machine, review[Control], counterpart(view.review)
-        yield HERE(spot)
-        if self._watched is None or not same_branch(self._watched, spot):
+        review, spot = view.review, compute.spot_of(view.review)
+        machine, control, other = review.machine, review[Control], compute.counterpart(view.review)
+        yield compute.HERE(spot)
+        if self._watched is None or not compute.same_branch(self._watched, spot):
             self._watched = spot
         if self._watched.pose != spot.pose:
             way = self._watched, spot.pose
-            yield PASSED(way, *way)
+            yield compute.PASSED(way, *way)
         if other is not None:
-            yield BESIDE(other)
+            yield compute.BESIDE(other)
         if self._free is not None and self._free.request[0] != compute.orientation(review):
             self._free = None
         if self._free is not None:
             yield self._free
         if control.chart:
             key = compute.chart_key(review)
-            yield CURVES(key, spot, control.chart)
+            yield compute.CURVES(key, spot, control.chart)
             if other is not None:
-                yield CURVES_BESIDE(key, other, control.chart)
+                yield compute.CURVES_BESIDE(key, other, control.chart)
         if machine.circles is not None:
-            yield PROFILES((review.design, control.ratios), spot, control.ratios)
+            yield compute.PROFILES((review.design, control.ratios), spot, control.ratios)
 
     def seen(self, view: View) -> View:
         return replace(view, beside=compute.beside(view.review))
@@ -105,7 +90,7 @@ class ControlPart(Part):
         if self._log and self._log[0].text == text:  # a slider held against its stop
             self._log = (replace(self._log[0], at=time.time()), *self._log[1:])
         else:
-            self._log = (Logged(time.time(), text, kind), *self._log)[:KEPT]
+            self._log = (compute.Logged(time.time(), text, kind), *self._log)[:KEPT]
         self.late = True
 
     # --- what comes
@@ -113,7 +98,7 @@ class ControlPart(Part):
     def take(self, event: Done | Lost) -> bool:
         match event:
             case Done(Job(Key(question, (before, pose))), events) if (
-                question is PASSED and before == self._watched
+                question is compute.PASSED and before == self._watched
             ):
                 # The hand may have moved on: then the next way begins where this one ends.
                 for each in events:
@@ -122,12 +107,12 @@ class ControlPart(Part):
         return super().take(event)
 
     def came(self, asked: Asked[Any, Any], answer: Any) -> bool:
-        if asked.question is FREE and not answer:
+        if asked.question is compute.FREE and not answer:
             self.stage.complain("There is no such ball: nothing of the workspace is there.")
         return False
 
     def lost(self, asked: Asked[Any, Any]) -> None:
-        if asked.question is FREE:
+        if asked.question is compute.FREE:
             self._free = None
 
     # --- what a person asks for
@@ -148,9 +133,9 @@ class ControlPart(Part):
     def find_free(self, here: bool) -> None:
         """Find the largest ball without a singularity, about the platform or anywhere."""
         review = self.stage.view.review
-        spot = spot_of(review)
+        spot = compute.spot_of(review)
         request = (compute.orientation(review), spot.pose if here else None)
-        self._free = FREE(request, spot, here)
+        self._free = compute.FREE(request, spot, here)
         self.follow()
 
     def forget_free(self) -> None:
@@ -160,7 +145,7 @@ class ControlPart(Part):
 
     def go_to_free(self, client: Client = None) -> bool:
         """Put the platform into the middle of that ball."""
-        balls, review = self.answers[FREE].now, self.stage.review
+        balls, review = self.answers[compute.FREE].now, self.stage.review
         if not balls:
             return False
         pose = compute.placed(review.machine, review.pose, balls[0].center[None])[0]
@@ -168,7 +153,7 @@ class ControlPart(Part):
 
     def escape(self, client: Client = None) -> bool:
         """Go to the nearest posture that can be held."""
-        here = self.answers[HERE].now
+        here = self.answers[compute.HERE].now
         if here is None or here.remedy is None or here.remedy.nearest is None:
             self.stage.complain("No reachable pose is known from here.", client)
             return False
@@ -180,7 +165,7 @@ class ControlPart(Part):
 
     def change_design(self, way: int, client: Client = None) -> bool:
         """Change the design so that the pose can be held, in the way of this number."""
-        here = self.answers[HERE].now
+        here = self.answers[compute.HERE].now
         ways = () if here is None or here.remedy is None else here.remedy.changes
         if way >= len(ways):
             return False
@@ -189,7 +174,7 @@ class ControlPart(Part):
 
     def swing(self, which: int) -> None:
         """Show the free motion of the singularity of this number."""
-        here = self.answers[HERE].now
+        here = self.answers[compute.HERE].now
         if here is not None and which < len(here.singular):
             motion = here.singular[which].motion
             self._swing = None if motion is None else (time.monotonic(), motion)
@@ -208,7 +193,9 @@ class ControlPart(Part):
             name = solid_name(review.design, f"singularities-{spec.key}", (), (review.mode,))
             return ExportedFile(f"{name}.{kind}", locus_bytes(curves, spec, kind, title=title))
 
-        self.save(self.answers[CURVES].now, make, client, "There are no curves to save yet.")
+        self.save(
+            self.answers[compute.CURVES].now, make, client, "There are no curves to save yet."
+        )
 
     # --- what is shown
 
@@ -225,7 +212,7 @@ class ControlPart(Part):
         if self._swing is not None:
             begun, motion = self._swing
             with self.stage.server.atomic():
-                if self.answers[HERE].now is None or not self._held.swing(
+                if self.answers[compute.HERE].now is None or not self._held.swing(
                     self.stage.view, motion, time.monotonic() - begun
                 ):
                     self._swing = None
@@ -241,37 +228,39 @@ class ControlPart(Part):
         self.stage.tell(controlled)
         self.stage.tell(Clear(held_text(here), controlled.stale))
 
-    def _nearly(self, question: Any, spot: compute.Place | None) -> tuple[Here | None, bool]:
+    def _nearly(
+        self, question: Any, spot: compute.Place | None
+    ) -> tuple[compute.Here | None, bool]:
         """What is known of a place, or was last while the hand moves; whether it is of before."""
         told = self.answers[question]
-        if told.stale and (spot is None or not same_branch(told.old_of, spot)):
+        if told.stale and (spot is None or not compute.same_branch(told.old_of, spot)):
             return None, True
         return told.shown, told.now is None
 
-    def controlled(self) -> Controlled:
+    def controlled(self) -> compute.Controlled:
         """What panels draw of it."""
         review = self.stage.view.review
-        here, stale = self._nearly(HERE, spot_of(review))
-        curves, chart = self.answers[CURVES], review[Control].chart
+        here, stale = self._nearly(compute.HERE, compute.spot_of(review))
+        curves, chart = self.answers[compute.CURVES], review[Control].chart
         of_chart = not curves.stale or curves.old_of[0] == chart
-        profiles = self.answers[PROFILES].now or ()
+        profiles = self.answers[compute.PROFILES].now or ()
         if profiles:
             circles = required(review.machine.circles, "circles of orientations")
             at = circles.profile_place(review.pose)
             profiles = tuple((each, replace(p, at=at)) for each, p in profiles)
-        free = self.answers[FREE]
-        return Controlled(
+        free = self.answers[compute.FREE]
+        return compute.Controlled(
             here,
             stale,
             curves.shown if of_chart else None,
             curves.stale,
             profiles,
-            self._nearly(BESIDE, counterpart(review))[0],
-            self.answers[CURVES_BESIDE].now,
+            self._nearly(compute.BESIDE, compute.counterpart(review))[0],
+            self.answers[compute.CURVES_BESIDE].now,
             next(iter(free.now or ()), None),
             self._free is not None and free.now is None,
             self._log,
-            self.answers[HERE].trouble,
+            self.answers[compute.HERE].trouble,
         )
 
 

@@ -15,7 +15,7 @@ from app.review.state import Review
 from app.review.units import joint_text, pose_text, tenths
 from app.scene import palette
 from app.terminal.tables import condition_text
-from app.widgets.texts import box, esc, quiet, red, table, tone, track
+from app.widgets.texts import box, edged, esc, quiet, red, styled, table, tone, track
 from kinematics.answers.modes import Mode
 from kinematics.mechanism import Coordinate
 
@@ -118,7 +118,7 @@ def glyph(row: Row, axes: Sequence[Coordinate]) -> str:
     return f'<svg viewBox="0 0 {x:g} {HEIGHT}" width="{x:g}">{"".join(parts)}</svg>'
 
 
-def key_html(axes: Sequence[Coordinate], limbs: int) -> str:
+def key_text(axes: Sequence[Coordinate], limbs: int) -> str:
     """What the pictures show, in the order in which they stand."""
     dials = ", ".join(c.symbol for c in axes if c.unit == "rad")
     places = [c.symbol for c in axes if c.unit == "mm"]
@@ -131,7 +131,7 @@ def key_html(axes: Sequence[Coordinate], limbs: int) -> str:
         parts.append(f"map: {places[0]}, {places[1]}")
     if len(places) in (1, 3):
         parts.append(f"level: {places[-1]}")
-    return esc(" · ".join(parts))
+    return " · ".join(parts)
 
 
 def strokes_html(
@@ -202,18 +202,15 @@ def count_html(atlas: Listed, trouble: str) -> str:
         return box("<b>Finding all solutions …</b>" if atlas.stale else "<b>No solutions</b>")
     color = tone("good" if atlas.complete else "near")
     late = " <b>for the lengths before</b>" if atlas.stale else ""
-    return box(
-        f'<div style="border-left:4px solid {color};padding-left:0.6em;'
-        f'{"opacity:0.6" if atlas.stale else ""}">'
-        f'<span style="font-size:1.15em;font-weight:600">{esc(atlas.count)}</span>{late}<br>'
-        f"{esc(atlas.how)}</div>"
-    )
+    head = styled(esc(atlas.count), "font-size:1.15em;font-weight:600")
+    fade = "opacity:0.6" if atlas.stale else ""
+    return box(edged(f"{head}{late}<br>{esc(atlas.how)}", color, fade))
 
 
 def remarks_html(atlas: Listed) -> str:
+    looks = {True: f"color:{palette.BEYOND}", False: "opacity:0.85"}
     lines = [
-        f'<div style="padding:0.1em 0;{f"color:{palette.BEYOND}" if singular else "opacity:0.85"}">'
-        f"{esc(text[:1].upper() + text[1:])}</div>"
+        styled(esc(text[:1].upper() + text[1:]), f"padding:0.1em 0;{looks[singular]}", "div")
         for text, singular in atlas.remarks
     ]
     return box("".join(lines)) if lines else ""

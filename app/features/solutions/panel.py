@@ -7,30 +7,14 @@ from functools import partial
 from typing import Any
 
 from app.features.move.state import Drive, Visit
+from app.features.solutions import html
 from app.features.solutions.compute import Ahead, Listed, Row
-from app.features.solutions.html import (
-    count_html,
-    empty_html,
-    key_html,
-    remarks_html,
-    row_html,
-    strokes_html,
-    style,
-    title,
-    words,
-)
 from app.features.solutions.part import Solutions, SolutionsPart
 from app.features.solutions.state import SAME_MODE, Atlas, SetAtlas, Sort
 from app.review.modes import matching, page_mode
 from app.review.state import Review
 from app.review.view import Moment
-from app.widgets.desk import (
-    Client,
-    Elsewhere,
-    Panel,
-    Sheet,
-    explain,
-)
+from app.widgets.desk import Client, Elsewhere, Panel, Sheet, explain
 from app.widgets.texts import box, esc, quiet
 
 SORTED: dict[str, Sort] = {
@@ -67,7 +51,7 @@ class SolutionsPanel(Panel):
         self._part = desk.part(SolutionsPart)
         known = machine.modes
         self._elsewhere = Elsewhere(gui)
-        self._style = gui.add_html(style(stale=False))
+        self._style = gui.add_html(html.style(stale=False))
         self._count = gui.add_html("")
         hint = "The platform in every other solution of the list; click one to go there (hotkey G)"
         command = "Ghosts", "Show or hide the platform in all other solutions", "G"
@@ -106,7 +90,7 @@ class SolutionsPanel(Panel):
         self._fold: Ahead | None = None
         self._folds: dict[str, Ahead] = {}
         limbs = len(known[0].signs)
-        gui.add_html(box(f'<div style="opacity:0.75">{key_html(machine.coordinates, limbs)}</div>'))
+        gui.add_html(quiet(html.key_text(machine.coordinates, limbs)))
         explain(gui, HELP, machine.text("solutions"))
 
     def draw(self, sheet: Sheet) -> None:
@@ -126,11 +110,11 @@ class SolutionsPanel(Panel):
 
     def _draw_solutions(self, sheet: Sheet, solutions: Solutions) -> None:
         atlas = solutions.atlas
-        self.say(self._count, count_html(atlas, solutions.trouble))
-        self.say(self._remarks, remarks_html(atlas))
-        self.say(self._empty, empty_html(atlas))
+        self.say(self._count, html.count_html(atlas, solutions.trouble))
+        self.say(self._remarks, html.remarks_html(atlas))
+        self.say(self._empty, html.empty_html(atlas))
         self.set(self._empty, visible=not atlas.rows and bool(atlas.hidden))
-        self.say(self._style, style(stale=atlas.stale))
+        self.say(self._style, html.style(stale=atlas.stale))
         # What belongs to other actuators stays as it is and fades: that is one message, not many.
         drawn = (solutions.known, sheet.view.review[Atlas], self._limit)
         if not (atlas.stale and drawn == self._drawn):
@@ -148,7 +132,7 @@ class SolutionsPanel(Panel):
         axes = self.review.machine.coordinates
         for n, made in enumerate(self._buttons):
             if n < len(rows):
-                self.set(made, _icon_html=row_html(rows[n], axes))
+                self.set(made, _icon_html=html.row_html(rows[n], axes))
             self.set(made, visible=n < len(rows))
         self.see(bool(rows), self._folder)
         left = len(atlas.rows) - len(rows)
@@ -157,7 +141,7 @@ class SolutionsPanel(Panel):
     def _draw_folds(self, sheet: Sheet, solutions: Solutions) -> None:
         review, posture = sheet.view.review, sheet.view.posture
         fold = self._fold = solutions.fold
-        self._folds = {title(review, a): a for a in solutions.ahead if a.fold is not None}
+        self._folds = {html.title(review, a): a for a in solutions.ahead if a.fold is not None}
         known = bool(solutions.ahead)
         merges = fold is not None and fold.fold is not None and fold.fold.partner is not None
         self.see(known, self._strokes)
@@ -172,14 +156,14 @@ class SolutionsPanel(Panel):
             (axis, value, goals.get((n, False)), goals.get((n, True)))
             for n, (axis, value) in enumerate(joints)
         ]
-        self.say(self._strokes, box(strokes_html(spans)))
+        self.say(self._strokes, box(html.strokes_html(spans)))
         self.offer(self._which, self._folds, NO_FOLD)
         if fold is None:
             text = "No actuator, driven alone, meets a fold before the end of its stroke."
             self.say(self._words, quiet(text))
             return
-        self.put(self._which, title(review, fold))
-        self.say(self._words, box(esc(words(review, fold, solutions.known))))
+        self.put(self._which, html.title(review, fold))
+        self.say(self._words, box(esc(html.words(review, fold, solutions.known))))
 
     # --- what a person asks for
 

@@ -12,17 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from app.features.move.state import Drive, Visit
-from app.features.solutions.compute import (
-    FOLDS,
-    SOLUTIONS,
-    Ahead,
-    Known,
-    Listed,
-    Wish,
-    atlas,
-    nearest_first,
-    solve,
-)
+from app.features.solutions import compute
 from app.features.solutions.scene import Ghosts
 from app.features.solutions.state import Atlas
 from app.jobs.answers import Answers, Asked
@@ -50,10 +40,10 @@ class Solutions:
     ``trouble`` and ``fold_trouble`` say why there are none of them, if that is so.
     """
 
-    atlas: Listed
-    known: Known | None
-    ahead: tuple[Ahead, ...]
-    fold: Ahead | None
+    atlas: compute.Listed
+    known: compute.Known | None
+    ahead: tuple[compute.Ahead, ...]
+    fold: compute.Ahead | None
     trouble: str
     fold_trouble: str
 
@@ -64,9 +54,9 @@ class Explorer:
     def __init__(self, on_event: Callable[[Done | Lost | Busy], None]) -> None:
         self.lane = Lane("solutions", on_event)
         self.answers = Answers({self.lane.name: self.lane})
-        self.known: Known | None = None
+        self.known: compute.Known | None = None
         self.trouble = ""
-        self._wish: Wish | None = None
+        self._wish: compute.Wish | None = None
         self._driven: int | None = None
         self._chosen: tuple[int, bool] | None = None
         self._awaited: int | None = None
@@ -91,15 +81,15 @@ class Explorer:
             self._wish = None
         elif self.is_current(view):
             self._wish = None
-            yield FOLDS(_of(view), review.design, posture)
+            yield compute.FOLDS(_of(view), review.design, posture)
         elif not self._quick(view):
-            yield SOLUTIONS(self._next(view))
+            yield compute.SOLUTIONS(self._next(view))
 
-    def _next(self, view: View) -> Wish:
+    def _next(self, view: View) -> compute.Wish:
         """What is to be found now; the same wish while it is."""
         review, wish = view.review, self._wish
         before = self.known.solutions if self.known and self.known.is_of(review) else None
-        made = Wish(review.design, view.posture.joints, before)
+        made = compute.Wish(review.design, view.posture.joints, before)
         if wish is None or (wish.design, wish.joints) != (made.design, made.joints):
             self._wish = wish = made
         return wish
@@ -110,7 +100,7 @@ class Explorer:
             return
         wish = self._next(view)
         try:
-            self._keep(wish, solve(wish))
+            self._keep(wish, compute.solve(wish))
         except BohemiaError as error:
             self.trouble = str(error)
         self.look(view)  # the folds ahead can be looked for now
@@ -125,7 +115,7 @@ class Explorer:
                     self._keep(wish, refreshed)
             case Lost(_, text) if asked is not None:
                 self._awaited = None
-                if asked.question is SOLUTIONS:
+                if asked.question is compute.SOLUTIONS:
                     self.trouble = text
         self.look(view)
 
@@ -135,11 +125,11 @@ class Explorer:
         self.trouble = ""
         self.look(view)
 
-    def _keep(self, wish: Wish, refreshed: Refreshed) -> None:
+    def _keep(self, wish: compute.Wish, refreshed: Refreshed) -> None:
         if wish.before is not None and self.known is not None:
             self.known = self.known.after(refreshed, rested=self._rested)
         else:
-            self.known = Known(wish.design, refreshed.solutions)
+            self.known = compute.Known(wish.design, refreshed.solutions)
         self._rested = False
         self.trouble = ""
 
@@ -157,9 +147,9 @@ class Explorer:
             and self.known.stands_at(view.posture.joints)
         )
 
-    def atlas(self, view: View) -> Listed:
+    def atlas(self, view: View) -> compute.Listed:
         """The solutions as they are shown."""
-        return atlas(view, self.known)
+        return compute.atlas(view, self.known)
 
     def await_visit(self, identity: int | None) -> None:
         """A person wants to go to this solution as soon as the set is of the present actuators."""
@@ -196,21 +186,21 @@ class Explorer:
         """Which fold to tell of and to mark: the actuator, and whether it grows."""
         self._chosen = choice
 
-    def folds(self, view: View) -> tuple[tuple[Ahead, ...], Ahead | None]:
+    def folds(self, view: View) -> tuple[tuple[compute.Ahead, ...], compute.Ahead | None]:
         """Both directions of every actuator from here, and the fold that is told of.
 
         Nothing while they are being looked for.
         """
-        ahead = self.answers.of(FOLDS, _of(view)).now
+        ahead = self.answers.of(compute.FOLDS, _of(view)).now
         if ahead is None:
             return (), None
-        folds = nearest_first(ahead, self._driven)
+        folds = compute.nearest_first(ahead, self._driven)
         chosen = next((a for a in folds if (a.index, a.longer) == self._chosen), None)
         return ahead, chosen or (folds[0] if folds else None)
 
     def shown(self, view: View) -> Solutions:
         """All of it as panels draw it."""
-        folds = self.answers[FOLDS].trouble
+        folds = self.answers[compute.FOLDS].trouble
         return Solutions(self.atlas(view), self.known, *self.folds(view), self.trouble, folds)
 
 
@@ -242,7 +232,7 @@ class SolutionsPart(Part):
             self._explorer.drove(change.index)
 
     def take(self, event: Done | Lost) -> bool:
-        if getattr(event.job.key, "question", None) not in (SOLUTIONS, FOLDS):
+        if getattr(event.job.key, "question", None) not in (compute.SOLUTIONS, compute.FOLDS):
             return False
         self._explorer.take(event, self.stage.view)
         self.redraw()

@@ -13,15 +13,7 @@ from typing import Any
 import numpy as np
 
 from app.features.singularities.state import Control
-from app.features.trajectory.state import (
-    FILE,
-    POINTS,
-    STROKE,
-    Plan,
-    missing,
-    path_of,
-    plane_of,
-)
+from app.features.trajectory.state import FILE, POINTS, STROKE, Plan, missing, path_of, plane_of
 from app.jobs.answers import Question
 from app.review.state import Review
 from kinematics.arrays import Array

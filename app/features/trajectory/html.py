@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import degrees, isfinite
+from math import isfinite
 
 import numpy as np
 
 from app.features.trajectory.compute import Computed, Moved
 from app.features.trajectory.text import LOST, polynomial
-from app.review.units import minus, sentence
+from app.review.units import minus, page_unit, sentence
 from app.scene import palette
-from app.widgets.texts import aged, box, chip, esc, red, table, tone
+from app.widgets.texts import Tone, aged, box, chip, esc, red, styled, table, tone
 from kinematics.mechanism import Coordinate
 from kinematics.trajectories import Event, Fits
 
@@ -59,20 +59,20 @@ def _nearest(computed: Computed) -> str:
 
 def _events(moved: Moved, events: Sequence[Event]) -> str:
     if not events:
-        level = "good" if moved.share >= 1.0 else "quiet"
+        level: Tone = "good" if moved.share >= 1.0 else "quiet"
         near = "" if moved.share >= 1.0 else " Distances to singularities are not all known."
-        return (
-            f'<div style="color:{tone(level)}">Nothing on the way: inside the workspace, no '  # type: ignore[arg-type]
-            f"singularity crossed, no limit exceeded.{near}</div>"
+        text = (
+            "Nothing on the way: inside the workspace, no singularity crossed, no limit exceeded."
         )
+        return styled(text + near, f"color:{tone(level)}", "div")
     rows = []
     for event in events[:MOST]:
         color = palette.PLATFORM if event.kind == "near" else palette.BEYOND
         text = sentence(event.text)
-        rows.append(f'<div style="margin-top:.3em">{chip(color)}{esc(text)}.</div>')
+        rows.append(styled(f"{chip(color)}{esc(text)}.", "margin-top:.3em", "div"))
     if len(events) > MOST:
         rows.append(f"<div>… and {len(events) - MOST} more</div>")
-    return f'<div style="max-height:11em;overflow-y:auto">{"".join(rows)}</div>'
+    return styled("".join(rows), "max-height:11em;overflow-y:auto", "div")
 
 
 def fits_html(
@@ -85,26 +85,21 @@ def fits_html(
         return box("Computing …")
     lines = []
     for joint, row in zip(joints, fits.coefficients.tolist(), strict=True):
-        unit = "rad" if joint.unit == "rad" else "mm"
         color = palette.limb_color(joint.limb) if joint.limb else palette.INK
-        lines.append(
-            f'<div style="margin-bottom:.4em;overflow-wrap:anywhere">'
-            f'<b style="color:{color}">{esc(joint.symbol)}(t)</b> = '
-            f"{_superscripts(polynomial(row, digits=fits.digits))} {unit}</div>"
-        )
+        name = styled(esc(joint.symbol) + "(t)", f"color:{color}", "b")
+        terms = _superscripts(polynomial(row, digits=fits.digits))
+        look = "margin-bottom:.4em;overflow-wrap:anywhere"
+        lines.append(styled(f"{name} = {terms} {joint.unit}", look, "div"))
     deviation, largest = fits.deviation, fits.largest
     rows = []
     for n, axis in enumerate(axes):
-        scale = degrees(1.0) if axis.unit == "rad" else 1.0
-        unit = "°" if axis.unit == "rad" else "mm"
         values = (deviation[0][n], largest[0][n], deviation[1][n], deviation[2][n])
-        sizes = (_size(float(v) * scale) for v in values)
-        rows.append((f"{esc(axis.symbol)} ({unit})", *sizes))
+        sizes = (_size(axis.outer(float(v))) for v in values)
+        rows.append((f"{esc(axis.symbol)} ({page_unit(axis)})", *sizes))
     note = esc(LOST) if not fits.carried else ""
     if fits.trouble:
         note = f"{esc(fits.trouble[:1].upper() + fits.trouble[1:])}."
-    if note:
-        note = f'<div style="margin-top:.3em">{note}</div>'
+    note = styled(note, "margin-top:.3em", "div") if note else ""
     heads = ("", "σ", "largest", "σ /s", "σ /s²")
     return box(
         f"{''.join(lines)}True error of the machine that follows them, FK(fit) − path:"

@@ -17,13 +17,7 @@ from app.features.trajectory.state import MOST_SAMPLES, SPEEDS, Plan, set_plan, 
 from app.review.state import Review
 from app.review.view import Moment
 from app.widgets.boxes import LimitsBox, Typing
-from app.widgets.desk import (
-    TYPED,
-    Client,
-    Panel,
-    Sheet,
-    explain,
-)
+from app.widgets.desk import TYPED, Client, Panel, Sheet, explain
 from app.widgets.plots import Plot
 from app.widgets.texts import box
 from kinematics.machine import Machine

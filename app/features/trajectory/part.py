@@ -12,16 +12,6 @@ import numpy as np
 
 from app.features.review.files import ExportedFile, solid_name
 from app.features.trajectory import compute
-from app.features.trajectory.compute import (
-    DISTANCES,
-    FITS,
-    JUDGED,
-    REACH,
-    TRAJECTORY,
-    Computed,
-    Moved,
-    reach_key,
-)
 from app.features.trajectory.files import trajectory_csv
 from app.features.trajectory.playing import Playing
 from app.features.trajectory.plot import plots_svg
@@ -54,9 +44,9 @@ class TrajectoryPart(Part):
         self._framed_at = 0.0
         self._fit_at: float | None = None
         self._told: Moment | None = None
-        self._known: tuple[object, Computed | None] = (None, None)
-        self._shown: Moved | None = None
-        self._before: Computed | None = None
+        self._known: tuple[object, compute.Computed | None] = (None, None)
+        self._shown: compute.Moved | None = None
+        self._before: compute.Computed | None = None
 
     def prepare(self) -> None:
         self._trail = Trail(self.stage.scene)
@@ -73,36 +63,36 @@ class TrajectoryPart(Part):
         if of != self._asked:
             self._asked, self._given_up = of, False
         if of is not None:
-            yield TRAJECTORY(of)
-            computed = self.answers.kept(TRAJECTORY(of))
+            yield compute.TRAJECTORY(of)
+            computed = self.answers.kept(compute.TRAJECTORY(of))
             if computed is not None:
                 yield from self._further(of, computed, review[Plan].degree)
         if review[Plan].on and review[Plan].way == STROKE:
-            key = reach_key(review)
-            yield REACH(key, *key)
+            key = compute.reach_key(review)
+            yield compute.REACH(key, *key)
 
     def _further(
-        self, of: compute.Asked, computed: Computed, degree: int
+        self, of: compute.Asked, computed: compute.Computed, degree: int
     ) -> Iterable[answers.Asked[Any, Any]]:
         """What is asked once the trajectory is there."""
         if degree:
-            yield FITS((computed, degree), computed, degree)
+            yield compute.FITS((computed, degree), computed, degree)
         whole = True
         for part in compute.parts(len(computed.found.times)):
-            each = DISTANCES((computed, part), of, computed.found.poses[list(part)])
+            each = compute.DISTANCES((computed, part), of, computed.found.poses[list(part)])
             known = self.answers.kept(each) is not None
             whole &= known
             if known or not self._given_up:
                 yield each
         if whole:
-            yield JUDGED(computed, self._measured(computed)[0])
+            yield compute.JUDGED(computed, self._measured(computed)[0])
 
-    def _measured(self, computed: Computed) -> tuple[Computed, float]:
+    def _measured(self, computed: compute.Computed) -> tuple[compute.Computed, float]:
         """A trajectory with the distances that are known, and the share of these."""
         distance = np.full(len(computed.found.times), np.nan)
         left = 0
         for part in compute.parts(len(distance)):
-            values = self.answers.kept(DISTANCES((computed, part)))
+            values = self.answers.kept(compute.DISTANCES((computed, part)))
             if values is None:
                 left += len(part)
             else:
@@ -121,16 +111,16 @@ class TrajectoryPart(Part):
     # --- what comes
 
     @property
-    def current(self) -> Computed | None:
+    def current(self) -> compute.Computed | None:
         """The trajectory that is asked for, once it is known."""
-        return self.answers[JUDGED].now or self.answers[TRAJECTORY].now
+        return self.answers[compute.JUDGED].now or self.answers[compute.TRAJECTORY].now
 
     def came(self, asked: answers.Asked[Any, Any], answer: Any) -> bool:
         self.playing.follow(self.stage.view.review, self.current)
         return False
 
     def lost(self, asked: answers.Asked[Any, Any]) -> None:
-        self._given_up |= asked.question in (DISTANCES, JUDGED)
+        self._given_up |= asked.question in (compute.DISTANCES, compute.JUDGED)
 
     # --- what a person asks for
 
@@ -165,7 +155,7 @@ class TrajectoryPart(Part):
         """Save the trajectory as CSV, or its plots as SVG."""
         plot = self.stage.view.review[Plan].plot
 
-        def make(computed: Computed) -> ExportedFile:
+        def make(computed: compute.Computed) -> ExportedFile:
             of = computed.asked
             name = solid_name(of.design, "trajectory", (), (of.mode,) if of.mode else None)
             if kind == "csv":
@@ -191,7 +181,7 @@ class TrajectoryPart(Part):
     @property
     def bounds(self) -> tuple[Array, Array] | None:
         """The box around the way of O′, mm; None while there is none."""
-        computed = self.answers[TRAJECTORY].shown
+        computed = self.answers[compute.TRAJECTORY].shown
         return (
             None if computed is None else (computed.spots.min(axis=0), computed.spots.max(axis=0))
         )
@@ -219,7 +209,7 @@ class TrajectoryPart(Part):
 
     def show(self, sheet: Sheet) -> None:
         moved = self._shown = self._moved()
-        told = self.answers[TRAJECTORY]
+        told = self.answers[compute.TRAJECTORY]
         self._trail.show(None if self.aged(told) else moved.computed)
         self.stage.tell(moved)
         self._show_moment()
@@ -245,23 +235,23 @@ class TrajectoryPart(Part):
         times, distances = compute.known_distances(computed.found)
         return float(np.interp(at, times, distances)) if len(times) else float("nan")
 
-    def _moved(self) -> Moved:
-        review, told = self.stage.view.review, self.answers[TRAJECTORY]
+    def _moved(self) -> compute.Moved:
+        review, told = self.stage.view.review, self.answers[compute.TRAJECTORY]
         # While another one is wanted, the one that was there last stays.
         computed, share = (self._before if told.stale else None), 0.0
         if told.now is not None:
             self._before = told.now
             computed, share = self._measured(told.now)
-            judged = self.answers[JUDGED].now
+            judged = self.answers[compute.JUDGED].now
             computed = self._same(judged or computed, told.now, share)
-        fits, reach = self.answers[FITS], self.answers[REACH]
+        fits, reach = self.answers[compute.FITS], self.answers[compute.REACH]
         trouble = told.trouble
         if told.given_up and not trouble:
             trouble = "It was given up; change something to try again."
         fit_trouble = fits.trouble
         if fits.given_up and not fit_trouble:
             fit_trouble = "It was given up."
-        return Moved(
+        return compute.Moved(
             computed,
             told.now is None,
             missing(review[Plan]),
@@ -273,9 +263,11 @@ class TrajectoryPart(Part):
             trouble,
         )
 
-    def _same(self, measured: Computed, of: Computed, share: float) -> Computed:
+    def _same(
+        self, measured: compute.Computed, of: compute.Computed, share: float
+    ) -> compute.Computed:
         """The same object for the same trajectory and distances, so that nothing is drawn twice."""
-        key = of, share, self.answers[JUDGED].now
+        key = of, share, self.answers[compute.JUDGED].now
         if self._known[0] != key:
             self._known = key, measured
         return self._known[1] or measured

@@ -7,39 +7,22 @@ from typing import Any
 
 import numpy as np
 
+from app.features.trajectory import state
 from app.features.trajectory.compute import Moved
 from app.features.trajectory.files import LARGEST, read_points
 from app.features.trajectory.sketch import Sketch, sketch_figure, sketch_mark
-from app.features.trajectory.state import (
-    FILE,
-    OWN,
-    POINTS,
-    STRAIGHT,
-    STROKE,
-    Plan,
-    Pose,
-    SetPlan,
-    plane_of,
-    set_plan,
-    step_plan,
-    trimmed,
-)
 from app.review.state import Review
 from app.widgets.boxes import PoseBox, PosesBox, Typing, units
-from app.widgets.desk import (
-    Client,
-    Group,
-    Sheet,
-)
+from app.widgets.desk import Client, Group, Sheet
 from app.widgets.texts import box, esc
 from kinematics.arrays import Array
 from kinematics.errors import InputError
 
 OWN_TITLES = {
-    "Straight from pose to pose": STRAIGHT,
-    "Through way points": POINTS,
-    "Points from a CSV file": FILE,
-    "Drawn with the mouse": STROKE,
+    "Straight from pose to pose": state.STRAIGHT,
+    "Through way points": state.POINTS,
+    "Points from a CSV file": state.FILE,
+    "Drawn with the mouse": state.STROKE,
 }
 THROUGH = {"Smooth curve": "spline", "Straight lines": "lines"}
 ENDS = ("From here", "To here")
@@ -57,7 +40,7 @@ class WayFolder(Group):
         titles = {each.title: name for name, each in self._named.items()} | OWN_TITLES
         hint, symbols = units(axes), tuple(c.symbol for c in axes)
         with gui.add_folder("Path"):
-            self.choice("It runs", titles, lambda r: r[Plan].way, _chosen)
+            self.choice("It runs", titles, lambda r: r[state.Plan].way, _chosen)
             self._source = gui.add_html("")
             self._start = PoseBox(desk, gui.add_text("From", "", hint=hint), axes, "From")
             self._end = PoseBox(desk, gui.add_text("To", "", hint=hint), axes, "To")
@@ -73,14 +56,17 @@ class WayFolder(Group):
             self._plane = [gui.add_dropdown(t, symbols) for t in ("To the right", "Upwards")]
             self._sketch = Sketch(desk, self._stroked)
             smooth = gui.add_number("Smoothing (mm)", 0.0, min=0.0, step=0.5)
-            self._smooth = self.field(smooth, Plan, "smooth", step_plan)
+            self._smooth = self.field(smooth, state.Plan, "smooth", state.step_plan)
             self._through = self.choice(
-                "Joined by", THROUGH, lambda r: r[Plan].through, partial(step_plan, "through")
+                "Joined by",
+                THROUGH,
+                lambda r: r[state.Plan].through,
+                partial(state.step_plan, "through"),
             )
             blend = gui.add_number(
                 "Rounded corners (mm)", 0.0, min=0.0, step=1.0, hint="From this far on"
             )
-            self._blend = self.field(blend, Plan, "blend", step_plan)
+            self._blend = self.field(blend, state.Plan, "blend", state.step_plan)
             self._typing = Typing(desk)
         self._typed = {"start": self._start, "end": self._end, "points": self._points}
         for name, typed in self._typed.items():
@@ -93,21 +79,21 @@ class WayFolder(Group):
     # --- what a person does
 
     def _take(self, name: str, value: Any, client: Client) -> None:
-        self.desk.send(step_plan(name, value), client)
+        self.desk.send(state.step_plan(name, value), client)
 
     def _take_end(self, client: Client) -> None:
         name = "start" if self._ends.value == ENDS[0] else "end"
-        self.desk.send(set_plan(name, self.review.pose), client)
+        self.desk.send(state.set_plan(name, self.review.pose), client)
 
     def _edit_list(self, client: Client) -> None:
-        pose, points = self.review.pose, self.review[Plan].points
+        pose, points = self.review.pose, self.review[state.Plan].points
         if self._list.value == LIST[0]:
             if points and points[-1] == pose:
                 raise InputError("this pose is the last way point already; move the machine on")
             points = (*points, pose)
         else:
             points = points[:-1] if self._list.value == LIST[1] else ()
-        self.desk.send(set_plan("points", points), client)
+        self.desk.send(state.set_plan("points", points), client)
 
     def _open(self, file: Any, client: Client) -> None:
         if len(file.content) > LARGEST:
@@ -124,7 +110,7 @@ class WayFolder(Group):
         if left is not None:
             poses = tuple(machine.complete_pose(pose, mode) for pose in poses)
         values: dict[str, Any] = {
-            "way": FILE,
+            "way": state.FILE,
             "file": poses,
             "file_name": file.name[:200],
             "times": points.times or (),
@@ -132,41 +118,43 @@ class WayFolder(Group):
         }
         if points.times:
             values |= BY_ITS_LAW
-        self.desk.send(SetPlan(tuple(values.items())), client)
+        self.desk.send(state.SetPlan(tuple(values.items())), client)
 
     def _turn(self, _: str, client: Client) -> None:
         """Choose the plane of a stroke; of two equal coordinates the other gives way."""
         keys = {c.symbol: c.key for c in self._axes}
         chosen = tuple(keys[menu.value] for menu in self._plane)
         if chosen[0] == chosen[1]:
-            first, second = plane_of(self.review[Plan], self._axes)
+            first, second = state.plane_of(self.review[state.Plan], self._axes)
             chosen = self._axes[second].key, self._axes[first].key
-        self.desk.send(set_plan("plane", chosen), client)
+        self.desk.send(state.set_plan("plane", chosen), client)
 
     def _stroked(self, stroke: Array, client: Client) -> None:
         poses = np.tile(np.asarray(self.review.pose), (len(stroke), 1))
-        for n, values in zip(plane_of(self.review[Plan], self._axes), stroke.T, strict=True):
+        for n, values in zip(
+            state.plane_of(self.review[state.Plan], self._axes), stroke.T, strict=True
+        ):
             poses[:, n] = [self._axes[n].inner(v) for v in values.tolist()]
-        made: list[Pose] = [tuple(pose) for pose in poses.tolist()]
-        self.desk.send(set_plan("stroke", trimmed(made)), client)
+        made: list[state.Pose] = [tuple(pose) for pose in poses.tolist()]
+        self.desk.send(state.set_plan("stroke", state.trimmed(made)), client)
 
     # --- what is drawn
 
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)
-        plan = self.review[Plan]
+        plan = self.review[state.Plan]
         for name, typed in self._typed.items():
             self._typing.draw(typed, getattr(plan, name))
-        for menu, n in zip(self._plane, plane_of(plan, self._axes), strict=True):
+        for menu, n in zip(self._plane, state.plane_of(plan, self._axes), strict=True):
             self.put(menu, self._axes[n].symbol)
         way = plan.way
-        joined = way == POINTS or (way == FILE and not plan.times)
+        joined = way == state.POINTS or (way == state.FILE and not plan.times)
         for seen, handles in (
-            (way == STRAIGHT, (self._start.handle, self._end.handle, self._ends)),
-            (way == POINTS, (self._points.handle, self._list)),
-            (way == FILE, (self._files,)),
-            (way == STROKE and len(self._axes) > 2, self._plane),
-            (way == STROKE, (self._smooth,)),
+            (way == state.STRAIGHT, (self._start.handle, self._end.handle, self._ends)),
+            (way == state.POINTS, (self._points.handle, self._list)),
+            (way == state.FILE, (self._files,)),
+            (way == state.STROKE and len(self._axes) > 2, self._plane),
+            (way == state.STROKE, (self._smooth,)),
             (joined, (self._through,)),
             (joined and plan.through == "lines", (self._blend,)),
         ):
@@ -175,7 +163,7 @@ class WayFolder(Group):
 
     def _said(self) -> str:
         review = self.review
-        plan, named = review[Plan], self._named.get(review[Plan].way)
+        plan, named = review[state.Plan], self._named.get(review[state.Plan].way)
         if named is not None:
             other = (
                 f" Given for {review.machine.mode_noun} {esc(named.mode)}; it runs in the present "
@@ -184,7 +172,7 @@ class WayFolder(Group):
                 else ""
             )
             return box(f"{esc(named.source)}.{other}") if named.source or other else ""
-        if plan.way == FILE and plan.file:
+        if plan.way == state.FILE and plan.file:
             times = f", {plan.times[-1] - plan.times[0]:g} s" if plan.times else ""
             return box(f"<b>{esc(plan.file_name)}</b>: {len(plan.file)} points{times}")
         return ""
@@ -193,8 +181,8 @@ class WayFolder(Group):
         """The plane of a stroke, with what was drawn in it."""
         if not isinstance(news, Moved):
             return
-        plan, reach = self.review[Plan], news.reach
-        if plan.way != STROKE or reach is None:
+        plan, reach = self.review[state.Plan], news.reach
+        if plan.way != state.STROKE or reach is None:
             self._sketch.draw(None)
             self._sketch.mark("")
             return
@@ -211,6 +199,6 @@ class WayFolder(Group):
         self._sketch.mark(sketch_mark(axes, figure.axes, path[:, list(reach.plane)], here))
 
 
-def _chosen(way: str) -> SetPlan:
+def _chosen(way: str) -> state.SetPlan:
     """Another way; one with a law of its own runs by that, until another is chosen."""
-    return SetPlan(tuple(({"way": way} | ({} if way in OWN else BY_ITS_LAW)).items()))
+    return state.SetPlan(tuple(({"way": way} | ({} if way in state.OWN else BY_ITS_LAW)).items()))

@@ -17,16 +17,7 @@ from kinematics.answers.trajectories import Playback
 from kinematics.errors import InputError
 from kinematics.machine import Machine
 from kinematics.mechanism import Coordinate
-from kinematics.trajectories import (
-    LAWS,
-    Limits,
-    Path,
-    TimeLaw,
-    drawn,
-    law,
-    line,
-    trapezoidal,
-)
+from kinematics.trajectories import LAWS, Limits, Path, TimeLaw, drawn, law, line, trapezoidal
 from kinematics.trajectories.fits import HIGHEST
 from kinematics.trajectories.points import PACE, through
 

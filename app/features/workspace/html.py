@@ -9,16 +9,14 @@ from app.review.state import Review
 from app.review.units import area_text, minus, plural, spaced, tenths, volume_text
 from app.scene import palette
 from app.terminal.tables import surface_text
-from app.widgets.texts import NUMERIC, aged, box, chip, esc, red, table, tone
+from app.widgets.texts import NUMERIC, aged, box, chip, esc, faint, red, styled, table, tone
 from kinematics.answers.sections import Volume
-
-FAINT = "opacity:.75"
 
 
 def report_html(review: Review, solids: Solids) -> str:
     """Whether the machine is inside, and the solids that are no limb's."""
     where, color = ("inside", tone("good")) if inside(review) else ("outside", palette.BEYOND)
-    lines = [f'The present position is <b style="color:{color}">{where}</b> this workspace.']
+    lines = [f"The present position is {styled(where, f'color:{color}', 'b')} this workspace."]
     for wish in solids.wishes:
         key = wish.spec.key
         if wish.spec.limb is not None or key == ASPECTS:
@@ -36,20 +34,18 @@ def _solid(built: Built) -> str:
     lines = []
     if solid.pieces:
         pieces = " · ".join(volume_text(p.volume) for p in solid.pieces[:8])
+        whole = volume_text(solid.volume, solid.volume_error)
+        head = styled(whole, "font-size:1.25em;font-weight:600")
         lines = [
-            f'<span style="font-size:1.25em;font-weight:600">'
-            f"{volume_text(solid.volume, solid.volume_error)}</span> in "
-            f"{plural(len(solid.pieces), 'piece')}",
+            f"{head} in {plural(len(solid.pieces), 'piece')}",
             pieces + (" · …" if len(solid.pieces) > 8 else ""),
         ]
     elif built.resolution == "fine":
         lines.append("At this orientation the workspace is empty.")
     else:
         lines.append("Nothing is large enough to be seen yet; a finer look is on its way.")
-    lines.append(
-        f'<span style="opacity:0.75">{built.resolution} solid · {spaced(solid.volume)} mm³ · '
-        f"{solid.triangles} triangles<br>{surface_text(solid)}</span>"
-    )
+    made = f"{built.resolution} solid · {spaced(solid.volume)} mm³ · {solid.triangles} triangles"
+    lines.append(faint(f"{made}<br>{surface_text(solid)}"))
     return "<br>".join(lines)
 
 
@@ -86,19 +82,14 @@ def exact_html(solids: Solids, sections: Sections) -> str:
         off = built.solid.volume - volume.value
         share = minus(f"{100 * off / volume.value:+.2g}")
         signed = minus(f"{off:+,.0f}".replace(",", " "))
-        lines.append(
-            f'<span style="{FAINT}">the {built.resolution} solid differs by {signed} mm³ '
-            f"({share} %)</span>"
-        )
+        solid = f"the {built.resolution} solid differs by {signed} mm³ ({share} %)"
+        lines.append(faint(solid))
     return box("<br>".join(lines))
 
 
 def _exact(volume: Volume) -> str:
     exact = f"{volume.value:,.0f} ± {volume.error:,.2g} mm³".replace(",", " ")
-    return (
-        f"Exact: <b>{volume_text(volume.value, volume.error)}</b> "
-        f'<span style="{FAINT}">({exact})</span>'
-    )
+    return f"Exact: <b>{volume_text(volume.value, volume.error)}</b> {faint(f'({exact})')}"
 
 
 def inscribed_html(sections: Sections) -> str:
@@ -148,8 +139,6 @@ def regions_html(laying: Laying) -> str:
         if len(laid.locus)
         else ""
     )
-    quiet = f"{FAINT};white-space:nowrap"
-    return box(
-        f'{table(rows, ("", NUMERIC, quiet, quiet))}<span style="{FAINT}">{exactly}.{joined}{some}'
-        f"</span>{curves}"
-    )
+    quiet = "opacity:.75;white-space:nowrap"
+    told = faint(f"{exactly}.{joined}{some}")
+    return box(f"{table(rows, ('', NUMERIC, quiet, quiet))}{told}{curves}")

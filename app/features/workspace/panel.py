@@ -7,9 +7,8 @@ from typing import Any
 
 from app.features.section.compute import Sections
 from app.features.section.part import SectionPart
+from app.features.workspace import html
 from app.features.workspace.compute import Laying, Solids
-from app.features.workspace.html import exact_html, inscribed_html, parts_html, regions_html
-from app.features.workspace.html import report_html as report
 from app.features.workspace.part import RegionsPart
 from app.features.workspace.state import (
     ASPECTS,
@@ -23,13 +22,7 @@ from app.features.workspace.state import (
 )
 from app.review.modes import matching, page_mode
 from app.review.state import Review
-from app.widgets.desk import (
-    Client,
-    Group,
-    Panel,
-    Sheet,
-    explain,
-)
+from app.widgets.desk import Client, Group, Panel, Sheet, explain
 from app.widgets.texts import box, esc
 from kinematics.facets.solids import SolidSpec, SurfaceKind
 from kinematics.machine import Machine
@@ -151,10 +144,10 @@ class WorkspacePanel(Panel):
                 self._draw_solids()
 
     def _draw_solids(self) -> None:
-        self.say(self._report, report(self.review, self._solids))
-        self.say(self._parts, parts_html(self._solids))
+        self.say(self._report, html.report_html(self.review, self._solids))
+        self.say(self._parts, html.parts_html(self._solids))
         if self._measured is not None:
-            self.say(self._exact, exact_html(self._solids, self._measured))
+            self.say(self._exact, html.exact_html(self._solids, self._measured))
 
     # --- widgets
 
@@ -210,7 +203,7 @@ class UsableFolder(Group):
 
     def told(self, sheet: Sheet, news: Any) -> None:
         if isinstance(news, Sections):
-            self.say(self._told, inscribed_html(news))
+            self.say(self._told, html.inscribed_html(news))
             self.set(self._hide, visible=news.ball is not None or news.box is not None)
             self.set(self._go, visible=news.ball is not None)
 
@@ -239,7 +232,7 @@ class RegionsFolder(Group):
 
     def told(self, sheet: Sheet, news: Any) -> None:
         if isinstance(news, Laying):
-            self.say(self._report, regions_html(news), news.stale)
+            self.say(self._report, html.regions_html(news), news.stale)
 
 
 PANELS = (WorkspacePanel,)

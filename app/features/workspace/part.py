@@ -8,18 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from app.features.review.files import build_file, solid_name
-from app.features.workspace.compute import (
-    REGIONS,
-    SOLIDS,
-    Built,
-    Laying,
-    Solids,
-    SolidWish,
-    modes_of,
-    solid_asked,
-    wish,
-    wishes,
-)
+from app.features.workspace import compute
 from app.features.workspace.files import regions_file
 from app.features.workspace.painter import Painter
 from app.features.workspace.scene import Flats
@@ -50,8 +39,8 @@ class SolidsPart(Part):
     def __init__(self, stage: Stage) -> None:
         super().__init__(stage)
         self._painter = Painter()
-        self._wishes: tuple[SolidWish, ...] = ()
-        self._shown: dict[str, tuple[Built, tuple[Coat, ...]]] = {}
+        self._wishes: tuple[compute.SolidWish, ...] = ()
+        self._shown: dict[str, tuple[compute.Built, tuple[Coat, ...]]] = {}
         self._design: Design | None = None  # which has been seen whole
 
     def lane(self, name: str) -> Lane:
@@ -68,39 +57,40 @@ class SolidsPart(Part):
     # --- what is wanted
 
     def wished(self, view: View) -> Iterable[Asked[Any, Any]]:
-        self._wishes = wishes(view.review)
+        self._wishes = compute.wishes(view.review)
         for resolution in RESOLUTIONS:
             for each in self._wishes:
-                yield solid_asked(each, resolution, idle=not self._begins(each, resolution))
+                yield compute.solid_asked(each, resolution, idle=not self._begins(each, resolution))
         for built in self._built().values():
             field = self._painter.asked(view.review, built.wish, built.solid)
             if field is not None:
                 yield field
 
-    def _begins(self, each: SolidWish, resolution: Resolution) -> bool:
+    def _begins(self, each: compute.SolidWish, resolution: Resolution) -> bool:
         """Whether a solid is worth building at a resolution now."""
         best = self._best(each)
         if resolution == "preview":
             return best is None
         # The preview first: two cores are not many.
         if best is None:
-            return self.answers.given_up(solid_asked(each, "preview"))
+            return self.answers.given_up(compute.solid_asked(each, "preview"))
         return RESOLUTIONS.index(best) < RESOLUTIONS.index(resolution)
 
-    def _best(self, each: SolidWish) -> Resolution | None:
+    def _best(self, each: compute.SolidWish) -> Resolution | None:
         """The finest of a solid that is there."""
         return next(
-            (r for r in reversed(RESOLUTIONS) if self.answers.kept(solid_asked(each, r))), None
+            (r for r in reversed(RESOLUTIONS) if self.answers.kept(compute.solid_asked(each, r))),
+            None,
         )
 
-    def _built(self) -> dict[str, Built]:
+    def _built(self) -> dict[str, compute.Built]:
         """Those that are there."""
         built = {}
         for each in self._wishes:
             best = self._best(each)
-            solid = None if best is None else self.answers.kept(solid_asked(each, best))
+            solid = None if best is None else self.answers.kept(compute.solid_asked(each, best))
             if best is not None and solid is not None:
-                built[each.spec.key] = Built(each, best, solid)
+                built[each.spec.key] = compute.Built(each, best, solid)
         return built
 
     # --- what is shown
@@ -112,7 +102,9 @@ class SolidsPart(Part):
             opacity = each.opacity
             if key in built:
                 self._shown[key] = built[key], self._coats(review, built[key])
-            elif key in self._shown and not self.answers.given_up(solid_asked(each, "preview")):
+            elif key in self._shown and not self.answers.given_up(
+                compute.solid_asked(each, "preview")
+            ):
                 # The new one is on its way; until then the one before stays where it was.
                 old[key] = self._shown[key][0]
                 if self.aged(self.answers.of(*_preview(each))):
@@ -134,9 +126,9 @@ class SolidsPart(Part):
             self._design = review.design
         scales = (self._painter.scale(key) for key in built)
         scale = next((steps for steps in scales if steps is not None), None)
-        self.stage.tell(Solids(self._wishes, built, old, scale))
+        self.stage.tell(compute.Solids(self._wishes, built, old, scale))
 
-    def _coats(self, review: Review, built: Built) -> tuple[Coat, ...]:
+    def _coats(self, review: Review, built: compute.Built) -> tuple[Coat, ...]:
         asked = self._painter.asked(review, built.wish, built.solid)
         values = None if asked is None else self.answers.of(asked.question, asked.request).now
         return self._painter.coats(review, built.wish, built.solid, values)
@@ -157,13 +149,13 @@ class SolidsPart(Part):
     def save_solid(self, key: str, kind: str, resolution: str, part: str, client: Client) -> None:
         """Save a solid on display, or one part of it."""
         review = self.stage.review
-        each = next((w for w in wishes(review) if w.spec.key == key), None)
+        each = next((w for w in compute.wishes(review) if w.spec.key == key), None)
         if each is None:
             self.stage.complain("that solid is not shown any more", client)
             return
         axes = zip(review.machine.coordinates, review.pose, strict=True)
         angles = tuple((c, v) for c, v in axes if c.unit == "rad")
-        name = solid_name(review.design, key, angles, modes_of(review, each.spec))
+        name = solid_name(review.design, key, angles, compute.modes_of(review, each.spec))
         named = kind, name, part
         request = next(made for r, made in each.requests.items() if r == resolution)
         self.save(each, lambda each: apart(build_file, request, each.placement, *named), client)
@@ -185,14 +177,14 @@ class RegionsPart(Part):
         self._fitted = False
 
     def wished(self, view: View) -> Iterable[Asked[Any, Any]]:
-        wanted = wish(view.review)
-        return () if wanted is None else (REGIONS(wanted),)
+        wanted = compute.wish(view.review)
+        return () if wanted is None else (compute.REGIONS(wanted),)
 
     def show(self, sheet: Sheet) -> None:
-        told = self.answers[REGIONS]
+        told = self.answers[compute.REGIONS]
         if self._scene is not None:
             self._scene.show(told.shown, faint=self.aged(told))
-        self.stage.tell(Laying(told.shown, told.stale, told.trouble))
+        self.stage.tell(compute.Laying(told.shown, told.stale, told.trouble))
         if told.now is not None and not self._fitted:
             self._fitted = True
             self.stage.fit_view()
@@ -200,7 +192,7 @@ class RegionsPart(Part):
     @property
     def bounds(self) -> tuple[Array, Array] | None:
         """The box around the regions on display, mm."""
-        laid = self.answers[REGIONS].shown
+        laid = self.answers[compute.REGIONS].shown
         if laid is None or not len(laid.lines):
             return None
         points = laid.lines.reshape(-1, 3)
@@ -209,12 +201,12 @@ class RegionsPart(Part):
     def save_regions(self, kind: str, client: Client) -> None:
         """Save the plane regions on display as a file of this kind."""
         missing = "There are no regions to save yet; show them first."
-        laid = self.answers[REGIONS].now
+        laid = self.answers[compute.REGIONS].now
         self.save(laid, lambda laid: regions_file(laid, kind), client, missing)
 
 
 PARTS = (SolidsPart, RegionsPart)
 
 
-def _preview(each: SolidWish) -> tuple[Any, Any]:
-    return SOLIDS["preview"], each.requests["preview"]
+def _preview(each: compute.SolidWish) -> tuple[Any, Any]:
+    return compute.SOLIDS["preview"], each.requests["preview"]
