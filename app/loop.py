@@ -30,9 +30,8 @@ from app.review.history import History
 from app.review.state import Options, Review
 from app.scene.camera import fit
 from app.scene.machine import Scene
-from app.widgets.desk import Group, Hands, Panel, Sheet, safely
+from app.widgets.desk import Group, Hands, Panel, Sheet, add_hotkeys, safely
 from app.widgets.header import Header
-from app.widgets.hotkeys import add_hotkeys
 from kinematics.errors import InputError
 
 log = logging.getLogger(__name__)

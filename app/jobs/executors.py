@@ -16,8 +16,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from app.jobs.process import Process, give_way
-from app.jobs.spawning import Spawning
+from app.jobs.process import Process, Spawning, give_way
 from kinematics.errors import ComputationError, InputError
 
 YIELD = 10  # how much the processes give way to whatever a person is waiting for (nice)

@@ -7,17 +7,35 @@ none of it runs in the server's process.
 from __future__ import annotations
 
 import os
+import signal
 from collections.abc import Callable
 from multiprocessing.connection import Connection
-from typing import TYPE_CHECKING, TypeVar
+from multiprocessing.context import SpawnContext, SpawnProcess
+from typing import TypeVar
 
-from app.jobs.spawning import Spawning
 from kinematics.errors import BohemiaError
 
-if TYPE_CHECKING:
-    from multiprocessing.context import SpawnProcess
-
 T = TypeVar("T")
+
+
+class _Quiet(SpawnProcess):
+    def start(self) -> None:
+        """A signal that is blocked here is blocked there as well: a process that is still starting
+        would answer Ctrl-C with a traceback."""
+        if not hasattr(signal, "pthread_sigmask"):  # Windows
+            super().start()
+            return
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            super().start()
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+class Spawning(SpawnContext):
+    """As `multiprocessing.get_context("spawn")`."""
+
+    Process = _Quiet
 
 
 class Process:
@@ -26,7 +44,7 @@ class Process:
     def __init__(self, name: str, prepare: Callable[[], None]) -> None:
         context = Spawning()
         self._pipe, theirs = context.Pipe()
-        self._process: SpawnProcess = context.Process(
+        self._process = context.Process(
             target=_serve, args=(theirs, prepare), daemon=True, name=f"bohemia-{name}"
         )
         self._process.start()
@@ -89,8 +107,6 @@ def load_solids() -> None:
 
 def _serve(pipe: Connection, prepare: Callable[[], None]) -> None:
     """What a spawned process does until its parent goes away."""
-    import signal
-
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server; it ends us
     prepare()
     while True:

@@ -71,7 +71,7 @@ def sentence(text: str) -> str:
 
 
 def minus(text: str) -> str:
-    """A number with a minus sign as wide as a digit."""
+    """A number, or a mode, with minus signs as long as plus signs."""
     return text.replace("-", "−")
 
 

@@ -16,6 +16,7 @@ from kinematics.arrays import Array
 NO_LINE = np.zeros((1, 2, 3), dtype=np.float32)
 NOTHING = np.zeros((3, 3), dtype=np.float32)  # a mesh of no area
 ONE_FACE = np.array([[0, 1, 2]], dtype=np.uint32)
+LIMBS = 8  # nodes of edges; more than any mechanism has
 _ELSEWHERE = {"position": (-1e5, -1e5, -1e5), "wxyz": (0.0, 0.0, 0.0, 1.0)}
 
 
@@ -130,6 +131,32 @@ class Nodes:
         """A node was made anew, or a hand has moved it: what it has is not known."""
         for slot in [slot for slot in self._set if slot[0] == name]:
             del self._set[slot]
+
+
+class Edges:
+    """Scene nodes, made once for a mechanism, then only brought up to date."""
+
+    def __init__(self, nodes: Nodes, parent: str, thickness: float) -> None:
+        """Make them below a node, with nothing to see; ``thickness`` in px."""
+        self._nodes = nodes
+        self._limbs = [
+            nodes.lines(f"{parent}/edges{n}", palette.limb_color(n), thickness)
+            for n in range(1, LIMBS + 1)
+        ]
+        self._locus = nodes.lines(f"{parent}/locus", palette.BEYOND, thickness)
+
+    def show(self, lines: Array, limb: NDArray[Any], locus: Array) -> None:
+        """Edges (S, 2, 3) mm, each of a limb (S,), from 1; segments (L, 2, 3) mm along the curves
+        where control is lost.
+        """
+        for n, node in enumerate(self._limbs, 1):
+            self._nodes.points(node, lines[limb == n])
+        self._nodes.points(self._locus, locus)
+
+    def hide(self) -> None:
+        """Show nothing."""
+        for node in (*self._limbs, self._locus):
+            self._nodes.set(node, visible=False)
 
 
 def colors(codes: Sequence[str]) -> np.ndarray:

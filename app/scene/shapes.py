@@ -54,6 +54,11 @@ def body_mesh(body: Body) -> tuple[np.ndarray, np.ndarray]:
     """The hull of balls about the body's points, turned outwards."""
     points = np.array(body.points, dtype=float)
     cloud = (points[:, None, :] + body.radius * ball()[None]).reshape(-1, 3)
+    return _hull(cloud)
+
+
+def _hull(cloud: Array) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices (V, 3) and faces (F, 3) of the hull of points, turned outwards."""
     hull = ConvexHull(cloud)
     corners = cloud[hull.simplices]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -64,3 +69,4 @@ def body_mesh(body: Body) -> tuple[np.ndarray, np.ndarray]:
 
 
 CYLINDER = cylinder(24)
+BALL = _hull(ball(24, 48))

@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar, ParamSpec, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, ParamSpec, Protocol, TypeVar, cast
 
 import viser
 
@@ -106,6 +106,23 @@ class Command:
     description: str
     key: str
     act: Callable[[], None]
+
+
+def add_hotkeys(desk: Desk, commands: Iterable[Command]) -> None:
+    """Put commands into the palette, with their keys."""
+    for each in commands:
+        *control, key = each.key.split("+")
+        made = desk.gui.add_command(
+            each.label,
+            description=each.description,
+            hotkey=cast(Any, key),
+            modifier="cmd/ctrl" if control else None,
+        )
+
+        def triggered(_: object, act: Callable[[], None] = each.act) -> None:
+            safely(desk, None, act)
+
+        made.on_trigger(triggered)
 
 
 class Group:

@@ -14,8 +14,7 @@ import pytest
 
 from app.features.singularities import compute
 from app.features.singularities import html as told
-from app.features.singularities.compute import Controlled, Here, Logged
-from app.features.singularities.part import counterpart, spot_of
+from app.features.singularities.compute import Controlled, Here, Logged, counterpart, spot_of
 from app.features.singularities.state import SetControl
 from app.features.workspace.compute import Solids
 from app.features.workspace.state import Shown, Workspace

@@ -9,7 +9,7 @@ from dataclasses import replace
 import pytest
 
 from app.features.solutions.compute import Row
-from app.features.solutions.html import glyph, key_html, row_html, strokes_html
+from app.features.solutions.html import glyph, key_text, row_html, strokes_html
 from kinematics.mechanism import Coordinate
 
 AXES = (
@@ -77,8 +77,8 @@ def test_mechanisms_without_signs_or_places() -> None:
     assert '<text class="d"' in drawn
     assert "<rect" not in drawn
     assert "mm" not in _text(row_html(replace(row, mode="", here=True), tilted)).split("#12")[1]
-    assert key_html(tilted, 0) == "dials: ψ"
-    assert key_html(AXES, 2) == "ticks: side of limbs 1–2 · dials: φ · map: x, y · level: z"
+    assert key_text(tilted, 0) == "dials: ψ"
+    assert key_text(AXES, 2) == "ticks: side of limbs 1–2 · dials: φ · map: x, y · level: z"
 
 
 def test_strokes_show_where_an_actuator_may_go() -> None:

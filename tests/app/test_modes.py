@@ -6,7 +6,8 @@ from itertools import product
 
 import pytest
 
-from app.review.modes import matching, page_mode
+from app.review.units import minus as page_mode
+from kinematics.answers.modes import matching
 from kinematics.errors import InputError
 
 FIVE = tuple("".join(signs) for signs in product("+-", repeat=5))

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from app.features.trajectory import compute
 from app.features.trajectory.compute import Asked, Computed
+from app.features.trajectory.files import polynomial
 from app.features.trajectory.html import fits_html, summary_html
 from app.features.trajectory.playing import Player, on_the_way
 from app.features.trajectory.plot import (
@@ -28,7 +29,6 @@ from app.features.trajectory.plot import (
 from app.features.trajectory.scene import along, wrong
 from app.features.trajectory.sketch import read_stroke, sketch_axes, sketch_figure, sketch_mark
 from app.features.trajectory.state import SetPlan
-from app.features.trajectory.text import polynomial
 from app.review.changes import change
 from app.review.state import Review, new_review
 from app.widgets.boxes import shown_pose, typed_numbers, typed_pose, units

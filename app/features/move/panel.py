@@ -8,9 +8,8 @@ from functools import partial
 from typing import Any
 
 from app.features.move.state import Drive, Flip, GiveWay, GoHome, Move, Place
-from app.review.modes import page_mode
 from app.review.state import Review
-from app.review.units import page_unit
+from app.review.units import minus, page_unit
 from app.review.view import JointRow, Moment
 from app.scene import palette
 from app.widgets.desk import Client, Panel, Sheet, Slider, explain
@@ -178,7 +177,7 @@ def _other_modes(review: Review) -> str:
     noun = review.machine.mode_noun
     if not able:
         return box(f"No {noun} reaches this pose within the strokes.")
-    some = ", ".join(page_mode(m) for m in able[:6]) + (" …" if len(able) > 6 else "")
+    some = ", ".join(minus(m) for m in able[:6]) + (" …" if len(able) > 6 else "")
     return box(f"{len(able)} of {len(answered.modes)} {noun}s reach this pose: {some}")
 
 

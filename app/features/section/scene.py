@@ -14,8 +14,8 @@ import numpy as np
 
 from app.features.section.compute import Drawn, Extent
 from app.scene import palette
-from app.scene.edges import Edges
-from app.scene.nodes import NO_LINE, Nodes, triple
+from app.scene.nodes import NO_LINE, Edges, Nodes, triple
+from app.scene.shapes import BALL
 from kinematics.answers.sections import Box, Sphere
 from kinematics.arrays import Array
 
@@ -90,7 +90,7 @@ class Ball:
     def __init__(self, nodes: Nodes, name: str, color: str) -> None:
         self._nodes = nodes
         self._node = nodes.mesh(f"{name}/ball", color, None)
-        self._node.vertices, self._node.faces = _BALL
+        self._node.vertices, self._node.faces = BALL
         self._label = nodes.label(f"/labels{name} ball")
 
     def show(self, ball: Sphere | None) -> None:
@@ -125,22 +125,5 @@ class Inside:
         self._nodes.text(self._label, text, top)
 
 
-def _sphere(rings: int = 24, sides: int = 48) -> tuple[np.ndarray, np.ndarray]:
-    """A unit sphere: vertices (V, 3) and faces (F, 3) turned outwards."""
-    polar, around = np.meshgrid(
-        np.pi * np.arange(rings + 1) / rings,
-        2 * np.pi * np.arange(sides) / sides,
-        indexing="ij",
-    )
-    vertices = np.stack(
-        [np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar)], axis=-1
-    ).reshape(-1, 3)
-    ring, side = np.meshgrid(np.arange(rings), np.arange(sides), indexing="ij")
-    a, b = ring * sides + side, ring * sides + (side + 1) % sides
-    faces = np.stack([a, a + sides, b, b, a + sides, b + sides], axis=-1).reshape(-1, 3)
-    return vertices.astype(np.float32), faces.astype(np.uint32)
-
-
-_BALL = _sphere()
 _CORNERS = np.array([[n & 1, n >> 1 & 1, n >> 2 & 1] for n in range(8)], dtype=bool)
 _BOX_EDGES = np.array([[n, n | 1 << k] for n in range(8) for k in range(3) if not n >> k & 1])

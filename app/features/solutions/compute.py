@@ -15,11 +15,11 @@ import numpy as np
 
 from app.features.solutions.state import SAME_MODE, Atlas
 from app.jobs.answers import Question
-from app.review.modes import matching
 from app.review.state import Review
 from app.review.units import place_text
 from app.review.view import View
 from app.terminal import tables
+from kinematics.answers.modes import matching
 from kinematics.answers.solutions import Fold, ForwardSolutions, Merged, Posture, Refreshed
 from kinematics.arrays import Array
 from kinematics.machine import machine_of

@@ -10,9 +10,8 @@ import math
 from collections.abc import Sequence
 
 from app.features.solutions.compute import Ahead, Known, Listed, Row, partner
-from app.review.modes import page_mode
 from app.review.state import Review
-from app.review.units import joint_text, pose_text, tenths
+from app.review.units import joint_text, minus, pose_text, tenths
 from app.scene import palette
 from app.terminal.tables import condition_text
 from app.widgets.texts import box, edged, esc, quiet, red, styled, table, tone, track
@@ -70,7 +69,7 @@ def row_html(row: Row, axes: Sequence[Coordinate]) -> str:
         f"{f' <i>{esc(row.remark)}</i>' if row.remark else ''}"
     )
     what = "The present solution" if row.here else "Go to solution"
-    hint = f"{what} #{row.identity}" + (f", mode {page_mode(row.mode)}" if row.mode else "")
+    hint = f"{what} #{row.identity}" + (f", mode {minus(row.mode)}" if row.mode else "")
     return (
         f'<div class="{names}" title="{esc(hint)}">{glyph(row, axes)}'
         f'<div><span class="n">{esc(hint)}: </span>{first}<br>{second}</div></div>'
@@ -186,13 +185,13 @@ def words(review: Review, ahead: Ahead, known: Known | None) -> str:
         f"{pose_text(review.machine.coordinates, fold.pose)}"
     )
     if fold.mode != review.mode:
-        text += f" (by then in mode {page_mode(fold.mode)})"
+        text += f" (by then in mode {minus(fold.mode)})"
     if fold.partner is None:
         return f"{text}. The branch that it merges with does not reach back to these lengths."
     of_this = known is not None and known.is_of(review)  # else of the machine before
     other = partner(known, fold.partner) if of_this else None
     name = "a solution" if other is None else f"solution #{other}"
-    return f"{text}. There it merges with {name} (mode {page_mode(fold.partner.mode)})."
+    return f"{text}. There it merges with {name} (mode {minus(fold.partner.mode)})."
 
 
 def count_html(atlas: Listed, trouble: str) -> str:

@@ -11,11 +11,12 @@ from app.features.solutions import html
 from app.features.solutions.compute import Ahead, Listed, Row
 from app.features.solutions.part import Solutions, SolutionsPart
 from app.features.solutions.state import SAME_MODE, Atlas, SetAtlas, Sort
-from app.review.modes import matching, page_mode
 from app.review.state import Review
+from app.review.units import minus
 from app.review.view import Moment
 from app.widgets.desk import Client, Elsewhere, Panel, Sheet, explain
 from app.widgets.texts import box, esc, quiet
+from kinematics.answers.modes import matching
 
 SORTED: dict[str, Sort] = {
     "Distance from here": "distance",
@@ -219,4 +220,4 @@ def _unfinished(text: str, limbs: int) -> bool:
 
 def _pattern(review: Review) -> str:
     modes = review[Atlas].modes
-    return page_mode(modes if modes and modes != SAME_MODE else review.mode)
+    return minus(modes if modes and modes != SAME_MODE else review.mode)

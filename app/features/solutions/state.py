@@ -7,8 +7,8 @@ from typing import ClassVar, Literal, Self
 
 from app.review import content as session
 from app.review.changes import SetOne
-from app.review.modes import matching
 from app.review.state import Review, Slice
+from kinematics.answers.modes import matching
 
 Sort = Literal["distance", "condition", "height", "mode"]
 SORTS: tuple[Sort, ...] = ("distance", "condition", "height", "mode")
@@ -20,7 +20,7 @@ class Atlas(Slice):
     """How the solutions are shown.
 
     ``modes`` filters the list: "" for all, `SAME_MODE` for the present working mode, else patterns
-    that `app.review.modes.matching` understands.
+    that `kinematics.answers.modes.matching` understands.
     """
 
     filed_as: ClassVar[str] = "solutions"

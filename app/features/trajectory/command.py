@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.features.move.command import wrench_entries
-from app.features.trajectory.text import LOST, polynomial
+from app.features.trajectory.files import LOST, polynomial
 from app.terminal import tables, values
 from app.terminal.command import Answer, Output, command, progress
 from app.terminal.options import DESIGN, argument, choice, mode, option, output

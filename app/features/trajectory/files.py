@@ -1,6 +1,7 @@
-"""Samples of trajectories as CSV, in people's units; points are read by `kinematics.trajectories`.
+"""Trajectories as text, in people's units: samples as CSV, and polynomials of time.
 
-Lengths mm, angles degrees, times s; forces N, torques N·mm.
+Points are read by `kinematics.trajectories`. Lengths mm, angles degrees, times s; forces N, torques
+N·mm.
 """
 
 from __future__ import annotations
@@ -15,6 +16,11 @@ from kinematics.trajectories import Trajectory
 from kinematics.trajectories.points import LARGEST, MOST, Points, read_points
 
 __all__ = ["LARGEST", "MOST", "Points", "read_points", "trajectory_csv"]
+
+LOST = (
+    "The powers of t lose more digits than a number holds: the true error is that of the "
+    "polynomials as they are printed."
+)
 
 
 def columns_of(
@@ -64,3 +70,15 @@ def trajectory_csv(
 
 def _plain(value: float) -> float | int:
     return int(value) if isfinite(value) and value == int(value) and abs(value) < 1e15 else value
+
+
+def polynomial(coefficients: Sequence[float], digits: int = 4) -> str:
+    """ "0.5t^2 - 1.2t + 3" of coefficients from t⁰ upwards."""
+    terms = [_term(value, power, digits) for power, value in enumerate(coefficients)]
+    return " ".join(reversed(terms)).removeprefix("+ ")
+
+
+def _term(value: float, power: int, digits: int) -> str:
+    sign = "-" if value < 0 else "+"
+    factor = {0: "", 1: "t"}.get(power, f"t^{power}")
+    return f"{sign} {abs(value):.{digits}g}{factor}"

@@ -8,7 +8,7 @@ from math import isfinite
 import numpy as np
 
 from app.features.trajectory.compute import Computed, Moved
-from app.features.trajectory.text import LOST, polynomial
+from app.features.trajectory.files import LOST, polynomial
 from app.review.units import minus, page_unit, sentence
 from app.scene import palette
 from app.widgets.texts import Tone, aged, box, chip, esc, red, styled, table, tone

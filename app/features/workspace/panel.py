@@ -20,10 +20,11 @@ from app.features.workspace.state import (
     Show,
     Workspace,
 )
-from app.review.modes import matching, page_mode
 from app.review.state import Review
+from app.review.units import minus
 from app.widgets.desk import Client, Group, Panel, Sheet, explain
 from app.widgets.texts import box, esc
+from kinematics.answers.modes import matching
 from kinematics.facets.solids import SolidSpec, SurfaceKind
 from kinematics.machine import Machine
 
@@ -244,4 +245,4 @@ def _shown(key: str, review: Review) -> bool:
 
 def _set_text(review: Review) -> str:
     modes = review[Workspace].modes
-    return ", ".join(map(page_mode, modes if isinstance(modes, tuple) else (review.mode,)))
+    return ", ".join(map(minus, modes if isinstance(modes, tuple) else (review.mode,)))

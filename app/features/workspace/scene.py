@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from app.features.workspace.compute import Laid, region_colors
 from app.scene import palette
-from app.scene.edges import Edges
-from app.scene.nodes import Nodes
+from app.scene.nodes import Edges, Nodes
 
 MOST = 12  # regions with a mesh of their own
 OPACITY, FAINT = 0.55, 0.2
