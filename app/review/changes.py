@@ -6,7 +6,8 @@ Each feature has its own, in its file `state`.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from functools import partial
+from typing import Any
 
 from app.review.state import Options, Review, Slice
 
@@ -51,22 +52,23 @@ def change(review: Review, what: Change) -> Taken:
 
 @dataclass(frozen=True)
 class SetOne(Change):
-    """Set one thing of a slice; the value is of the kind that the slice has there."""
+    """Set one thing of a slice of a kind; the value is of the kind that the slice has there."""
 
-    kind: ClassVar[type[Slice]]
+    kind: type[Slice]
     name: str
     value: Any
+
+    @property
+    def gesture(self) -> str:
+        return self.kind.gesture(self.name, self.value)
 
     def apply(self, review: Review) -> Taken:
         wanted = replace(review[self.kind], **{self.name: self.value})
         return review.having(wanted.checked(review)), ""
 
 
-@dataclass(frozen=True)
-class SetOption(SetOne):
-    """Switch something that is drawn."""
-
-    kind = Options
+SetOption = partial(SetOne, Options)
+"""Switch something that is drawn."""
 
 
 @dataclass(frozen=True)

@@ -35,6 +35,11 @@ class Slice:
         """That of a machine which nobody has touched; the review has no slice of this kind yet."""
         return cls()
 
+    @classmethod
+    def gesture(cls, name: str, value: Any) -> str:
+        """What joins the steps of one drag that sets a field, for undo; "" for nothing."""
+        return ""
+
     def checked(self, review: Review) -> Self:
         """The same, once it is known to be sound.
 

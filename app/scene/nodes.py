@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -95,6 +95,14 @@ class Nodes:
         """A text above a point."""
         return self.server.scene.add_label(name, "", anchor="bottom-center", visible=False)
 
+    def dragged(self, handle: Any, act: Callable[[str, int | None, Any], None]) -> None:
+        """Call ``act(phase, client, handle)`` when a hand moves a handle."""
+
+        async def moved(event: Any) -> None:
+            act(event.phase, event.client_id, event.target)
+
+        handle.on_update(moved)
+
     # --- bringing up to date
 
     def set(self, node: Any, **values: Any) -> None:
@@ -172,3 +180,11 @@ def triple(point: Array) -> tuple[float, float, float]:
 def wxyz(rotation: Array) -> tuple[float, ...]:
     """A rotation matrix as a quaternion."""
     return tuple(float(v) for v in tf.SO3.from_matrix(rotation).wxyz)
+
+
+def transform(node: Any) -> Array:
+    """Where a node is, (4, 4)."""
+    placed = np.eye(4)
+    placed[:3, :3] = tf.SO3(np.array(node.wxyz)).as_matrix()
+    placed[:3, 3] = node.position
+    return placed

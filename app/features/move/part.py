@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from app.features.move.scene import dragged
 from app.features.move.state import Place, Visit
 from app.jobs.parts import Grip, Part
 from app.review.changes import Change
 from app.review.state import Review
 from app.review.view import View
 from app.scene.morph import Morph
+from app.scene.nodes import transform
 from kinematics.arrays import Array
 
 FRAME = 0.02  # s between two pictures on the way to another solution
@@ -31,7 +31,11 @@ class MovePart(Part):
 
     def prepare(self) -> None:
         self._grip = Grip()
-        dragged(self.stage.scene, lambda *what: self.stage.ask(self.drag, *what))
+        scene = self.stage.scene
+        scene.dragged(
+            scene.handle,
+            lambda phase, who, handle: self.stage.ask(self.drag, phase, who, transform(handle)),
+        )
 
     def drag(self, phase: str, client_id: int | None, placed: Array) -> bool:
         """A hand holds the platform, (4, 4), or lets it go."""

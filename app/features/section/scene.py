@@ -8,7 +8,6 @@ hatched, as in a drawing, and the box is its edges.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -45,11 +44,7 @@ class Plane:
             opacity=0.85,
         )
         self._handle = nodes.sized(handle, scale=0.3)
-
-        async def dragged(event: Any) -> None:
-            moved(event.phase, event.client_id, float(event.target.position[0]))
-
-        self._handle.on_update(dragged)
+        nodes.dragged(self._handle, lambda phase, who, at: moved(phase, who, float(at.position[0])))
 
     def hide(self) -> None:
         """Show nothing of it."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, ClassVar, Self
 
 from app.review import content as session
@@ -44,11 +45,8 @@ class Cut(Slice):
 SLICES = (Cut,)
 
 
-@dataclass(frozen=True)
-class SetCut(SetOne):
-    """Set one thing of the section, as whether it is on display."""
-
-    kind = Cut
+SetCut = partial(SetOne, Cut)
+"""Set one thing of the section, as whether it is on display."""
 
 
 @dataclass(frozen=True)

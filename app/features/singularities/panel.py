@@ -12,6 +12,7 @@ from app.features.singularities.part import ControlPart
 from app.features.singularities.state import Control, SetControl
 from app.features.workspace.compute import Solids
 from app.features.workspace.state import ASPECTS, Fade, Show, Workspace
+from app.review.changes import Change
 from app.review.state import Review
 from app.review.units import page_unit, pose_text, sentence
 from app.review.view import Moment
@@ -203,7 +204,7 @@ class LoadFolder(Group):
             self.switch("Forces on the limbs", Control, "forces", SetControl, "Push or pull, in N")
             self._forces = gui.add_html("")
 
-    def _load(self, _: object) -> SetControl:
+    def _load(self, _: object) -> Change:
         load = (*self._force.value, *self._moment.value)
         return SetControl("load", tuple(float(v) for v in load))
 

@@ -155,12 +155,9 @@ class Loads:
             "/control/tip", line_width=3.0, disable_rotations=True, depth_test=False, visible=False
         )
         self._tip = nodes.sized(tip, scale=0.2)
-
-        async def dragged(event: Any) -> None:
-            tip = tuple(float(v) for v in event.target.position)
-            pulled(event.phase, event.client_id, tip)
-
-        self._tip.on_update(dragged)
+        nodes.dragged(
+            self._tip, lambda phase, who, tip: pulled(phase, who, tuple(map(float, tip.position)))
+        )
 
     def show(self, view: View, here: Here | None) -> None:
         """Bring them to what is known of the present place."""

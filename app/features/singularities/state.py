@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, ClassVar, Self
 
 from app.review import content as session
@@ -53,6 +54,10 @@ class Control(Slice):
     def fresh(cls, review: Review) -> Self:
         return cls(load=usual_load(review.machine))
 
+    @classmethod
+    def gesture(cls, name: str, value: Any) -> str:
+        return f"control {name}" if isinstance(value, tuple) else ""
+
     def checked(self, review: Review) -> Self:
         machine = review.machine
         session.listed(self.shade, ("", *(m.key for m in machine.measures.specs)), "colour shows")
@@ -86,15 +91,8 @@ class Control(Slice):
 SLICES = (Control,)
 
 
-@dataclass(frozen=True)
-class SetControl(SetOne):
-    """Set one thing of what is shown of control."""
-
-    kind = Control
-
-    @property
-    def gesture(self) -> str:
-        return f"control {self.name}" if isinstance(self.value, tuple) else ""
+SetControl = partial(SetOne, Control)
+"""Set one thing of what is shown of control."""
 
 
 def usual_load(machine: Machine[Any]) -> tuple[float, ...]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Literal, Self
+from functools import partial
+from typing import Any, ClassVar, Literal, Self
 
 from app.review import content as session
 from app.review.changes import SetOne
@@ -29,6 +30,10 @@ class Atlas(Slice):
     within_stroke: bool = False
     modes: str = ""
 
+    @classmethod
+    def gesture(cls, name: str, value: Any) -> str:
+        return f"atlas {name}" if isinstance(value, str) else ""
+
     def checked(self, review: Review) -> Self:
         session.listed(self.sort, SORTS, "solutions are sorted by")
         if self.modes not in ("", SAME_MODE):
@@ -39,12 +44,5 @@ class Atlas(Slice):
 SLICES = (Atlas,)
 
 
-@dataclass(frozen=True)
-class SetAtlas(SetOne):
-    """Set one thing about how solutions are shown."""
-
-    kind = Atlas
-
-    @property
-    def gesture(self) -> str:
-        return f"atlas {self.name}" if isinstance(self.value, str) else ""
+SetAtlas = partial(SetOne, Atlas)
+"""Set one thing about how solutions are shown."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, ClassVar, Literal, Self
 
 from app.review import content as session
@@ -42,6 +43,12 @@ class Workspace(Slice):
         # A solid in another space than the machine's is shown when it is asked for.
         known = {spec.key for spec in review.machine.solid_specs if not spec.of_present_mode}
         return cls(solids=tuple(s for s in cls.solids if s.key in known))
+
+    def checked(self, review: Review) -> Self:
+        machine = review.machine
+        if isinstance(self.modes, tuple) and not set(self.modes) <= set(machine.modes):
+            raise InputError(f"these are no {machine.mode_noun}s of this mechanism")
+        return self
 
     def carried(self, before: Review, review: Review) -> Self:
         machine = review.machine
@@ -154,31 +161,9 @@ class Fade(Change):
         return review.having(replace(before, solids=solids)), ""
 
 
-@dataclass(frozen=True)
-class ChooseModes(Change):
-    """Which working modes the workspace is of."""
-
-    modes: ModeChoice | tuple[str, ...]
-
-    def apply(self, review: Review) -> Taken:
-        machine = review.machine
-        if isinstance(self.modes, tuple) and not set(self.modes) <= set(machine.modes):
-            raise InputError(f"these are no {machine.mode_noun}s of this mechanism")
-        return review.having(replace(review[Workspace], modes=self.modes)), ""
-
-
-@dataclass(frozen=True)
-class ChooseSurface(Change):
-    """What the workspace's solid is made of: facets, or the true surface."""
-
-    surface: SurfaceKind
-
-    def apply(self, review: Review) -> Taken:
-        return review.having(replace(review[Workspace], surface=self.surface)), ""
-
-
-@dataclass(frozen=True)
-class SetFlat(SetOne):
-    """Set one thing of how plane regions are shown."""
-
-    kind = Flat
+ChooseModes = partial(SetOne, Workspace, "modes")
+"""Which working modes the workspace is of."""
+ChooseSurface = partial(SetOne, Workspace, "surface")
+"""What the workspace's solid is made of: facets, or the true surface."""
+SetFlat = partial(SetOne, Flat)
+"""Set one thing of how plane regions are shown."""
