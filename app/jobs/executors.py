@@ -63,7 +63,7 @@ def local_workers(
     other = Process("prepare", partial(_first, meanwhile)) if meanwhile is not None else None
     try:
         title = f"{count} process{'' if count == 1 else 'es'}"
-        yield Workers(pool, count, title, _nothing_lost)
+        yield Workers(pool, count, title, lambda: None)  # a pool says by itself that it is broken
     finally:
         pool.shutdown(cancel_futures=True)
         if other is not None:
@@ -73,10 +73,6 @@ def local_workers(
 def _first(function: Callable[[], None]) -> None:
     _prepare()
     function()
-
-
-def _nothing_lost() -> None:
-    """A pool of processes says by itself that it is broken."""
 
 
 def _prepare() -> None:

@@ -9,6 +9,7 @@ import threading
 import time
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from app.jobs.process import Process, give_way
@@ -61,10 +62,6 @@ class Busy:
     since: float
 
 
-def _give_way() -> None:
-    give_way(4)
-
-
 class Lane:
     """Does the jobs that `want` was last told, in order; reports from its own thread.
 
@@ -78,12 +75,12 @@ class Lane:
         name: str,
         on_event: Callable[[Done | Lost | Busy], None],
         *,
-        prepare: Callable[[], None] = _give_way,
+        prepare: Callable[[], None] | None = None,
         warm: bool = False,
     ) -> None:
         self.name = name
         self._report = on_event
-        self._prepare = prepare
+        self._prepare = prepare or partial(give_way, 4)
         self._warm = warm
         self._changed = threading.Condition()
         self._jobs: tuple[Job, ...] = ()

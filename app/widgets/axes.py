@@ -15,9 +15,12 @@ from app.widgets.svg import label, line, tag
 from kinematics.mechanism import Coordinate
 
 Range = tuple[float, float]
+Bounds = tuple[Range, Range]
+"""From and to of both axes."""
 Named = tuple[str, str]
 """A symbol and its unit."""
 Words = Callable[[float], str] | None
+MARGIN = 0.06  # of the size of what is shown to scale, left free around it
 STEPS = (1.0, 2.0, 5.0)  # round numbers, times powers of ten
 TURN = (1.5, 3.0, 4.5, 9.0)  # round degrees, times powers of ten
 
@@ -64,6 +67,22 @@ class Axes:
         u = (x - self.x[0]) / (self.x[1] - self.x[0])
         v = (y - self.y[0]) / (self.y[1] - self.y[0])
         return self.left + u * wide, self.top + (1.0 - v) * high
+
+
+def equal_axes(
+    bounds: Bounds, width: float, height: float, left: float, top: float, bottom: float
+) -> Axes:
+    """Equal scale both ways, the second axis upwards, the whole panel used."""
+    (u0, u1), (v0, v1) = bounds
+    right = 14.0
+    wide, high = max(width - left - right, 20.0), max(height - top - bottom, 20.0)
+    across, up = max(u1 - u0, 1e-6), max(v1 - v0, 1e-6)
+    scale = (1.0 - 2 * MARGIN) * min(wide / across, high / up)
+    x, y = (
+        (0.5 * (low + high_) - 0.5 * size / scale, 0.5 * (low + high_) + 0.5 * size / scale)
+        for (low, high_), size in zip(bounds, (wide, high), strict=True)
+    )
+    return Axes(left + wide + right, top + high + bottom, left, top, right, bottom, x, y)
 
 
 @dataclass(frozen=True, slots=True)

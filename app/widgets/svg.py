@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from app.scene.palette import INK
 from app.widgets.texts import esc
 
 FONT = "system-ui, Segoe UI, Helvetica, Arial, sans-serif"
-SIZE = 11.0  # px of a letter
+SIZE = 11.0  # px of a letter, which is about 0.56 of it wide
+Entry = tuple[str, str, str | None]
+"""Of a legend: a text, and the colour and the dashes of a line."""
 
 
 def tag(name: str, content: str = "", /, **look: object) -> str:
@@ -38,6 +42,26 @@ def label(x: float, y: float, text: str, anchor: str = "middle", /, **look: obje
     """A text, in the page's own colour as a rule; nothing for none."""
     looks = {"text_anchor": anchor, "fill": "currentColor"} | look
     return tag("text", esc(text), x=x, y=y, **looks) if text else ""
+
+
+def legend(entries: Sequence[Entry], width: float, height: float) -> tuple[str, float]:
+    """What colours and dashes mean, in rows at the foot of a picture; and how high they are."""
+    widths = [42 + 0.56 * SIZE * len(text) for text, _, _ in entries]
+    rows: list[list[int]] = [[]]
+    for n, wide in enumerate(widths):
+        if rows[-1] and sum(widths[k] for k in rows[-1]) + wide > width - 24:
+            rows.append([])
+        rows[-1].append(n)
+    high = SIZE + 7.0
+    drawn: list[str] = []
+    for r, row in enumerate(rows):
+        x = max((width - sum(widths[n] for n in row)) / 2, 12.0)
+        y = height - (len(rows) - r) * high + 5.0
+        for text, color, dash in (entries[n] for n in row):
+            drawn.append(line(f"M{x:.1f} {y:.1f}h22", color, 2.4, stroke_dasharray=dash))
+            drawn.append(label(x + 28, y + 0.35 * SIZE, text, "start"))
+            x += 42 + 0.56 * SIZE * len(text)
+    return "".join(drawn), len(rows) * high + 4.0
 
 
 def document(

@@ -85,7 +85,8 @@ class DesignPanel(Panel):
     def _open(self, file: Any, client: Client) -> None:
         try:
             text = _text(file.content, file.name)
-            design = read_design(text, origin=file.name, name=_stem(file.name))
+            stem = file.name.rsplit("/", 1)[-1].removesuffix(".toml")[:60] or "design"
+            design = read_design(text, origin=file.name, name=stem)
         except InputError as error:
             self._complain(str(error))
             raise
@@ -117,10 +118,6 @@ def _text(content: bytes, name: str) -> str:
         return content.decode("utf-8")
     except UnicodeDecodeError:
         raise InputError(f"{name}: not a design file (it is not UTF-8 text)") from None
-
-
-def _stem(name: str) -> str:
-    return name.rsplit("/", 1)[-1].removesuffix(".toml")[:60] or "design"
 
 
 def _chosen(review: Review) -> str:

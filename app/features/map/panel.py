@@ -64,9 +64,11 @@ class MapPanel(Panel):
             lambda key: SetChart(replace(self.review[Chart], quantity=key)),
         )
         self._typing = Typing(desk, together=True)
-        self._spans = [
-            SpanBox(desk, gui.add_text(*_labels(c), hint=HINT), (c,), c.symbol) for c in self._axes
-        ]
+        self._spans = []
+        for c in self._axes:
+            title = f"{c.symbol} from, to ({page_unit(c)}), values"
+            handle = gui.add_text(title, shown(c, Span()), hint=HINT)
+            self._spans.append(SpanBox(desk, handle, (c,), c.symbol))
         for typed in self._spans:
             self._typing.watch(typed, self._edit)
         self._start = self.button("Start", self._begin, icon=viser.Icon.PLAYER_PLAY)
@@ -156,10 +158,6 @@ class SpanBox(Typed):
 
     def write(self, value: Span) -> str:
         return shown(self._axes[0], value)
-
-
-def _labels(axis: Coordinate) -> tuple[str, str]:
-    return f"{axis.symbol} from, to ({page_unit(axis)}), values", shown(axis, Span())
 
 
 def shown(axis: Coordinate, span: Span) -> str:

@@ -14,13 +14,11 @@ import numpy as np
 
 from app.scene.painting import Scale
 from app.scene.palette import BEYOND, INK, INK_DARK, WORKSPACE, limb_color
-from app.widgets.axes import Axes, grid, runs, scales, ticks
-from app.widgets.svg import SIZE, document, label, line, tag
+from app.widgets.axes import Axes, equal_axes, grid, runs, scales, ticks
+from app.widgets.axes import Bounds as Bounds
+from app.widgets.svg import Entry, document, label, legend, line, tag
 from kinematics.answers.sections import BOUNDS, Construction, EdgeBound, Section, SectionSpec
 from kinematics.arrays import Array
-
-Bounds = tuple[tuple[float, float], tuple[float, float]]
-"""From and to, mm, of the first and of the second axis."""
 
 BOUND_TITLES: dict[EdgeBound, str] = {
     "rho_max": "{} max",
@@ -38,7 +36,6 @@ DASHES: dict[EdgeBound, str | None] = {
 _PARALLEL = BOUNDS.index("parallel")
 PAPER, PAPER_DARK = "#FFFFFF", "#1A1D21"
 LEFT = 58.0  # px
-MARGIN = 0.06  # of the region's size, left free around it
 LARGEST_TURN = 2.0  # rad; longer arcs are several, as SVG's flags are unsure near half a turn
 
 
@@ -87,9 +84,10 @@ def section_svg(
     limbs = sorted({*section.limb.tolist(), *section.construction.circle_limb.tolist()})
     # An edge where control is lost, or a curve of it: in its own colour, if there is any.
     lost = bool(len(curves) or len(beyond)) or bool((section.bound == _PARALLEL).any())
-    legend, legend_height = _legend(limbs, width, height, spec.joint, lost=lost)
+    key, legend_height = _legend(limbs, width, height, spec.joint, lost=lost)
     top = 32.0 if title else 14.0
-    frame = _axes(bounds or section_bounds(section), width, height, top, 44.0 + legend_height)
+    within = bounds or section_bounds(section)
+    frame = equal_axes(within, width, height, LEFT, top, 44.0 + legend_height)
     wide, high = frame.inner
     xs, ys = ticks(*frame.x, int(wide / 60.0)), ticks(*frame.y, int(high / 60.0))
     inner = [grid(frame, xs, ys, 0.1)]
@@ -113,7 +111,7 @@ def section_svg(
         frame.clipped("".join(inner)),
         scales(frame, first, second, xs, ys),
         label(LEFT + wide / 2, top + 24, empty, font_size=13),
-        *legend,
+        key,
     ]
     return document(
         (width, height),
@@ -146,20 +144,6 @@ def section_bounds(section: Section) -> Bounds:
 # --- axes, legend --------------------------------------------------------------------------
 
 
-def _axes(bounds: Bounds, width: float, height: float, top: float, bottom: float) -> Axes:
-    """Equal scale both ways, the second axis upwards, the whole panel used."""
-    (u0, u1), (v0, v1) = bounds
-    right = 14.0
-    wide, high = max(width - LEFT - right, 20.0), max(height - top - bottom, 20.0)
-    across, up = max(u1 - u0, 1e-6), max(v1 - v0, 1e-6)
-    scale = (1.0 - 2 * MARGIN) * min(wide / across, high / up)
-    x, y = (
-        (0.5 * (low + high_) - 0.5 * size / scale, 0.5 * (low + high_) + 0.5 * size / scale)
-        for (low, high_), size in zip(bounds, (wide, high), strict=True)
-    )
-    return Axes(LEFT + wide + right, top + high + bottom, LEFT, top, right, bottom, x, y)
-
-
 def _scale(axes: Axes) -> float:
     """px a mm."""
     return axes.inner[0] / (axes.x[1] - axes.x[0])
@@ -167,32 +151,15 @@ def _scale(axes: Axes) -> float:
 
 def _legend(
     limbs: Sequence[int], width: float, height: float, joint: str, *, lost: bool
-) -> tuple[list[str], float]:
-    """Which colour is which limb and which dash which bound, in rows; and how high they are."""
-    entries: list[tuple[str, str, str | None]] = [
-        (f"limb {limb}", limb_color(limb), None) for limb in limbs
-    ]
+) -> tuple[str, float]:
+    """Which colour is which limb and which dash which bound; and how high that is."""
+    entries: list[Entry] = [(f"limb {limb}", limb_color(limb), None) for limb in limbs]
     entries += [
         (BOUND_TITLES[bound].format(joint), BEYOND if bound == "parallel" else "currentColor", dash)
         for bound, dash in DASHES.items()
         if lost or bound != "parallel"
     ]
-    widths = [42 + 0.56 * SIZE * len(text) for text, _, _ in entries]
-    rows: list[list[int]] = [[]]
-    for n, wide in enumerate(widths):
-        if rows[-1] and sum(widths[k] for k in rows[-1]) + wide > width - 24:
-            rows.append([])
-        rows[-1].append(n)
-    high = SIZE + 7.0
-    drawn: list[str] = []
-    for r, row in enumerate(rows):
-        x = max((width - sum(widths[n] for n in row)) / 2, 12.0)
-        y = height - (len(rows) - r) * high + 5.0
-        for text, color, dash in (entries[n] for n in row):
-            drawn.append(line(f"M{x:.1f} {y:.1f}h22", color, 2.4, stroke_dasharray=dash))
-            drawn.append(label(x + 28, y + 0.35 * SIZE, text, "start"))
-            x += 42 + 0.56 * SIZE * len(text)
-    return drawn, len(rows) * high + 4.0
+    return legend(entries, width, height)
 
 
 # --- the section itself --------------------------------------------------------------------

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from app.scene.palette import BEYOND, INK, limb_color
-from app.terminal.files import format_known, picture
+from app.features.singularities.plot import chart_svg
+from app.terminal.files import format_known
 from kinematics.answers.loci import LocusCurves, LocusSpec
 from kinematics.answers.singularities import SingularityKind
 from kinematics.arrays import Array
 from kinematics.storage import csv_text
-
-if TYPE_CHECKING:  # loaded only where a figure is drawn
-    from matplotlib.figure import Figure
 
 FORMATS: tuple[str, ...] = ("csv", "svg")
 _GREEK = {
@@ -30,16 +27,6 @@ _GREEK = {
     "φ": "phi",
     "ψ": "psi",
 }
-_STYLES: dict[SingularityKind, tuple[str, str]] = {
-    "parallel": (BEYOND, "-"),
-    "constraint": (INK, "-"),
-    "serial": (INK, "--"),
-    "self-motion": (BEYOND, ":"),
-    "architectural": (BEYOND, "-."),
-}
-"""Colour and dash; a serial curve has its limb's colour."""
-_SIZE = 6.4, 5.6  # inches
-_NARROW = 0.4
 
 
 def locus_bytes(
@@ -52,7 +39,7 @@ def locus_bytes(
     """
     if format_known(kind, FORMATS, "a chart is") == "csv":
         return locus_csv(found, spec).encode()
-    return picture(locus_figure(found, spec, title=title, note=note), kind)
+    return chart_svg(spec, found, title=title, note=note).encode()
 
 
 def columns(spec: LocusSpec) -> tuple[str, str]:
@@ -112,59 +99,3 @@ def _residuals(found: LocusCurves, spec: LocusSpec) -> Array:
 def _plain(symbol: str) -> str:
     """Letters that every program reads: "φ" → "phi", "x′" → "x"."""
     return "".join(_GREEK.get(c, c) for c in symbol.lower() if c.isalnum())
-
-
-# --- figures -------------------------------------------------------------------------------
-
-
-def locus_figure(found: LocusCurves, spec: LocusSpec, *, title: str = "", note: str = "") -> Figure:
-    """The curves in their chart; a polar chart has its second coordinate as the azimuth."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=_SIZE, layout="constrained")
-    panel: Any = figure.add_subplot(projection="polar" if spec.polar else None)
-    points = outer(found.points, spec)
-    bounds = outer(found.bounds.T, spec).T
-    named: set[str] = set()
-    for part, kind, limb in _each(found):
-        color, dash = _STYLES[kind]
-        name = f"{kind}, limb {limb}" if limb else kind
-        u, v = points[part].T
-        panel.plot(
-            *((found.points[part, 1], u) if spec.polar else (u, v)),
-            color=limb_color(limb) if limb else color,
-            linestyle=dash,
-            linewidth=1.4,
-            label=name if name not in named else "_",
-        )
-        named.add(name)
-    for barrier in found.barriers if spec.polar else ():
-        turn = np.linspace(0.0, 2.0 * np.pi, 361)
-        radius = outer(np.array([[barrier, 0.0]]), spec)[0, 0]
-        panel.plot(turn, np.full_like(turn, radius), color=INK, linestyle=":", linewidth=0.9)
-    labels = [
-        f"{a} ({'°' if unit == 'rad' else unit})"
-        for a, unit in zip(spec.axes, spec.units, strict=True)
-    ]
-    if spec.polar:
-        panel.set_rlim(0.0, float(bounds[0, 1]))
-        panel.set_xlabel(f"radius {labels[0]}, azimuth {labels[1]}")
-    else:
-        panel.set_xlim(*bounds[0])
-        panel.set_ylim(*bounds[1])
-        panel.set_xlabel(labels[0])
-        panel.set_ylabel(labels[1])
-        if spec.units[0] == spec.units[1]:
-            panel.set_aspect("equal")
-            across, up = (bounds[:, 1] - bounds[:, 0]).tolist()
-            if across < _NARROW * up:  # labels side by side need room
-                panel.locator_params(axis="x", nbins=3)
-    panel.grid(alpha=0.25)
-    if not found.kinds:
-        panel.text(0.5, 0.5, "no singularity here", transform=panel.transAxes, ha="center")
-    if named:
-        figure.legend(
-            loc="outside lower center", ncols=min(len(named), 4), frameon=False, fontsize=9
-        )
-    panel.set_title(f"{title}\n{note}".strip(), fontsize=10)
-    return figure

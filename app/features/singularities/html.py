@@ -106,11 +106,11 @@ _WHAT = {
 def clearances_html(here: Here | None) -> str:
     if here is None or not here.clearances:
         return ""
-    rows = map(_clearance, here.clearances[:TOLD])
-    return box(table(rows, ("", NUMERIC), "border-spacing:0 1px"))
+    rows = "".join(map(_clearance, here.clearances[:TOLD]))
+    return box(f'<table style="width:100%;border-spacing:0 1px">{rows}</table>')
 
 
-def _clearance(way: Clearance) -> tuple[str, str]:
+def _clearance(way: Clearance) -> str:
     lost = way.kind in ("parallel", "constraint")
     limb = palette.limb_color(way.limb) if way.limb else palette.WORKSPACE
     mark = chip(palette.BEYOND if lost else limb)
@@ -118,7 +118,8 @@ def _clearance(way: Clearance) -> tuple[str, str]:
     way_there = " by turning" if way.angle is not None else f" {way.along}" if way.along else ""
     end = "" if way.bound in ("", "link") else f" ({named(way.bound)})"
     what = f"{whose}{_WHAT[way.kind]}{end}{way_there}"
-    return f'<span title="{esc(way.text)}">{mark}{esc(what)}</span>', how_far(way, 2)
+    far = styled(how_far(way, 2), NUMERIC, "td")
+    return f'<tr title="{esc(way.text)}"><td>{mark}{esc(what)}</td>{far}</tr>'
 
 
 def ways_html(remedy: Remedy) -> str:
@@ -234,15 +235,16 @@ def comparison_html(here: Here | None, beside: Here | None) -> str:
         if found[0] is not None and found[1] is not None:
             one, two = (math.degrees(c.radius) for c in found if c is not None)
             rows.append(_pair(title, f"{one:.3f}°", f"{two:.3f}°", one > two))
-    return box(table(rows, ("", *("text-align:right",) * 2), heads=("", *map(esc, names))))
+    head = "".join(styled(esc(name), "text-align:right", "th") for name in names)
+    return box(f'<table style="width:100%"><tr><th></th>{head}</tr>{"".join(rows)}</table>')
 
 
-def _pair(title: str, one: str, two: str, better: bool) -> tuple[str, ...]:
-    bold = ("font-weight:600" if flag else "" for flag in (better, not better))
-    cells = (
-        styled(esc(text), f"{NUMERIC};{look}") for look, text in zip(bold, (one, two), strict=True)
+def _pair(title: str, one: str, two: str, better: bool) -> str:
+    cells = "".join(
+        styled(esc(text), f"{NUMERIC};{'font-weight:600' if bold else ''}", "td")
+        for text, bold in ((one, better), (two, not better))
     )
-    return esc(title), *cells
+    return f"<tr><td>{esc(title)}</td>{cells}</tr>"
 
 
 def legend_html(measure: Measure, steps: painting.Scale) -> str:

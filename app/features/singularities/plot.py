@@ -16,6 +16,7 @@ from app.widgets.axes import (
     Figure,
     Named,
     cross,
+    equal_axes,
     middles,
     named_scales,
     pointed,
@@ -24,18 +25,25 @@ from app.widgets.axes import (
     ticks,
     upright,
 )
-from app.widgets.svg import label, line, tag
+from app.widgets.svg import document, label, legend, line, tag
 from app.widgets.texts import esc
 from kinematics.answers.circles import OrientationCircle, Profile
 from kinematics.answers.loci import LocusCurves, LocusSpec
+from kinematics.answers.singularities import SingularityKind
 from kinematics.arrays import Array
 
 WIDTH, HEIGHT = 400.0, 360.0
+FILE = 560.0, 500.0
 CELLS = 90  # columns and rows of which the place under the pointer is told
 MOST = 4000  # points of all curves that are drawn
 MACHINES = (palette.WORKSPACE_DEEP, palette.COUNTERPART)
 DASHES = (None, "6 3", "2 3")
-_DASH = {"serial": "5 3"}
+_DASH: dict[SingularityKind, str] = {
+    "serial": "5 3",
+    "constraint": "9 2",
+    "self-motion": "1.5 3",
+    "architectural": "7 3 1.5 3",
+}
 
 
 def in_units(spec: LocusSpec, points: Array) -> Array:
@@ -55,15 +63,20 @@ def from_units(spec: LocusSpec, x: float, y: float) -> tuple[float, float]:
     return math.hypot(x, y) * scale[0], math.atan2(y, x)
 
 
-def chart_axes(spec: LocusSpec, curves: LocusCurves) -> Axes:
-    """The axes of a chart, in the page's units."""
+def chart_axes(
+    spec: LocusSpec,
+    curves: LocusCurves,
+    size: tuple[float, float] = (WIDTH, HEIGHT),
+    top: float = 22,
+) -> Axes:
+    """The axes of a chart, in the page's units; of a polar one as high as it is wide."""
+    wide, high = size
     if spec.polar:
         reach = float(in_units(spec, np.array([[curves.bounds[0, 1], 0.0]]))[0, 0])
         span = (-1.04 * reach, 1.04 * reach)
-        square = WIDTH - (46 + 12) + (22 + 38)  # high, so that circles are round
-        return Axes(WIDTH, square, 46, 22, 12, 38, span, span)
+        return Axes(wide, wide - (46 + 12) + (top + 38), 46, top, 12, 38, span, span)
     (x0, y0), (x1, y1) = in_units(spec, curves.bounds.T).tolist()
-    return Axes(WIDTH, HEIGHT, 46, 22, 12, 38, (x0, x1), (y0, y1))
+    return Axes(wide, high, 46, top, 12, 38, (x0, x1), (y0, y1))
 
 
 def figure(
@@ -83,16 +96,9 @@ def figure(
         content.append(_circle(spec, axes, circle))
     content += _paths(spec, curves, axes)
     columns, rows = _told(spec, axes)
-    first, second = names = _names(spec)
-    if spec.polar:
-        symbol, unit = first
-        names = (
-            (f"{symbol} cos {second[0]}", unit),
-            (f"{symbol} sin {second[0]}", unit),
-        )
     return Figure(
         axes,
-        axes.clipped("".join(content)) + named_scales(axes, *names),
+        axes.clipped("".join(content)) + named_scales(axes, *_titles(spec)),
         columns,
         rows,
         [""] * (len(columns) * len(rows)),
@@ -105,6 +111,48 @@ def _names(spec: LocusSpec) -> tuple[Named, Named]:
     """The two coordinates with the page's units."""
     units = ["°" if unit == "rad" else unit for unit in spec.units]
     return (spec.axes[0], units[0]), (spec.axes[1], units[1])
+
+
+def _titles(spec: LocusSpec) -> tuple[Named, Named]:
+    """Those of the axes."""
+    first, second = _names(spec)
+    if not spec.polar:
+        return first, second
+    return (
+        (f"{first[0]} cos {second[0]}", first[1]),
+        (f"{first[0]} sin {second[0]}", first[1]),
+    )
+
+
+def chart_svg(spec: LocusSpec, curves: LocusCurves, *, title: str = "", note: str = "") -> str:
+    """The curves as a file of their own, with a legend."""
+    wide, top = FILE[0], 58.0
+    axes = chart_axes(spec, curves, FILE, top)
+    if not spec.polar and spec.units[0] == spec.units[1]:
+        axes = equal_axes((axes.x, axes.y), *FILE, 46, top, 38)
+    entries = {}
+    for kind, limb in zip(curves.kinds, curves.limb.tolist(), strict=True):
+        name = f"{kind}, limb {limb}" if limb else kind
+        entries[name] = palette.limb_color(limb), _DASH.get(kind)
+    if spec.polar and curves.barriers:
+        entries["no posture"] = "currentColor", "1.5 3"
+    foot = [(name, *look) for name, look in entries.items()]
+    high = axes.height + legend(foot, wide, 0.0)[1]
+    x0, y0 = axes.px(0.0, 0.0)
+    scale = axes.inner[0] / (axes.x[1] - axes.x[0])
+    radii = np.degrees(curves.barriers).tolist() if spec.polar else []
+    barred = {"fill": "none", "stroke": "currentColor", "stroke_dasharray": "1.5 3"}
+    drawn = [
+        *([_rings(spec, axes)] if spec.polar else []),
+        *_paths(spec, curves, axes),
+        *(tag("circle", cx=x0, cy=y0, r=r * scale, **barred) for r in radii),
+        named_scales(axes, *_titles(spec)),
+        label(wide / 2, 20, title, font_size=13, font_weight=600),
+        label(wide / 2, 38, note),
+        label(wide / 2, axes.height / 2, "" if curves.kinds else "no singularity here"),
+        legend(foot, wide, high)[0],
+    ]
+    return document((wide, high), "".join(drawn), name=title or spec.title, paper="#FFFFFF")
 
 
 def mark(spec: LocusSpec, axes: Axes, at: Sequence[float]) -> str:

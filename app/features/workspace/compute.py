@@ -17,7 +17,7 @@ from app.review.state import Review
 from app.scene import painting, palette
 from app.scene.painting import Scale
 from kinematics.answers.loci import LocusCurves
-from kinematics.answers.sections import Region, RegionSpec, Section
+from kinematics.answers.sections import Region, RegionSpec
 from kinematics.arrays import Array
 from kinematics.facets.solids import RESOLUTIONS, Resolution, SolidRequest, SolidSpec
 from kinematics.machine import machine_of, required
@@ -208,14 +208,16 @@ def lay(wanted: Wish) -> Laid:
     found = required(machine.regions, "plane workspace").of(spec.key, wanted.pose, modes)
     frame = required(machine.regions, "plane workspace").frame(wanted.pose)
     fills, lines, limbs = [], [], []
-    drawn = _drawn([region.mode for region in found], wanted.mode)
+    known = [region.mode for region in found]
+    drawn = wanted.mode if wanted.mode in known else next(iter(known), "")
     for region in found:
         if region.mode not in ("", drawn):
             fills.append(Fill(np.empty((0, 3), np.float32), np.empty((0, 3), np.uint32)))
             continue
-        points, faces = flat_mesh(_loops(region.section))
+        section = region.section
+        points, faces = flat_mesh([section.polyline(n, STEP) for n in range(section.loops)])
         fills.append(Fill(_raised(points, frame).astype(np.float32), faces.astype(np.uint32)))
-        flat, limb = edges(region.section, STEP)
+        flat, limb = edges(section, STEP)
         lines.append(_raised(flat, frame))
         limbs.append(limb)
     return Laid(
@@ -237,11 +239,6 @@ def region_colors(found: tuple[Region, ...]) -> tuple[str, ...]:
     return painting.piece_colors([region.sign for region in found])
 
 
-def _drawn(modes: list[str], present: str) -> str:
-    """The mode whose regions are drawn: the present one, else the first."""
-    return present if present in modes or not modes else modes[0]
-
-
 def _locus(wanted: Wish, spec: RegionSpec, frame: Array) -> Array:
     machine = machine_of(wanted.design)
     chart = next((s for s in machine.singularities.loci if s.axes == spec.axes), None)
@@ -249,10 +246,6 @@ def _locus(wanted: Wish, spec: RegionSpec, frame: Array) -> Array:
         return np.empty((0, 2, 3))
     found: LocusCurves = machine.singularities.locus(chart.key, wanted.pose, wanted.mode)
     return _raised(segments(found.lost()), frame)
-
-
-def _loops(section: Section) -> list[Array]:
-    return [section.polyline(n, STEP) for n in range(section.loops)]
 
 
 def _raised(flat: Array, frame: Array) -> Array:

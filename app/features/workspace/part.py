@@ -107,7 +107,7 @@ class SolidsPart(Part):
             ):
                 # The new one is on its way; until then the one before stays where it was.
                 old[key] = self._shown[key][0]
-                if self.aged(self.answers.of(*_preview(each))):
+                if self.aged(self.answers.of(compute.SOLIDS["preview"], each.requests["preview"])):
                     opacity *= FAINT
             else:
                 self._shown.pop(key, None)
@@ -206,7 +206,3 @@ class RegionsPart(Part):
 
 
 PARTS = (SolidsPart, RegionsPart)
-
-
-def _preview(each: compute.SolidWish) -> tuple[Any, Any]:
-    return compute.SOLIDS["preview"], each.requests["preview"]
