@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from app.review.units import number, page_unit, sentence
-from app.widgets.desk import Client, Desk, answer, put, put_prop
+from app.review.changes import Change
+from app.review.units import minus, number, page_unit, sentence
+from app.widgets.desk import DIGITS, TYPED, Client, Desk, Group, answer, close, put, put_prop
 from app.widgets.texts import esc, red
+from kinematics.answers.modes import matching
 from kinematics.errors import InputError
 from kinematics.mechanism import Coordinate
-
-DIGITS = 4  # of mm and degrees; what was typed stays as it was typed
 
 # A number box that is left without a number goes back to its last one: viser does not even report
 # what is none. Once for a page, in the browser.
@@ -33,6 +33,38 @@ NUMBERS_GO_BACK = (
     'R0lGODlhAQABAIAAAAAAAP///yH5BAEAAAAALAAAAAABAAEAAAIBRAA7" '
     f'onload="{esc(_BACK.replace(chr(10), " ").strip())}">'
 )
+
+
+class Slider:
+    """A slider with its number box; a value outside its range stands at its end."""
+
+    def __init__(
+        self,
+        desk: Desk,
+        label: str,
+        low: float,
+        high: float,
+        step: float,
+        value: float,
+        act: Callable[[float, Client], None],
+        digits: int = DIGITS,
+    ) -> None:
+        self._desk = desk
+        self._digits = digits
+        value = round(min(max(value, low), high), digits)
+        self._handle = desk.gui.add_slider(label, low, high, step, value)
+        put_prop(self._handle, "precision", max(digits, TYPED))
+        answer(desk, self._handle, act)
+
+    def draw(self, low: float, high: float, value: float) -> None:
+        put_prop(self._handle, "min", low)
+        put_prop(self._handle, "max", high)
+        if not math.isfinite(value):
+            return
+        value = min(max(value, low), high)
+        # What was typed stays as it was typed; what was computed shows the digits that fit.
+        if not close(self._handle.value, value):
+            put(self._desk, self._handle, round(value, self._digits))
 
 
 class Typed:
@@ -147,7 +179,7 @@ class LimitsBox(Typed):
 
 def shown_pose(pose: Sequence[float], axes: Sequence[Coordinate]) -> str:
     """ "90, 110, 430, 5, −3"."""
-    return ", ".join(number(round(c.outer(v), DIGITS)) for c, v in zip(axes, pose, strict=False))
+    return ", ".join(number(round(c.outer(v), TYPED)) for c, v in zip(axes, pose, strict=False))
 
 
 def typed_pose(text: str, axes: Sequence[Coordinate], what: str) -> tuple[float, ...]:
@@ -232,3 +264,54 @@ class Typing:
         """Show a value in a box, unless what stands there cannot be used yet."""
         if not self.holds(typed):
             typed.draw(value)
+
+
+class ModesMenu:
+    """Which modes something is of: a menu of choices that have a name, and one that is typed.
+
+    Args:
+        titles: of the named choices, what each stands for.
+        own: the title of the choice that is typed into a box with this ``label``.
+        change: to a choice, or to what was typed.
+    """
+
+    def __init__(
+        self,
+        group: Group,
+        titles: Mapping[str, str],
+        own: tuple[str, str],
+        change: Callable[[str], Change],
+        **look: Any,
+    ) -> None:
+        self._group, self._titles, self._change = group, titles, change
+        self._own, label = own
+        hint = "One sign a limb, ? for either; several separated by commas: +?+++, −−+++"
+        self._menu = group.gui.add_dropdown("Of", (*titles, self._own), **look)
+        self._typed = group.gui.add_text(label, minus(group.review.mode), hint=hint, visible=False)
+        group.answer(self._menu, self._choose)
+        group.answer(self._typed, self._type)
+
+    def draw(self, chosen: str | tuple[str, ...]) -> None:
+        """Show a choice, or modes, or patterns of them."""
+        known = (title for title, choice in self._titles.items() if choice == chosen)
+        title = next(known, self._own)
+        self._group.put(self._menu, title)
+        self._group.see(self._menu.value == self._own, self._typed)
+        if title == self._own:
+            text = chosen if isinstance(chosen, str) else ", ".join(chosen)
+            self._group.put(self._typed, minus(text))
+
+    def _choose(self, title: str, client: Client) -> None:
+        self._typed.visible = title == self._own
+        if title == self._own:
+            self._type(self._typed.value, client)
+        else:
+            self._group.desk.send(self._change(self._titles[title]), client)
+
+    def _type(self, text: str, client: Client) -> None:
+        words, limbs = re.split(r"[,;\s]+", text.strip()), len(self._group.review.mode)
+        signs = set("".join(words)) <= set("+-−–?")
+        if signs and any(len(word) < limbs for word in words):
+            return  # a person is still typing
+        matching(text, self._group.review.machine.modes)  # raises, and they read what is wrong
+        self._group.desk.send(self._change(text), client)

@@ -356,16 +356,17 @@ def put(desk: Desk, handle: Any, value: Any) -> None:
         return
     shown = handle.value
     if isinstance(value, float):
-        if not _close(shown, value):
+        if not close(shown, value):
             handle.value = value
     elif isinstance(value, tuple) and len(value) == len(shown):
-        if not all(_close(a, b) for a, b in zip(shown, value, strict=True)):
+        if not all(close(a, b) for a, b in zip(shown, value, strict=True)):
             handle.value = value
     elif shown != value:
         handle.value = value
 
 
-def _close(shown: float, value: float) -> bool:
+def close(shown: float, value: float) -> bool:
+    """Whether a widget shows a value to the digits that matter."""
     return math.isfinite(shown) and abs(shown - value) < 1e-7 * max(1.0, abs(value))
 
 
@@ -373,38 +374,6 @@ def put_prop(handle: Any, name: str, value: Any) -> None:
     """Assign a property only when it differs: every assignment is a message to every client."""
     if getattr(handle, name) != value:
         setattr(handle, name, value)
-
-
-class Slider:
-    """A slider with its number box; a value outside its range stands at its end."""
-
-    def __init__(
-        self,
-        desk: Desk,
-        label: str,
-        low: float,
-        high: float,
-        step: float,
-        value: float,
-        act: Callable[[float, Client], None],
-        digits: int = DIGITS,
-    ) -> None:
-        self._desk = desk
-        self._digits = digits
-        value = round(min(max(value, low), high), digits)
-        self._handle = desk.gui.add_slider(label, low, high, step, value)
-        put_prop(self._handle, "precision", max(digits, TYPED))
-        answer(desk, self._handle, act)
-
-    def draw(self, low: float, high: float, value: float) -> None:
-        put_prop(self._handle, "min", low)
-        put_prop(self._handle, "max", high)
-        if not math.isfinite(value):
-            return
-        value = min(max(value, low), high)
-        # What was typed stays as it was typed; what was computed shows the digits that fit.
-        if not _close(self._handle.value, value):
-            put(self._desk, self._handle, round(value, self._digits))
 
 
 class Elsewhere:

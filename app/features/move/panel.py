@@ -12,7 +12,8 @@ from app.review.state import Review
 from app.review.units import minus, page_unit
 from app.review.view import JointRow, Moment
 from app.scene import palette
-from app.widgets.desk import Client, Panel, Sheet, Slider, explain
+from app.widgets.boxes import Slider
+from app.widgets.desk import Client, Panel, Sheet, explain
 from app.widgets.texts import NUMERIC, bar, box, chip, esc, quiet, table, tone
 from kinematics.answers.modes import Mode
 from kinematics.answers.singularities import ModeChange

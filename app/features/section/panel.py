@@ -12,7 +12,8 @@ from app.features.section.part import SectionPart
 from app.features.section.state import Cut, MoveCut, SetCut, point_in_section
 from app.review.state import Review
 from app.widgets.axes import nearest
-from app.widgets.desk import TYPED, Client, Panel, Sheet, Slider, explain
+from app.widgets.boxes import Slider
+from app.widgets.desk import TYPED, Client, Panel, Sheet, explain
 from app.widgets.plots import Plot
 from app.widgets.texts import box, red
 from kinematics.answers.sections import Volume

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from functools import partial
 from typing import Any
 
@@ -12,11 +11,10 @@ from app.features.solutions.compute import Ahead, Listed, Row
 from app.features.solutions.part import Solutions, SolutionsPart
 from app.features.solutions.state import SAME_MODE, Atlas, SetAtlas, Sort
 from app.review.state import Review
-from app.review.units import minus
 from app.review.view import Moment
+from app.widgets.boxes import ModesMenu
 from app.widgets.desk import Client, Elsewhere, Panel, Sheet, explain
 from app.widgets.texts import box, esc, quiet
-from kinematics.answers.modes import matching
 
 SORTED: dict[str, Sort] = {
     "Distance from here": "distance",
@@ -24,7 +22,6 @@ SORTED: dict[str, Sort] = {
     "Height": "height",
     "Mode": "mode",
 }
-EVERY, SAME, PATTERN = "All modes", "The present mode", "A pattern"
 NO_FOLD = "none"
 PAGE = 20  # rows at first and with every "more": each costs the browser some time
 
@@ -59,15 +56,9 @@ class SolutionsPanel(Panel):
         self.switch("Ghosts", Atlas, "ghosts", SetAtlas, hint, command)
         self.switch("Within strokes", Atlas, "within_stroke", SetAtlas)
         self.choice("Sort by", SORTED, lambda r: r[Atlas].sort, partial(SetAtlas, "sort"))
-        self._choice = gui.add_dropdown("Of", (EVERY, SAME, PATTERN), visible=any(known))
-        self.answer(self._choice, self._choose)
-        self._pattern = gui.add_text(
-            "Pattern",
-            _pattern(review),
-            hint="One sign a limb, ? for either; several separated by commas: +?+++, −−+++",
-            visible=False,
-        )
-        self.answer(self._pattern, self._choose_pattern)
+        modes, own = {"All modes": "", "The present mode": SAME_MODE}, ("A pattern", "Pattern")
+        change = partial(SetAtlas, "modes")
+        self._modes = ModesMenu(self, modes, own, change, visible=any(known))
         self._remarks = gui.add_html("")
         self._folder = gui.add_folder("List")
         self._buttons: list[Any] = []
@@ -96,11 +87,7 @@ class SolutionsPanel(Panel):
 
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)
-        choice = _choice(self.review)
-        self.put(self._choice, choice)
-        self.set(self._pattern, visible=self._choice.value == PATTERN)
-        if choice == PATTERN:
-            self.put(self._pattern, _pattern(self.review))
+        self._modes.draw(self.review[Atlas].modes)
 
     def told(self, sheet: Sheet, news: Any) -> None:
         match news:
@@ -176,19 +163,6 @@ class SolutionsPanel(Panel):
         self._limit += PAGE
         self.desk.ask(self._part.redraw)
 
-    def _choose(self, choice: str, client: Client) -> None:
-        self._pattern.visible = choice == PATTERN
-        if choice == PATTERN:
-            self._choose_pattern(self._pattern.value, client)
-        else:
-            self.desk.send(SetAtlas("modes", SAME_MODE if choice == SAME else ""), client)
-
-    def _choose_pattern(self, text: str, client: Client) -> None:
-        if _unfinished(text, len(self.review.mode)):
-            return
-        matching(text, self.review.machine.modes)  # raises, and the person reads what is wrong
-        self.desk.send(SetAtlas("modes", text), client)
-
     def _choose_fold(self, name: str, _: Client) -> None:
         if name in self._folds:
             fold = self._folds[name]
@@ -205,19 +179,3 @@ class SolutionsPanel(Panel):
 
 
 PANELS = (SolutionsPanel,)
-
-
-def _choice(review: Review) -> str:
-    modes = review[Atlas].modes
-    return EVERY if not modes else SAME if modes == SAME_MODE else PATTERN
-
-
-def _unfinished(text: str, limbs: int) -> bool:
-    """Whether a person is still typing: nothing but signs so far, and not yet one a limb."""
-    words = re.split(r"[,;\s]+", text.strip())
-    return set("".join(words)) <= set("+-−–?") and any(len(word) < limbs for word in words)
-
-
-def _pattern(review: Review) -> str:
-    modes = review[Atlas].modes
-    return minus(modes if modes and modes != SAME_MODE else review.mode)

@@ -20,15 +20,15 @@ from app.features.workspace.state import (
     Show,
     Workspace,
 )
+from app.review.changes import Change
 from app.review.state import Review
-from app.review.units import minus
+from app.widgets.boxes import ModesMenu
 from app.widgets.desk import Client, Group, Panel, Sheet, explain
 from app.widgets.texts import box, esc
 from kinematics.answers.modes import matching
 from kinematics.facets.solids import SolidSpec, SurfaceKind
 from kinematics.machine import Machine
 
-ALL, CURRENT, CHOSEN = "All working modes together", "The current working mode", "A chosen set"
 MADE_OF: dict[str, SurfaceKind] = {"Facets": "facets", "The true surface": "true"}
 KINDS = ("SVG", "DXF", "CSV")
 
@@ -69,20 +69,10 @@ class WorkspacePanel(Panel):
         of_modes = any(s.uses_modes for s in alone) or any(
             s.uses_modes for s in machine.region_specs
         )
-        self._choice = gui.add_dropdown(
-            "Of",
-            (ALL, CURRENT, CHOSEN),
-            hint="Working modes",
-            visible=of_modes and len(machine.modes) > 1,
-        )
-        self.answer(self._choice, self._choose)
-        self._set = gui.add_text(
-            "Modes",
-            _set_text(review),
-            hint="One sign a limb, ? for either; several separated by commas: +?+++, −−+++",
-            visible=False,
-        )
-        self.answer(self._set, self._choose_set)
+        modes = {"All working modes together": "all", "The current working mode": "current"}
+        visible = of_modes and len(machine.modes) > 1
+        own, hint = ("A chosen set", "Modes"), "Working modes"
+        self._modes = ModesMenu(self, modes, own, self._chosen, hint=hint, visible=visible)
         self.choice(
             "Made of",
             MADE_OF,
@@ -125,11 +115,7 @@ class WorkspacePanel(Panel):
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)
         wanted = self.review[Workspace]
-        choice = {"all": ALL, "current": CURRENT}.get(str(wanted.modes), CHOSEN)
-        self.put(self._choice, choice)
-        self.set(self._set, visible=choice == CHOSEN)
-        if choice == CHOSEN:
-            self.put(self._set, _set_text(self.review))
+        self._modes.draw(wanted.modes)
         if self._all is not None:
             self.put(self._all, all(wanted.shown(key) for key in self._whole))
         self._draw_solids()
@@ -163,15 +149,9 @@ class WorkspacePanel(Panel):
         slider = self.gui.add_slider("Opacity", 0.05, 1.0, 0.05, value)
         self.bind(slider, shown, partial(Fade, keys))
 
-    def _choose(self, choice: str, client: Client) -> None:
-        self._set.visible = choice == CHOSEN
-        if choice == CHOSEN:
-            self._choose_set(self._set.value, client)
-        else:
-            self.desk.send(ChooseModes("all" if choice == ALL else "current"), client)
-
-    def _choose_set(self, text: str, client: Client) -> None:
-        self.desk.send(ChooseModes(matching(text, self.review.machine.modes)), client)
+    def _chosen(self, choice: str) -> Change:
+        named = choice in ("all", "current")
+        return ChooseModes(choice if named else matching(choice, self.review.machine.modes))
 
     def _show_all(self, on: bool, client: Client) -> None:
         for key in self._whole:
@@ -241,8 +221,3 @@ PANELS = (WorkspacePanel,)
 
 def _shown(key: str, review: Review) -> bool:
     return review[Workspace].shown(key) is not None
-
-
-def _set_text(review: Review) -> str:
-    modes = review[Workspace].modes
-    return ", ".join(map(minus, modes if isinstance(modes, tuple) else (review.mode,)))
