@@ -79,9 +79,7 @@ class Page:
         self._framed: object = None
         self._dark: bool | None = None
         self._stopping = threading.Event()
-        self._parts: list[Part] = []
-        for module in each("part"):
-            self._parts += [kind(self) for kind in module.PARTS]
+        self._parts = [kind(self) for kind in each("part", Part)]
 
     # --- what panels ask for (Desk)
 
@@ -298,8 +296,7 @@ class Page:
         self._header = Header(self, sheet)
         self._panels = [self._header]
         tabs = self.gui.add_tab_group()
-        kinds: list[type[Panel]] = [kind for module in each("panel") for kind in module.PANELS]
-        for kind in kinds:
+        for kind in each("panel", Panel):
             if kind.serves(review.machine):
                 with tabs.add_tab(kind.TITLE):
                     self._panels.append(kind(self, sheet))

@@ -173,7 +173,7 @@ class Review:
 @cache
 def kinds() -> tuple[type[Slice], ...]:
     """The kinds of slices that a review has, one a feature that keeps anything."""
-    return (Options, *(kind for module in each("state") for kind in module.SLICES))
+    return (Options, *each("state", Slice))
 
 
 def new_review(design: Design) -> Review:

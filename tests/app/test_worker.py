@@ -176,7 +176,8 @@ def test_what_cannot_be_computed_is_told_and_the_next_works(
     }
     with monkeypatch.context() as patch:
         patch.setattr(
-            "app.features.workspace.compute.wishes", lambda review: (replace(wish, requests=broken),)
+            "app.features.workspace.compute.wishes",
+            lambda review: (replace(wish, requests=broken),),
         )
         desk.want(review)
         failed = desk.until(Failed)

@@ -102,9 +102,6 @@ class DesignPanel(Panel):
         self.desk.download(design_file(self.review.design), client)
 
 
-PANELS = (DesignPanel,)
-
-
 @lru_cache(maxsize=32)
 def findings(design: Design) -> tuple[Finding, ...]:
     """What is worth knowing about a design, kept while it is on the page."""

@@ -6,12 +6,10 @@ from dataclasses import dataclass, replace
 
 from app.features.move.state import completed
 from app.review.changes import Change, Taken
-from app.review.state import Review, Slice, new_review
+from app.review.state import Review, new_review
 from app.review.units import within
 from kinematics.errors import InputError
 from kinematics.mechanism import Design
-
-SLICES: tuple[type[Slice], ...] = ()
 
 
 @dataclass(frozen=True)

@@ -144,9 +144,6 @@ class MapPanel(Panel):
         self.desk.send(Place(tuple(pose), gesture="map"), client)
 
 
-PANELS = (MapPanel,)
-
-
 class SpanBox(Typed):
     """From, to, and how many values of a coordinate, in the page's units.
 

@@ -156,9 +156,6 @@ class MapPart(Part):
         self.save(found, lambda found: map_file(found, kind), client, missing)
 
 
-PARTS = (MapPart,)
-
-
 class _Pool:
     """Processes for maps, started for the first one and kept warm for the next."""
 

@@ -89,9 +89,6 @@ class Chart(Slice):
             raise InputError(f"{origin}: map: {error}") from None
 
 
-SLICES = (Chart,)
-
-
 @dataclass(frozen=True)
 class SetChart(Change):
     """Set what a map shows and over which orientations."""

@@ -149,8 +149,6 @@ class MovePanel(Panel):
         self.desk.send(Flip(self._mode), client)
 
 
-PANELS = (MovePanel,)
-
 _COLUMNS = (
     "white-space:nowrap",
     f"{NUMERIC};padding:0 0.6em",

@@ -84,6 +84,3 @@ class MovePart(Part):
         self.stage.server.flush()
         if self._morph.over(time.monotonic()):
             self._morph = None
-
-
-PARTS = (MovePart,)

@@ -6,12 +6,10 @@ import math
 from dataclasses import dataclass, replace
 
 from app.review.changes import Change, Taken
-from app.review.state import Review, Slice
+from app.review.state import Review
 from app.review.units import within
 from kinematics.errors import InputError
 from kinematics.mechanism import Coordinate
-
-SLICES: tuple[type[Slice], ...] = ()
 
 
 @dataclass(frozen=True)

@@ -111,9 +111,6 @@ class ReviewPanel(Panel):
         self.desk.send(Restore(session.from_text(text, origin=file.name)), client)
 
 
-PANELS = (ReviewPanel,)
-
-
 def _parts(wish: SolidWish, solids: Solids) -> dict[str, tuple[str, str]]:
     """Each piece of a solid that singularities part, and where they do."""
     key = wish.spec.key

@@ -70,6 +70,3 @@ class ReviewPart(Part):
             return ExportedFile(f"{solid_name(design, 'scene', ())}.html", page.encode())
 
         self.save(self.stage.review.design, make, client)
-
-
-PARTS = (ReviewPart,)

@@ -123,6 +123,3 @@ class SectionPanel(Panel):
 
     def _go_through(self, client: Client) -> None:
         self.desk.send(MoveCut(point_in_section(self.review)[0]), client)
-
-
-PANELS = (SectionPanel,)

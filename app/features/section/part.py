@@ -180,9 +180,6 @@ class SectionPart(Part):
         self.save(drawn, lambda drawn: section_file(drawn, kind), client, missing)
 
 
-PARTS = (SectionPart,)
-
-
 def section_file(drawn: compute.Drawn, kind: str) -> ExportedFile:
     """A section as a file."""
     of = drawn.wish.region

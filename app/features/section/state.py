@@ -42,9 +42,6 @@ class Cut(Slice):
         return cls(on, within_reach(review, at)[0])
 
 
-SLICES = (Cut,)
-
-
 SetCut = partial(SetOne, Cut)
 """Set one thing of the section, as whether it is on display."""
 

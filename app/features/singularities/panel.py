@@ -243,9 +243,6 @@ class MotionFolder(Group):
         self.desk.send(SetControl(name, typed.read()), client)
 
 
-PANELS = (SingularitiesPanel,)
-
-
 def _shown(review: Review) -> bool:
     return review[Workspace].shown(ASPECTS) is not None
 

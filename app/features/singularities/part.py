@@ -262,6 +262,3 @@ class ControlPart(Part):
             self._log,
             self.answers[compute.HERE].trouble,
         )
-
-
-PARTS = (ControlPart,)

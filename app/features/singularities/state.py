@@ -88,9 +88,6 @@ class Control(Slice):
         return Slice.carried(kept, before, review)
 
 
-SLICES = (Control,)
-
-
 SetControl = partial(SetOne, Control)
 """Set one thing of what is shown of control."""
 

@@ -176,6 +176,3 @@ class SolutionsPanel(Panel):
         fold = None if self._fold is None else self._fold.fold
         if fold is not None and fold.partner is not None:
             self.desk.send(Visit(fold.partner.pose, fold.partner.mode), client)
-
-
-PANELS = (SolutionsPanel,)

@@ -298,6 +298,3 @@ class SolutionsPart(Part):
         self._ghosts.show(view, solutions.atlas, solutions.fold)
         self.stage.tell(solutions)
         self.stage.tell(Legend(((palette.GHOST, "other solutions"),) if wanted.ghosts else ()))
-
-
-PARTS = (SolutionsPart,)

@@ -41,8 +41,5 @@ class Atlas(Slice):
         return self
 
 
-SLICES = (Atlas,)
-
-
 SetAtlas = partial(SetOne, Atlas)
 """Set one thing about how solutions are shown."""

@@ -251,6 +251,3 @@ class TrajectoryPanel(Panel):
         plot, at = self.review[Plan].plot, self._moment.at
         measuring = moved.measuring and not moved.stale
         self._plot.mark(mark(computed, plot, drawn.axes, at, measuring=measuring))
-
-
-PANELS = (TrajectoryPanel,)

@@ -273,9 +273,6 @@ class TrajectoryPart(Part):
         return self._known[1] or measured
 
 
-PARTS = (TrajectoryPart,)
-
-
 def rounded_up(value: float) -> float:
     """A positive number to six digits and never less, so that what is at a limit is not beyond it
     by rounding.

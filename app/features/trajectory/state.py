@@ -192,9 +192,6 @@ class Plan(Slice):
         return value
 
 
-SLICES = (Plan,)
-
-
 @dataclass(frozen=True)
 class SetPlan(Change):
     """Set some things of the trajectory, by name; values are of the kinds that `Plan` has."""

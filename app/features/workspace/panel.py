@@ -216,8 +216,5 @@ class RegionsFolder(Group):
             self.say(self._report, html.regions_html(news), news.stale)
 
 
-PANELS = (WorkspacePanel,)
-
-
 def _shown(key: str, review: Review) -> bool:
     return review[Workspace].shown(key) is not None

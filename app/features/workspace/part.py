@@ -203,6 +203,3 @@ class RegionsPart(Part):
         missing = "There are no regions to save yet; show them first."
         laid = self.answers[compute.REGIONS].now
         self.save(laid, lambda laid: regions_file(laid, kind), client, missing)
-
-
-PARTS = (SolidsPart, RegionsPart)

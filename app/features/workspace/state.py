@@ -109,9 +109,6 @@ class Flat(Slice):
         return self
 
 
-SLICES = (Workspace, Flat)
-
-
 def solver_modes(review: Review) -> tuple[str, ...] | None:
     """The modes that the workspace is of, as solvers take them: None means all together."""
     modes = review[Workspace].modes
