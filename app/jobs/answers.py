@@ -18,12 +18,11 @@ from app.jobs.lane import Done, Job, Lane, Lost
 
 _NOTHING: Mapping[Any, Any] = {}
 
-Q = TypeVar("Q", bound=Hashable)
 A = TypeVar("A")
 
 
 @dataclass(frozen=True, eq=False)
-class Question(Generic[Q, A]):
+class Question(Generic[A]):
     """A kind of work: from a request, which is all that it depends on, to its answer.
 
     Attributes:
@@ -45,8 +44,8 @@ class Question(Generic[Q, A]):
     kept: int = 8
 
     def __call__(
-        self, request: Q, *arguments: Any, title: str = "", idle: bool = False
-    ) -> Asked[Q, A]:
+        self, request: Hashable, *arguments: Any, title: str = "", idle: bool = False
+    ) -> Asked[A]:
         """The question about a request; ``arguments`` instead of it go to the process.
 
         If ``idle`` the answer is of use if it is there, and not worth any work now.
@@ -55,11 +54,11 @@ class Question(Generic[Q, A]):
 
 
 @dataclass(frozen=True, eq=False)
-class Asked(Generic[Q, A]):
+class Asked(Generic[A]):
     """A question about a request."""
 
-    question: Question[Q, A]
-    request: Q
+    question: Question[A]
+    request: Any
     arguments: tuple[Any, ...]
     title: str
     idle: bool
@@ -69,7 +68,7 @@ class Asked(Generic[Q, A]):
 class Key:
     """What a lane's job is known by; ``asked`` counts how often answers were forgotten."""
 
-    question: Question[Any, Any]
+    question: Question[Any]
     request: Any
     asked: int
 
@@ -109,14 +108,14 @@ class Answers:
 
     def __init__(self, lanes: Mapping[str, Lane]) -> None:
         self._lanes = lanes
-        self._asked: dict[Question[Any, Any], dict[Hashable, Asked[Any, Any]]] = {}
-        self._kept: dict[Question[Any, Any], OrderedDict[Hashable, Any]] = {}
-        self._newest: dict[Question[Any, Any], tuple[Any, Any, float]] = {}
-        self._waiting: dict[Question[Any, Any], float] = {}
-        self._lost: dict[tuple[Question[Any, Any], Hashable], str] = {}
-        self._forgotten: dict[Question[Any, Any], int] = {}
+        self._asked: dict[Question[Any], dict[Hashable, Asked[Any]]] = {}
+        self._kept: dict[Question[Any], OrderedDict[Hashable, Any]] = {}
+        self._newest: dict[Question[Any], tuple[Any, Any, float]] = {}
+        self._waiting: dict[Question[Any], float] = {}
+        self._lost: dict[tuple[Question[Any], Hashable], str] = {}
+        self._forgotten: dict[Question[Any], int] = {}
 
-    def want(self, asked: Iterable[Asked[Any, Any]]) -> None:
+    def want(self, asked: Iterable[Asked[Any]]) -> None:
         """These are the questions from now on, the first to be answered first."""
         wanted = tuple(asked)
         self._asked = {}
@@ -135,7 +134,7 @@ class Answers:
         for name, lane in self._lanes.items():
             lane.want([self._job(each) for each in left if each.question.lane == name])
 
-    def take(self, event: Done | Lost) -> Asked[Any, Any] | None:
+    def take(self, event: Done | Lost) -> Asked[Any] | None:
         """Keep what came of a job; the question that it settles, if that is asked now."""
         key = event.job.key
         if not isinstance(key, Key) or key.question.lane not in self._lanes:
@@ -149,7 +148,7 @@ class Answers:
             self._lost[key.question, key.request] = event.text
         return asked
 
-    def put(self, question: Question[Q, A], request: Q, answer: A) -> None:
+    def put(self, question: Question[A], request: Hashable, answer: A) -> None:
         """Keep an answer."""
         kept = self._kept.setdefault(question, OrderedDict())
         kept[request] = answer
@@ -159,7 +158,7 @@ class Answers:
         for old in others[: max(len(others) - question.kept, 0)]:
             del kept[old]
 
-    def forget(self, *questions: Question[Any, Any]) -> None:
+    def forget(self, *questions: Question[Any]) -> None:
         """Know nothing of these any more, and ask for all of it again."""
         for question in questions:
             self._kept.pop(question, None)
@@ -167,16 +166,16 @@ class Answers:
             self._forgotten[question] = self._forgotten.get(question, 0) + 1
         self._lost = {key: text for key, text in self._lost.items() if key[0] not in questions}
 
-    def kept(self, asked: Asked[Q, A]) -> A | None:
+    def kept(self, asked: Asked[A]) -> A | None:
         """The answer to a question that is about to be asked, if it is there already."""
         kept: A | None = self._kept.get(asked.question, _NOTHING).get(asked.request)
         return kept
 
-    def given_up(self, asked: Asked[Any, Any]) -> bool:
+    def given_up(self, asked: Asked[Any]) -> bool:
         """Whether a question that is asked will not be answered."""
         return (asked.question, asked.request) in self._lost
 
-    def settled(self, asked: Asked[Any, Any]) -> bool:
+    def settled(self, asked: Asked[Any]) -> bool:
         """Whether nothing more will come to a question."""
         return asked.request in self._kept.get(asked.question, ()) or self.given_up(asked)
 
@@ -184,7 +183,7 @@ class Answers:
         """Another machine has come: nothing is of before."""
         self._newest.clear()
 
-    def of(self, question: Question[Q, A], request: Q) -> Told[A]:
+    def of(self, question: Question[A], request: Hashable) -> Told[A]:
         """What is known of a question about a request; nothing unless that is asked now."""
         if request not in self._asked.get(question, ()):
             return Told()
@@ -198,13 +197,13 @@ class Answers:
         since = max(came, self._waiting.get(question, 0.0))
         return Told(old=old, old_of=old_of, since=since)
 
-    def __getitem__(self, question: Question[Any, A]) -> Told[A]:
+    def __getitem__(self, question: Question[A]) -> Told[A]:
         """What is known of a question that is asked about one request; nothing if of none."""
         for request in self._asked.get(question, ()):
             return self.of(question, request)
         return Told()
 
-    def _job(self, asked: Asked[Any, Any]) -> Job:
+    def _job(self, asked: Asked[Any]) -> Job:
         question = asked.question
         key = Key(question, asked.request, self._forgotten.get(question, 0))
         return Job(

@@ -55,7 +55,21 @@ class Grip:
         return True
 
 
-class Stage(Protocol):
+class Room(Protocol):
+    """What panels and parts may both ask of the page; none of it blocks."""
+
+    def part(self, kind: type[P]) -> P:
+        """A part; of a part one that comes before."""
+
+    def ask(self, act: Callable[A, object], *arguments: A.args, **options: A.kwargs) -> None:
+        """Have the loop call this; the page is brought to the review if it returns True."""
+
+    def fit_view(self) -> None: ...
+    def complain(self, text: str, client: Client = None) -> None: ...
+    def download(self, file: ExportedFile, client: Client) -> None: ...
+
+
+class Stage(Room, Protocol):
     """The page as its parts see it; all of it on the loop's thread, but for `put`."""
 
     @property
@@ -73,9 +87,6 @@ class Stage(Protocol):
         """The present one, be it not on the page yet."""
 
     def sheet(self) -> Sheet: ...
-    def part(self, kind: type[P]) -> P:
-        """Another part, which comes before."""
-
     def tell(self, news: object, view: View | None = None) -> None:
         """Hand something to the panels that show it, with the view that it is of."""
 
@@ -88,16 +99,10 @@ class Stage(Protocol):
     def show_machine(self) -> None:
         """Bring the machine in the scene there."""
 
-    def fit_view(self) -> None: ...
     def put(self, item: object) -> None:
         """Put something into the inbox."""
 
-    def ask(self, act: Callable[A, object], *arguments: A.args, **options: A.kwargs) -> None:
-        """Have the loop call this; the page is brought to the review if it returns True."""
-
     def apply(self, change: Change, client: Client) -> bool: ...
-    def complain(self, text: str, client: Client = None) -> None: ...
-    def download(self, file: ExportedFile, client: Client) -> None: ...
     def apart(self, client: Client, act: Callable[[], None]) -> None: ...
 
 
@@ -127,7 +132,7 @@ class Part:
     def prepare(self) -> None:
         """Make its scene nodes, for another machine; the page has been cleared."""
 
-    def wished(self, view: View) -> Iterable[Asked[Any, Any]]:
+    def wished(self, view: View) -> Iterable[Asked[Any]]:
         """What is to be known for a review, the first to be answered first."""
         return ()
 
@@ -142,11 +147,11 @@ class Part:
         else:
             self.stage.apart(client, lambda: self.stage.download(make(of), client))
 
-    def came(self, asked: Asked[Any, Any], answer: Any) -> bool:
+    def came(self, asked: Asked[Any], answer: Any) -> bool:
         """A question of the present review was answered; as above."""
         return False
 
-    def lost(self, asked: Asked[Any, Any]) -> None:
+    def lost(self, asked: Asked[Any]) -> None:
         """A question of the present review was given up."""
 
     def show(self, sheet: Sheet) -> None:

@@ -102,6 +102,13 @@ def whole(option: str, text: str, machine: Any = None) -> int:
         raise InputError(f"{option} must be a whole number, got {text.strip()!r}") from None
 
 
+def without(why: str, **given: Any) -> None:
+    """Raise an InputError that says ``why`` of the first of these options that is given."""
+    for name, value in given.items():
+        if value is not None:
+            raise InputError(f"{'-o' if name == 'o' else f'--{name}'} {why}")
+
+
 def counted(what: str, low: int, high: int) -> Callable[[str, str, Any], int]:
     """Reads a whole number between two others, which is ``what``."""
 

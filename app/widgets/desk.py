@@ -8,11 +8,12 @@ import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar, ParamSpec, Protocol, TypeVar, cast
+from typing import Any, ClassVar, ParamSpec, Protocol, TypeVar, cast
 
 import viser
 
 from app.jobs.parts import Client as Client
+from app.jobs.parts import Room
 from app.review.changes import Change
 from app.review.state import Review, Slice
 from app.review.view import View
@@ -20,9 +21,6 @@ from app.scene import palette
 from app.widgets.texts import aged, box, faint
 from kinematics.errors import BohemiaError
 from kinematics.machine import Machine
-
-if TYPE_CHECKING:
-    from app.features.review.files import ExportedFile
 
 log = logging.getLogger(__name__)
 
@@ -66,8 +64,8 @@ class Hands:
         return held
 
 
-class Desk(Protocol):
-    """What a panel may ask of the server; none of it blocks."""
+class Desk(Room, Protocol):
+    """The page as its panels see it."""
 
     @property
     def gui(self) -> viser.GuiApi: ...
@@ -76,16 +74,9 @@ class Desk(Protocol):
     @property
     def hands(self) -> Hands: ...
     def send(self, change: Change, client: Client = None) -> None: ...
-    def part(self, kind: type[P]) -> P: ...
-    def ask(self, act: Callable[A, object], *arguments: A.args, **options: A.kwargs) -> None:
-        """Have the loop call this; the page is brought to the review if it returns True."""
-
     def undo(self) -> None: ...
     def redo(self) -> None: ...
-    def fit_view(self) -> None: ...
     def cancel(self) -> None: ...
-    def download(self, file: ExportedFile, client: Client) -> None: ...
-    def complain(self, text: str, client: Client = None) -> None: ...
 
 
 @dataclass(frozen=True, eq=False, slots=True)

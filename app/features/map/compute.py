@@ -98,4 +98,4 @@ def values(span: Span) -> Array:
 
 
 # Put together from cells, and never asked for.
-MAP: Question[tuple[object, ...], Known] = Question("", "maps", Known)
+MAP = Question("", "maps", Known)

@@ -44,7 +44,7 @@ class MapPart(Part):
         self._run += 1
         self._pool.close()
 
-    def wished(self, view: View) -> Iterable[Asked[Any, Any]]:
+    def wished(self, view: View) -> Iterable[Asked[Any]]:
         if view.review.machine.map_spec is not None:
             yield MAP(key_of(view.review), idle=True)
 

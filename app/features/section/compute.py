@@ -344,15 +344,11 @@ def _raised(flat: Array, at: float) -> Array:
 
 
 REST = 0.15  # s for which a workspace must stay before it is measured
-SECTION: Question[Wish, Drawn] = Question("the section", "sections", draw)
+SECTION = Question("the section", "sections", draw)
 # Apart, so that a section is never behind a volume, let alone behind the first one of all, for
 # which code is compiled.
-VOLUME: Question[Region, Volume] = Question("the exact volume", "measures", measure, REST, kept=64)
+VOLUME = Question("the exact volume", "measures", measure, REST, kept=64)
 Inside = tuple[Region, tuple[float, ...] | None]
 """Of what the largest is wanted, and about which point; None for wherever the most room is."""
-BALL: Question[Inside, tuple[Sphere, ...]] = Question(
-    "the largest ball", "measures", sphere, slow=True, urgent=True
-)
-BOX: Question[Inside, tuple[Box, ...]] = Question(
-    "the largest box", "measures", box, slow=True, urgent=True
-)
+BALL = Question("the largest ball", "measures", sphere, slow=True, urgent=True)
+BOX = Question("the largest box", "measures", box, slow=True, urgent=True)

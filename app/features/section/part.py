@@ -59,7 +59,7 @@ class SectionPart(Part):
 
     # --- what is wanted
 
-    def wished(self, view: View) -> Iterable[Asked[Any, Any]]:
+    def wished(self, view: View) -> Iterable[Asked[Any]]:
         review = view.review
         has = review.machine.section_spec is not None
         region = compute.region(review) if has else None
@@ -141,13 +141,13 @@ class SectionPart(Part):
 
     # --- what comes
 
-    def came(self, asked: Asked[Any, Any], answer: Any) -> bool:
+    def came(self, asked: Asked[Any], answer: Any) -> bool:
         for what, question in QUESTIONS.items():
             if asked.question is question and not answer:
                 self.stage.complain(f"There is no {what}: nothing of the workspace is there.")
         return asked.question is compute.BALL and self._going is not None and self._go()
 
-    def lost(self, asked: Asked[Any, Any]) -> None:
+    def lost(self, asked: Asked[Any]) -> None:
         lost = [what for what, question in QUESTIONS.items() if question is asked.question]
         for what in lost:
             self._asked.pop(what, None)

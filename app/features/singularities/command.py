@@ -68,19 +68,14 @@ def singularity(
     """
     somewhere = pose.whole or pose.positioned
     if not somewhere and any(spec.key == ASPECTS for spec in machine.solid_specs):
-        for name, value in {"chart": chart, "at": at, "tolerance": tolerance}.items():
-            if value is not None:
-                raise InputError(f"--{name} goes with --pose")
+        values.without("goes with --pose", chart=chart, at=at, tolerance=tolerance)
         return _surfaces(machine, pose, mode, resolution or "normal", what, output)
-    for name, value in (("--resolution", resolution), ("--what", what)):
-        if value is not None:
-            raise InputError(f"{name} is for all positions together; leave it or --pose out")
+    all_together = "is for all positions together; leave it or --pose out"
+    values.without(all_together, resolution=resolution, what=what)
     if chart is None and somewhere:
-        if at is not None or output.path is not None:
-            raise InputError(f"{'-o' if at is None else '--at'} goes with --chart")
+        values.without("goes with --chart", at=at, o=output.path)
         return _at_pose(pose.place(mode), tolerance)
-    if tolerance is not None:
-        raise InputError("--tolerance is about one pose; leave it out with --chart")
+    values.without("is about one pose; leave it out with --chart", tolerance=tolerance)
     return _chart(pose, mode, chart, at, output)
 
 

@@ -299,23 +299,13 @@ def beside(review: Review) -> Beside | None:
 # --- what is asked, and all that an answer depends on ----------------------------------------
 
 REST = 0.2  # s for which a place must stay before curves are traced about it
-HERE: Question[Place, Here] = Question("what holds the platform", "control", look)
-PASSED: Question[tuple[Place, tuple[float, ...]], tuple[Event, ...]] = Question(
-    "the way here", "control", passed, kept=0
-)
-BESIDE: Question[Place, Here] = Question("the counterpart", "control", look)
-CURVES: Question[tuple[object, ...], LocusCurves] = Question(
-    "the singular curves", "loci", curves, REST, urgent=True
-)
-CURVES_BESIDE: Question[tuple[object, ...], LocusCurves] = Question(
-    "the counterpart's curves", "loci", curves, REST
-)
-PROFILES: Question[tuple[object, ...], tuple[tuple[Design, Profile], ...]] = Question(
-    "the profile", "loci", profiles, REST
-)
-FREE: Question[tuple[object, ...], tuple[Sphere, ...]] = Question(
-    "the largest ball without a singularity", "loci", ball, slow=True, urgent=True
-)
+HERE = Question("what holds the platform", "control", look)
+PASSED = Question("the way here", "control", passed, kept=0)
+BESIDE = Question("the counterpart", "control", look)
+CURVES = Question("the singular curves", "loci", curves, REST, urgent=True)
+CURVES_BESIDE = Question("the counterpart's curves", "loci", curves, REST)
+PROFILES = Question("the profile", "loci", profiles, REST)
+FREE = Question("the largest ball without a singularity", "loci", ball, slow=True, urgent=True)
 
 
 def same_branch(one: Place, other: Place) -> bool:

@@ -63,20 +63,13 @@ def micr(
     from kinematics.mechanism import mechanism_class
 
     kind = mechanism_class(mechanism.strip())
-    sizes = {"--base": base, "--platform": platform, "--altitude": altitude}
-    of_curves = {"--ratios": ratios, "--heights": heights, "-o": output.path}
-    for name, value in (sizes if curves else of_curves).items():
-        if value is not None and curves:
-            raise InputError(f"{name} is of one machine; leave it out with --curves")
-        if value is not None:
-            raise InputError(f"{name} goes with --curves")
+    sizes = {"base": base, "platform": platform, "altitude": altitude}
     if curves:
-        return _curves(
-            kind,
-            ratios or _ratios("--ratios", RATIOS),
-            heights or _heights("--heights", HEIGHTS),
-            output,
-        )
+        values.without("is of one machine; leave it out with --curves", **sizes)
+        ratios = ratios or _ratios("--ratios", RATIOS)
+        heights = heights or _heights("--heights", HEIGHTS)
+        return _curves(kind, ratios, heights, output)
+    values.without("goes with --curves", ratios=ratios, heights=heights, o=output.path)
     if base is None or platform is None or altitude is None:
         raise InputError(
             "--base, --platform and --altitude are needed, or --curves (see bohemia micr --help)"

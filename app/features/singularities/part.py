@@ -39,7 +39,7 @@ class ControlPart(Part):
     def __init__(self, stage: Stage) -> None:
         super().__init__(stage)
         self._grip = Grip()
-        self._free: Asked[Any, Any] | None = None  # a ball that a person asked for
+        self._free: Asked[Any] | None = None  # a ball that a person asked for
         self._swing: tuple[float, tuple[float, ...]] | None = None
         self._watched: compute.Place | None = None
         self._log: tuple[compute.Logged, ...] = ()
@@ -51,7 +51,7 @@ class ControlPart(Part):
 
     # --- what is wanted
 
-    def wished(self, view: View) -> Iterable[Asked[Any, Any]]:
+    def wished(self, view: View) -> Iterable[Asked[Any]]:
         review, spot = view.review, compute.spot_of(view.review)
         machine, control, other = review.machine, review[Control], compute.counterpart(view.review)
         yield compute.HERE(spot)
@@ -106,12 +106,12 @@ class ControlPart(Part):
                 self._watched = replace(before, pose=pose)
         return super().take(event)
 
-    def came(self, asked: Asked[Any, Any], answer: Any) -> bool:
+    def came(self, asked: Asked[Any], answer: Any) -> bool:
         if asked.question is compute.FREE and not answer:
             self.stage.complain("There is no such ball: nothing of the workspace is there.")
         return False
 
-    def lost(self, asked: Asked[Any, Any]) -> None:
+    def lost(self, asked: Asked[Any]) -> None:
         if asked.question is compute.FREE:
             self._free = None
 

@@ -313,7 +313,5 @@ def partner(known: Known | None, posture: Posture) -> int | None:
     return known.solutions.identities[nearest] if same else None
 
 
-SOLUTIONS: Question[Wish, Refreshed] = Question("all solutions", "solutions", solve, REST, kept=0)
-FOLDS: Question[tuple[object, ...], tuple[Ahead, ...]] = Question(
-    "the folds ahead", "solutions", look_ahead, REST
-)
+SOLUTIONS = Question("all solutions", "solutions", solve, REST, kept=0)
+FOLDS = Question("the folds ahead", "solutions", look_ahead, REST)

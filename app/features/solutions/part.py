@@ -75,7 +75,7 @@ class Explorer:
             self._joints, self._moved_at = posture.joints, now
         self.answers.want(self._wished(view))
 
-    def _wished(self, view: View) -> Iterable[Asked[Any, Any]]:
+    def _wished(self, view: View) -> Iterable[Asked[Any]]:
         review, posture = view.review, view.posture
         if not posture.closes:
             self._wish = None

@@ -7,6 +7,7 @@ come in parts, coarse first, so that whatever is wanted next need not wait for t
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -194,74 +195,53 @@ def reach(
     """Where the machine can be in a plane, drawn close around."""
     machine = machine_of(design)
     axes = machine.coordinates
-    whole = tuple((axes[n].lower, axes[n].upper) for n in plane)
+    whole = [(axes[n].lower, axes[n].upper) for n in plane]
     # Coordinates that follow are solved for one by one.
-    cells = COARSE if set(machine.dependent) - set(plane) else CELLS
-    seen = _inside(machine, pose, mode, plane, follows, whole, cells)
+    free = [n for n in machine.dependent if n not in plane]
+    cells = COARSE if free else CELLS
+
+    def inside(bounds: Sequence[tuple[float, float]]) -> np.ndarray:
+        middles = (np.arange(cells) + 0.5) / cells
+        u, v = (low + middles * (high - low) for low, high in bounds)
+        poses = np.tile(np.asarray(pose, dtype=float), (cells * cells, 1))
+        poses[:, plane] = np.stack(np.meshgrid(u, v, indexing="ij"), axis=-1).reshape(-1, 2)
+        possible = np.ones(len(poses), dtype=bool)
+        for n, each in enumerate(poses.tolist() if free else ()):
+            possible[n] = False
+            for way in [follows] if follows in free else free:
+                with suppress(InputError):
+                    poses[n] = machine.complete_pose(tuple(each), mode, dependent=way)
+                    possible[n] = True
+                    break
+        answer = machine.inverse(poses)
+        found: np.ndarray = answer.within_stroke[:, answer.modes.index(mode)] & possible
+        return found.reshape(cells, cells)
+
+    seen = inside(whole)
     if not seen.any():
         return Reach(plane, (whole[0], whole[1]), seen)
     close = []
     for n, (low, high) in enumerate(whole):
-        rows = np.flatnonzero(seen.any(axis=1 - n))
+        rows = np.flatnonzero(seen.any(axis=1 - n)).tolist()
         cell = (high - low) / cells
         close.append((low + (rows[0] - 0.5) * cell, low + (rows[-1] + 1.5) * cell))
     if axes[plane[0]].unit == axes[plane[1]].unit:  # the same scale both ways
         half = 0.5 * max(high - low for low, high in close) * (1.0 + 2.0 * ROOM)
         close = [(0.5 * (a + b) - half, 0.5 * (a + b) + half) for a, b in close]
-    bounds = (
-        (float(close[0][0]), float(close[0][1])),
-        (float(close[1][0]), float(close[1][1])),
-    )
-    inside = _inside(machine, pose, mode, plane, follows, bounds, cells)
-    return Reach(plane, bounds, inside, _lost(machine, pose, mode, plane))
+    return Reach(plane, (close[0], close[1]), inside(close), _lost(machine, pose, mode, plane))
 
 
 def _lost(
-    machine: Machine[Any],
-    pose: Sequence[float],
-    mode: str,
-    plane: tuple[int, int],
+    machine: Machine[Any], pose: Sequence[float], mode: str, plane: tuple[int, int]
 ) -> tuple[Array, ...]:
     """Curves in a plane where control is lost, if the mechanism has a chart of it."""
     symbols = [machine.coordinates[n].symbol for n in plane]
     for chart in machine.singularities.loci:
-        if sorted(chart.axes) != sorted(symbols):
-            continue
-        found = machine.singularities.locus(chart.key, pose, mode)
-        turn = 1 if list(chart.axes) == symbols else -1
-        return tuple(curve[:, ::turn] for curve in found.lost())
+        if sorted(chart.axes) == sorted(symbols):
+            found = machine.singularities.locus(chart.key, pose, mode)
+            turn = 1 if list(chart.axes) == symbols else -1
+            return tuple(curve[:, ::turn] for curve in found.lost())
     return ()
-
-
-def _inside(
-    machine: Machine[Any],
-    pose: Sequence[float],
-    mode: str,
-    plane: tuple[int, int],
-    follows: int | None,
-    bounds: Sequence[tuple[float, float]],
-    cells: int,
-) -> np.ndarray:
-    middles = (np.arange(cells) + 0.5) / cells
-    u, v = (low + middles * (high - low) for low, high in bounds)
-    poses = np.tile(np.asarray(pose, dtype=float), (cells * cells, 1))
-    poses[:, plane[0]], poses[:, plane[1]] = (a.ravel() for a in np.meshgrid(u, v, indexing="ij"))
-    free = [n for n in machine.dependent if n not in plane]
-    possible = np.ones(len(poses), dtype=bool)
-    if free:
-        gives_way = follows if follows in free else None
-        for n, each in enumerate(poses.tolist()):
-            for way in [gives_way] if gives_way is not None else free:
-                try:
-                    poses[n] = machine.complete_pose(tuple(each), mode, dependent=way)
-                    break
-                except InputError:
-                    continue
-            else:
-                possible[n] = False
-    answer = machine.inverse(poses)
-    inside: np.ndarray = answer.within_stroke[:, answer.modes.index(mode)] & possible
-    return inside.reshape(cells, cells)
 
 
 def _marks(of: Asked, events: Sequence[Event]) -> Array:
@@ -326,10 +306,8 @@ def reach_key(review: Review) -> ReachKey:
 
 
 REST = 0.2  # s for which a trajectory must stay asked for before it is computed
-TRAJECTORY: Question[Asked, Computed] = Question("the trajectory", "trajectory", compute, REST)
-DISTANCES: Question[tuple[Computed, tuple[int, ...]], Array] = Question(
-    "", "trajectory", distances, urgent=True, kept=500
-)
-JUDGED: Question[Computed, Computed] = Question("", "trajectory", judged, urgent=True)
-FITS: Question[tuple[Computed, int], Fits] = Question("the polynomials", "trajectory", fitted, REST)
-REACH: Question[ReachKey, Reach] = Question("the reach", "trajectory", reach)
+TRAJECTORY = Question("the trajectory", "trajectory", compute, REST)
+DISTANCES = Question("", "trajectory", distances, urgent=True, kept=500)
+JUDGED = Question("", "trajectory", judged, urgent=True)
+FITS = Question("the polynomials", "trajectory", fitted, REST)
+REACH = Question("the reach", "trajectory", reach)

@@ -57,7 +57,7 @@ class TrajectoryPart(Part):
 
     # --- what is wanted
 
-    def wished(self, view: View) -> Iterable[answers.Asked[Any, Any]]:
+    def wished(self, view: View) -> Iterable[answers.Asked[Any]]:
         review = view.review
         of = compute.asked(review)
         if of != self._asked:
@@ -73,7 +73,7 @@ class TrajectoryPart(Part):
 
     def _further(
         self, of: compute.Asked, computed: compute.Computed, degree: int
-    ) -> Iterable[answers.Asked[Any, Any]]:
+    ) -> Iterable[answers.Asked[Any]]:
         """What is asked once the trajectory is there."""
         if degree:
             yield compute.FITS((computed, degree), computed, degree)
@@ -115,11 +115,11 @@ class TrajectoryPart(Part):
         """The trajectory that is asked for, once it is known."""
         return self.answers[compute.JUDGED].now or self.answers[compute.TRAJECTORY].now
 
-    def came(self, asked: answers.Asked[Any, Any], answer: Any) -> bool:
+    def came(self, asked: answers.Asked[Any], answer: Any) -> bool:
         self.playing.follow(self.stage.view.review, self.current)
         return False
 
-    def lost(self, asked: answers.Asked[Any, Any]) -> None:
+    def lost(self, asked: answers.Asked[Any]) -> None:
         self._given_up |= asked.question in (compute.DISTANCES, compute.JUDGED)
 
     # --- what a person asks for

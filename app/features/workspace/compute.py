@@ -131,7 +131,7 @@ def build(request: SolidRequest) -> BuiltSolid:
 
 REST_NORMAL = 0.15  # s for which a hand must rest before the normal solid is begun
 REST_FINE = 0.7  # s before the fine one
-_Solid = Question["SolidRequest", "BuiltSolid"]
+_Solid = Question["BuiltSolid"]
 # Coarse first, finer when the hand rests; the coarse lane is always free for the next preview, and
 # too quick to be worth a bar.
 SOLIDS: dict[Resolution, _Solid] = {
@@ -139,12 +139,12 @@ SOLIDS: dict[Resolution, _Solid] = {
     "normal": Question("", "fine", build, REST_NORMAL, tries=2, urgent=True, kept=24),
     "fine": Question("", "fine", build, REST_FINE, tries=2, urgent=True, kept=24),
 }
-FIELD: Question[tuple[object, ...], Array] = Question("the colours", "colours", field, kept=4)
+FIELD = Question("the colours", "colours", field, kept=4)
 
 
 def solid_asked(
     wish: SolidWish, resolution: Resolution, *, idle: bool = False
-) -> Asked[SolidRequest, BuiltSolid]:
+) -> Asked[BuiltSolid]:
     """The question about a solid."""
     title = "" if resolution == "preview" else f"{wish.spec.title}, {resolution}"
     return SOLIDS[resolution](wish.requests[resolution], title=title, idle=idle)
@@ -254,4 +254,4 @@ def _raised(flat: Array, frame: Array) -> Array:
     return raised
 
 
-REGIONS: Question[Wish, Laid] = Question("the regions of the workspace", "regions", lay)
+REGIONS = Question("the regions of the workspace", "regions", lay)

@@ -24,9 +24,7 @@ class Painter:
     def __init__(self) -> None:
         self._coats: dict[str, tuple[object, tuple[Coat, ...], Scale | None]] = {}
 
-    def asked(
-        self, review: Review, wish: SolidWish, solid: BuiltSolid
-    ) -> Asked[tuple[object, ...], Array] | None:
+    def asked(self, review: Review, wish: SolidWish, solid: BuiltSolid) -> Asked[Array] | None:
         """The question about the measure that a solid is coloured by; None where it is not."""
         measure = _measure(review)
         if measure is None or wish.spec.limb is not None or not solid.triangles:

@@ -56,7 +56,7 @@ class SolidsPart(Part):
 
     # --- what is wanted
 
-    def wished(self, view: View) -> Iterable[Asked[Any, Any]]:
+    def wished(self, view: View) -> Iterable[Asked[Any]]:
         self._wishes = compute.wishes(view.review)
         for resolution in RESOLUTIONS:
             for each in self._wishes:
@@ -176,7 +176,7 @@ class RegionsPart(Part):
         self._scene = Flats(self.stage.scene) if offered else None
         self._fitted = False
 
-    def wished(self, view: View) -> Iterable[Asked[Any, Any]]:
+    def wished(self, view: View) -> Iterable[Asked[Any]]:
         wanted = compute.wish(view.review)
         return () if wanted is None else (compute.REGIONS(wanted),)
 
