@@ -199,6 +199,24 @@ class ClosureFollowing(FollowingFacet[D]):
         distance = float(found.point[-1]) * self.unit
         return Fold(distance, tuple(at.tolist()), there.pose, there.mode, partner)
 
+    def carried(
+        self, pose: Sequence[float], mode: str, joints: ArrayLike, wanted: ArrayLike
+    ) -> Carried:
+        """Where a solution at joints (J,) is led when they move straight to others, strokes or not.
+
+        As in `follow` it ends shortly before a parallel singularity, and never jumps.
+        """
+        first, now = self._closed(pose, mode, np.asarray(joints, dtype=float))
+        aim = np.asarray(wanted, dtype=float)
+        line = self._line(mode, first, now, aim)
+        if line is None:
+            return Carried(tuple(pose), mode, 1.0)
+        end = walk(line.curve, line.first, line.way, self.edge)
+        part = 1.0 if end.stop == "target" else float(end.point[-1]) / line.way
+        at = aim if end.stop == "target" else line.joints(end.point)
+        there = self.posture(end.point[:-1], at, pose, mode)
+        return Carried(there.pose, there.mode, part)
+
     def polish(self, pose: Sequence[float], mode: str, joints: ArrayLike) -> Posture | None:
         """The posture with the given joints that Newton's method reaches from a guess.
 
@@ -281,8 +299,11 @@ class ClosureFollowing(FollowingFacet[D]):
 
     def _start(self, posture: Posture) -> tuple[Array, Array]:
         """Unknowns and joints (J,) mm of a posture, which close to within rounding."""
-        first, joints = self.unknowns(posture.pose, posture.mode), np.array(posture.joints)
-        closure, count = self.closure(posture.mode), len(first)
+        return self._closed(posture.pose, posture.mode, np.array(posture.joints))
+
+    def _closed(self, pose: Sequence[float], mode: str, joints: Array) -> tuple[Array, Array]:
+        first, closure = self.unknowns(pose, mode), self.closure(mode)
+        count = len(first)
         for _ in range(2):
             v = np.concatenate([first, joints / self.unit])
             by_joints = closure.slopes(v)[:, count:]
@@ -306,6 +327,14 @@ class ClosureFollowing(FollowingFacet[D]):
         direction = (aim - now) / way
         curve, point = self._curve(mode, first, now, direction)
         return _Line(curve, point, now, direction * self.unit, way / self.unit)
+
+
+class Carried(NamedTuple):
+    """Where a solution was led, in which mode it is there, and on how much of the way, 0 to 1."""
+
+    pose: tuple[float, ...]
+    mode: str
+    fraction: float
 
 
 class _Line(NamedTuple):

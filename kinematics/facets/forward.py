@@ -3,24 +3,69 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from time import perf_counter
-from typing import overload
+from typing import Any, ClassVar, overload
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from kinematics.answers.solutions import ForwardSolutions, Refreshed
+from kinematics.answers.solutions import ForwardSolutions, Refreshed, SelfMotion
 from kinematics.arrays import Array, finite
 from kinematics.facets.facet import Facet
-from kinematics.homotopy.assembly_sets import positive_lengths
+from kinematics.facets.following import ClosureFollowing
+from kinematics.facets.inverse import SLACK
+from kinematics.facets.measures import MeasuresFacet
+from kinematics.facets.statics import StaticsFacet
+from kinematics.homotopy.assembly_sets import (
+    NONE_FOUND,
+    NONE_REAL,
+    described,
+    grouped,
+    not_closed,
+    positive_lengths,
+)
 from kinematics.homotopy.assembly_tracking import told_apart
 from kinematics.mechanism import D
+from kinematics.screws.wrenches import determinant
 
-_CLEAR = 0.35  # of the distance to the next solution: what one may move in a piece
-_FINEST = 12  # halvings
-_TOGETHER = 0.5  # of the characteristic length: how near solutions are that left together
+# Parts of the characteristic length: an end and the solution that it is, and two left at a fold.
+_THERE, _TOGETHER = 1e-5, 0.5
+_AT_ONCE = 1e-3  # of the way: solutions that end so near in it may have met
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """The real solutions at one vector of joints, and what is known of all complex ones.
+
+    Attributes:
+        joints: (J,) mm or rad.
+        poses, modes, multiplicity: of the N real ones; they may coincide.
+        roots: (K, M) every complex solution in the mechanism's own unknowns.
+        count: finite complex solutions, with their multiplicity.
+        expected: how many almost every machine of the family has.
+        complete: they are all.
+        method, notes: in words.
+        pairs: complex pairs that are nearly real.
+        self_motions, mixed_modes: as of `ForwardSolutions`.
+        residual: (N,) mm, where more is known of it than the poses tell.
+    """
+
+    joints: Array
+    poses: Array
+    modes: tuple[str, ...]
+    multiplicity: NDArray[np.intp]
+    roots: NDArray[np.complex128]
+    count: int
+    expected: int
+    complete: bool
+    method: str
+    notes: tuple[str, ...] = ()
+    pairs: int = 0
+    self_motions: tuple[SelfMotion, ...] = ()
+    mixed_modes: bool = False
+    residual: Array | None = None
 
 
 class ForwardFacet(Facet[D]):
@@ -29,13 +74,11 @@ class ForwardFacet(Facet[D]):
     Attributes:
         chunk: vectors of joints that are solved at a time.
         noun: what messages call the joints.
-        keeps_mode: an assembly mode stays in its mode while the joints move.
     """
 
     topic = "forward"
     chunk = 512
     noun = "actuator lengths"
-    keeps_mode = False
 
     @overload
     def __call__(  # type: ignore[overload-overlap]  # a list of numbers is one vector
@@ -104,81 +147,133 @@ class ForwardFacet(Facet[D]):
             transform(poses, modes), transform(others, other_modes), self.mechanism.length
         )
 
+    # --- what is said of solutions
+
+    double: ClassVar[float] = 0.0
+    """Part of the machine and its shortest length: closer solutions are one, seen twice."""
+    counted_from: ClassVar[int] = 1
+    none_real: ClassVar[str] = NONE_REAL
+
+    @property
+    def size(self) -> float:
+        """A length of the machine, mm, against which residuals must be small."""
+        return float(getattr(self.design, "size", self.mechanism.length))
+
+    def alike(self, modes: Sequence[str]) -> Iterator[tuple[Any, Any]]:
+        """Solutions that can be measured together, and their mode as primitives take it."""
+        each = np.array(modes)
+        for mode in dict.fromkeys(modes):
+            yield np.flatnonzero(each == mode), mode
+
+    def answers(self, found: Sequence[Found]) -> list[ForwardSolutions]:
+        """Sets with all that is said of their solutions; measured together."""
+        mechanism, measures = self.mechanism, self.other(MeasuresFacet)
+        counts = [len(one.poses) for one in found]
+        poses = np.concatenate([one.poses for one in found])
+        joints = np.repeat(np.array([one.joints for one in found]), counts, axis=0)
+        told = np.zeros((4, len(poses)))
+        ends = [bound.end in ("min", "max") for bound in mechanism.bounds]
+        modes = [mode for one in found for mode in one.modes]
+        for some, mode in self.alike(modes):
+            p, q = poses[some], joints[some]
+            if found[0].residual is None:
+                told[0, some] = mechanism.residual(p, mode, q)
+            told[1, some] = measures.condition(p, mode)
+            rows = self.other(StaticsFacet).at(p, mode).rows
+            told[2, some] = np.nan_to_num(determinant(rows, mechanism.length))
+            told[3, some] = (mechanism.margins(p, mode, q)[..., ends] < -SLACK).any(axis=-1)
+        parts = np.split(told, np.cumsum(counts)[:-1], axis=1)
+        placed = np.split(mechanism.transform(poses, modes), np.cumsum(counts)[:-1])
+        each = zip(found, placed, parts, strict=True)
+        return [self._answer(one, there, *part) for one, there, part in each]
+
+    def _answer(
+        self,
+        one: Found,
+        placed: Array,
+        residual: Array,
+        number: Array,
+        value: Array,
+        beyond: Array,
+    ) -> ForwardSolutions:
+        lengths = all(c.unit == "mm" and not c.signed for c in self.mechanism.actuators)
+        least = np.abs(one.joints) if lengths else np.array([np.inf])
+        poses, modes, weights = one.poses, one.modes, one.multiplicity
+        residual = residual if one.residual is None else one.residual
+        apart = placed_apart(placed, placed, self.mechanism.length)
+        np.fill_diagonal(apart, np.inf)
+        # Of solutions that coincide one stays, with their number.
+        near = self.double * min(self.mechanism.length, float(least.min()))
+        close = np.argwhere(np.triu(apart <= near, 1)) if near > 0.0 else np.empty((0, 2))
+        if len(close):
+            groups = grouped(len(poses), close)
+            firsts = np.unique(groups, return_index=True)[1]
+            poses, modes = poses[firsts], tuple(modes[n] for n in firsts)
+            residual, number, value, beyond = (v[firsts] for v in (residual, number, value, beyond))
+            weights = np.bincount(groups, weights).astype(np.intp)
+            apart = apart[np.ix_(firsts, firsts)]
+        gap = apart.min(axis=1, initial=np.inf)
+        loose = not_closed(residual, self.size, least)
+        complete = one.complete and not loose
+        notes = (*one.notes, *loose, *described(weights, gap, number, one.pairs))
+        if not len(poses):
+            notes = (*notes, *filter(None, [self.none_real if complete else NONE_FOUND]))
+        return ForwardSolutions(
+            joints=tuple(one.joints.tolist()),
+            poses=poses,
+            modes=modes,
+            residual=residual,
+            condition=number,
+            determinant=value,
+            within_stroke=beyond == 0.0,
+            multiplicity=weights,
+            gap=gap,
+            identities=tuple(range(self.counted_from, self.counted_from + len(poses))),
+            complex_count=one.count,
+            expected_count=one.expected,
+            complete=complete,
+            method=one.method,
+            seconds=0.0,
+            notes=(*notes, *(motion.text for motion in one.self_motions)),
+            self_motions=one.self_motions,
+            roots=one.roots,
+            mixed_modes=one.mixed_modes,
+        )
+
     # --- who is who while the joints move
 
     def refresh(self, before: ForwardSolutions, joints: Sequence[float]) -> Refreshed:
         """The set for other joints, whose solutions keep the identities they had ``before``.
 
-        All real solutions are found everywhere on the straight line between the old and the new
-        joints, so this is for mechanisms that are quick. The line is halved until the sets at the
-        ends of a piece correspond beyond doubt: each solution has moved by much less than it is
-        away from any other that it could be taken for.
+        Every real solution is followed to the new joints by proven steps, beyond strokes too. Where
+        it gets there it is the one of the new set that stands there; where it ends at a fold it has
+        merged with the one that ends with it.
 
         Raises:
             InputError: as for the solutions themselves.
         """
         (now,) = self([joints], mixed_modes=before.mixed_modes)
-        start, end = np.array(before.joints), np.array(now.joints)
-        who = np.arange(len(before))  # of ``before``, each of the present set; −1 of new ones
-        last, piece = before.poses.copy(), np.full(len(before), -1)
-        pending = [(0.0, 1.0, before, now, 0)]
-        done = 0
-        while pending:
-            low, high, a, b, depth = pending.pop()
-            became = self._became(a, b)
-            whole = (became >= 0).all() and len(b) == len(a)
-            if not whole and depth < _FINEST:
-                middle = 0.5 * (low + high)
-                (between,) = self([start + middle * (end - start)], mixed_modes=before.mixed_modes)
-                pending += [
-                    (middle, high, between, b, depth + 1),
-                    (low, middle, a, between, depth + 1),
-                ]
-                continue
-            # Pieces are worked off in their order, so ``who`` is of ``a``.
-            gone = np.flatnonzero((became < 0) & (who >= 0))
-            last[who[gone]], piece[who[gone]], done = a.poses[gone], done, done + 1
-            kept = became >= 0
-            here = np.full(len(b), -1)
-            here[became[kept]] = who[kept]
-            who = here
-        which = np.full(len(before), -1)
-        which[who[who >= 0]] = np.flatnonzero(who >= 0)
-        # Two that met left in the same piece.
-        apart = self.distances(last, before.modes, last, before.modes)
-        meets = piece[:, None] == piece[None, :]
-        if self.keeps_mode:
-            meets &= np.array(before.modes)[:, None] == np.array(before.modes)[None, :]
-        near = _TOGETHER * self.mechanism.length
+        following: ClosureFollowing[D] = self.mechanism.facet("following")
+        ends = [
+            following.carried(pose, mode, before.joints, now.joints)
+            for pose, mode in zip(before.poses.tolist(), before.modes, strict=True)
+        ]
+        last = np.array([end.pose for end in ends]).reshape(before.poses.shape)
+        parts = np.array([end.fraction for end in ends])
+        modes = [end.mode for end in ends]
+        length, count = self.mechanism.length, len(ends)
+        became = np.full(count, -1)
+        if count and len(now):
+            apart = self.distances(last, modes, now.poses, now.modes)
+            nearest = apart.argmin(axis=1)
+            there = (parts == 1.0) & (apart.min(axis=1) <= _THERE * length)
+            there &= np.bincount(nearest[there], minlength=len(now))[nearest] <= 1
+            became[there] = nearest[there]
+        # Two that met ended at the same joints.
+        together = np.abs(parts[:, None] - parts) <= _AT_ONCE
+        apart = np.where(together, self.distances(last, modes, last, modes), np.inf)
         side = np.sign(before.determinant)
-        return told_apart(before, now, which, last, side, np.where(meets, apart, np.inf), near)
-
-    def _became(self, a: ForwardSolutions, b: ForwardSolutions) -> Array:
-        """(len(a),) which solution of ``b`` each of ``a`` is; −1 where that is not beyond doubt."""
-        answer = np.full(len(a), -1)
-        if not len(a) or not len(b):
-            return answer
-        apart = self._alike(a, b)
-        nearest = apart.argmin(axis=1)
-        rows = np.arange(len(a))
-        good = apart[rows, nearest] < _CLEAR * np.minimum(self._free(a), self._free(b)[nearest])
-        good &= apart[:, nearest].argmin(axis=0) == rows
-        answer[good] = nearest[good]
-        return answer
-
-    def _alike(self, a: ForwardSolutions, b: ForwardSolutions) -> Array:
-        """Distances between two sets; infinite between solutions that are never the same."""
-        apart = self.distances(a.poses, a.modes, b.poses, b.modes)
-        same = np.sign(a.determinant)[:, None] == np.sign(b.determinant)[None, :]
-        if self.keeps_mode:
-            same &= np.array(a.modes)[:, None] == np.array(b.modes)[None, :]
-        return np.where(same, apart, np.inf)
-
-    def _free(self, found: ForwardSolutions) -> Array:
-        """Distance of each solution to the next one it could be taken for, mm."""
-        apart = self._alike(found, found)
-        np.fill_diagonal(apart, np.inf)
-        return np.asarray(apart.min(axis=1))
+        return told_apart(before, now, became, last, side, apart, _TOGETHER * length)
 
 
 def placed_apart(a: Array, b: Array, length: float) -> Array:
@@ -188,9 +283,3 @@ def placed_apart(a: Array, b: Array, length: float) -> Array:
     turn = np.linalg.norm(a[:, None, :3, :3] - b[None, :, :3, :3], axis=(-1, -2))
     angle = 2.0 * np.arcsin(np.clip(turn / np.sqrt(8.0), 0.0, 1.0))
     return np.asarray(np.hypot(shift, length * angle))
-
-
-def gaps(apart: Array) -> Array:
-    """(N,) distance of each to the nearest other one, from all distances (N, N); inf for none."""
-    others = apart + np.diag(np.full(len(apart), np.inf))
-    return np.asarray(others.min(axis=1, initial=np.inf))

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
+
+if TYPE_CHECKING:
+    from kinematics.homotopy.solving import Roots
 
 NEAR = 1.0
 """mm, angles times the characteristic length: closer solutions are near a fold."""
@@ -61,8 +65,27 @@ def not_closed(residual: Array, size: float, lengths: Array) -> tuple[str, ...]:
     )
 
 
-def described(multiplicity: NDArray[np.intp], gap: Array, pairs: int) -> tuple[str, ...]:
-    """A sentence each for doubles, for near-doubles and for pairs that are nearly real."""
+def accounted(found: Roots, title: str, count: int, missing: int) -> tuple[str, ...]:
+    """A sentence each for solutions that a design has not, or not at these lengths, or that may be
+    missing; ``count``: how many the family of that title has.
+    """
+    notes = []
+    if missing > 0:
+        notes.append(
+            f"Of the {count} solutions of {title} this design has {count - missing}: along two "
+            "ways to it the others ran off to infinity."
+        )
+    if found.complete and found.infinite:
+        notes.append(
+            f"{found.infinite} of {found.expected} solutions are at infinity for these lengths."
+        )
+    return (*notes, *found.doubts)
+
+
+def described(
+    multiplicity: NDArray[np.intp], gap: Array, condition: Array, pairs: int
+) -> tuple[str, ...]:
+    """A sentence each for doubles, near-doubles, pairs that are nearly real, singular ones."""
     notes = []
     for times in np.unique(multiplicity[multiplicity > 1]):
         count = int(np.count_nonzero(multiplicity == times))
@@ -78,4 +101,6 @@ def described(multiplicity: NDArray[np.intp], gap: Array, pairs: int) -> tuple[s
             f"{pairs} complex pair{'s are' if pairs > 1 else ' is'} within {NEAR:g} mm of being "
             "real: assembly modes are about to appear."
         )
+    if np.isinf(condition).any():
+        notes.append("Some solutions are singular: the platform is not held there.")
     return tuple(notes)

@@ -1,6 +1,6 @@
 """All solutions of a machine's equations at once, followed from those of another machine.
 
-A mechanism hands in its equations (`Equations`) and a start set, all solutions at some parameters;
+A mechanism hands in its equations (`Closure`) and a start set, all solutions at some parameters;
 paths lead from there to one target or to many. That nothing is missing is seen from the count,
 every path accounted for, and from the set being closed under complex conjugation, as that of a real
 machine must be. Paths that are lost, or that end at one solution together, are followed again with
@@ -16,6 +16,7 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from kinematics.homotopy.assembly_sets import grouped
 from kinematics.homotopy.tracking import (
     CAREFUL,
     Complex,
@@ -34,7 +35,6 @@ SAME = 1e-7
 """Relative distance below which two complex solutions are one."""
 AROUND = (0.35, -0.45, 0.8)
 """How far later ways lead around through complex parameters, relative to the straight one."""
-_WAYS = 1 + len(AROUND)
 _REGULAR = 1e-10  # largest last correction of a regular solution, relative
 _DOUBTFUL = 1e-3  # regularity at the end of a path above which that is no singular solution
 _STAYS = 1e-2  # largest way from a path's end to the solution it is taken for, relative
@@ -114,33 +114,44 @@ class Roots:
         return ()
 
 
-class Equations(Protocol):
-    """The equations of B targets. ``of`` (n,) says of which target each of n columns is."""
+class Closure(Protocol[P]):
+    """The closure equations of a kind of mechanism over the complex numbers, as a module has them.
+
+    P are the parameters of a machine with given joints, of one or of several targets.
+    """
 
     @property
-    def singular(self) -> float:
+    def SINGULAR(self) -> float:
         """Regularity of a solution on a curve of them, but for rounding."""
         ...
 
     @property
-    def near(self) -> float:
+    def NEAR(self) -> float:
         """Relative distance of paths that end at one singular solution."""
         ...
 
-    def way(self, targets: Index, attempt: int) -> Homotopy:
-        """From the start set to some targets, the paths to each together; ``attempt`` from 0."""
+    def of(self, g: P, columns: Index) -> P:
+        """Parameters for n points, ``columns`` (n,) the target of each."""
         ...
 
-    def polish(self, values: Complex, of: Index, rounds: int = 3) -> tuple[Complex, Real]:
+    def between(self, start: P, end: P, around: float = 0.0) -> Homotopy:
+        """From one machine to another, t going as t + i t (1 − t) ``around``."""
+        ...
+
+    def polish(self, g: P, u: Complex, rounds: int = 3) -> tuple[Complex, Real]:
         """Newton's method: the points, and their last correction (n,), relative."""
         ...
 
-    def regularity(self, values: Complex, of: Index) -> Real:
+    def regularity(self, g: P, u: Complex) -> Real:
         """How far the equations are from singular, (n,), 0 … 1."""
         ...
 
-    def conjugate(self, values: Complex) -> Complex:
+    def conjugate(self, u: Complex) -> Complex:
         """The conjugate solutions."""
+        ...
+
+    def marks(self, u: Complex) -> tuple[Complex, Real]:
+        """What tells poses apart, (L, n), and how much less two of one agree far out, (n,) ≥ 1."""
         ...
 
     def infinite(self, values: Complex, goals: Complex) -> NDArray[np.bool_]:
@@ -152,22 +163,15 @@ class Equations(Protocol):
         """
         ...
 
-    def cluster(self, values: Complex, distance: float) -> Index:
-        """Labels 0 … m − 1: the same for those within a relative distance."""
-        ...
-
-    def among(self, values: Complex, known: Complex) -> NDArray[np.bool_]:
-        """Which of the values are one of those known, to within `SAME`."""
-        ...
-
 
 def solve(
-    equations: Equations,
-    starts: Complex,
+    closure: Closure[P],
+    start: StartSet[P],
+    target: P,
     count: int = 1,
     *,
-    whole: bool,
     real: bool,
+    around: float = 0.0,
     control: Control | None = None,
 ) -> list[Roots]:
     """All solutions of each of ``count`` targets, along as many ways as it takes to find them.
@@ -177,16 +181,19 @@ def solve(
     them elsewhere, and what is new joins what was found before.
 
     Args:
-        starts: (K, M) all solutions of the start set, from which every target is followed.
-        whole: nothing is missing among them; else no other way makes the answers complete.
+        start: from which every target is followed; where something is missing in it, no other way
+            makes the answers complete.
         real: the targets are real machines, whose solutions come with their conjugates.
+        around: how far the first way leads around through complex parameters.
     """
+    equations = _Targets(closure, target)
+    starts, whole = start.roots, start.complete
     paths = starts.shape[1]
     answers: list[Roots | None] = [None] * count
     left = np.arange(count)
-    for attempt in range(_WAYS if whole else 1):
+    for leads in (around, *AROUND) if whole else (around,):
         of, begun = np.repeat(left, paths), np.tile(starts, (1, len(left)))
-        way = equations.way(left, attempt)
+        way = closure.between(start.parameters, closure.of(target, of), leads)
         ends = track(way, begun, control)
         values, endings = ends.values.copy(), ends.endings.copy()
         _settle(equations, values, endings, of)
@@ -212,7 +219,50 @@ def solve(
     return [found for found in answers if found is not None]
 
 
+def cluster(closure: Closure[P], values: Complex, distance: float = SAME) -> Index:
+    """Labels 0 … m − 1 of solutions (K, n): the same for those within a relative distance."""
+    count = values.shape[1]
+    if count < 2:
+        return np.arange(count)
+    marks, loose = closure.marks(values)
+    # Summed by hand: a product of matrices would wake other cores.
+    key = (marks.real * np.cos(1.9 * np.arange(len(marks)) + 0.4)[:, None]).sum(axis=0)
+    order = np.argsort(key)
+    key, marks = key[order], marks[:, order]
+    near = distance * loose[order]
+    reach = 2.0 * len(marks) * near * np.maximum(np.abs(marks).max(axis=0), 1.0)
+    pairs = [np.zeros((0, 2), dtype=np.intp)]
+    for k in range(1, count):  # ends at once unless many share a key
+        left = np.flatnonzero(key[k:] - key[:-k] <= reach[k:])
+        if not left.size:
+            break
+        away = relative_size(marks[:, left] - marks[:, left + k], marks[:, left])
+        one = left[away <= near[left]]
+        pairs.append(np.stack([order[one], order[one + k]], axis=1))
+    return grouped(count, np.concatenate(pairs))
+
+
+def among(closure: Closure[P], values: Complex, known: Complex) -> NDArray[np.bool_]:
+    """Which of the values (K, n) are one of those known, to within `SAME`."""
+    labels = cluster(closure, np.concatenate([known, values], axis=1))
+    count = known.shape[1]
+    return np.isin(labels[count:], labels[:count])
+
+
 # --- inside --------------------------------------------------------------------------------
+
+
+class _Targets(Generic[P]):
+    """The equations of some targets, ``of`` (n,) which of them each column is of."""
+
+    def __init__(self, closure: Closure[P], target: P) -> None:
+        self.closure, self._target = closure, target
+
+    def polish(self, values: Complex, of: Index, rounds: int = 3) -> tuple[Complex, Real]:
+        return self.closure.polish(self.closure.of(self._target, of), values, rounds)
+
+    def regularity(self, values: Complex, of: Index) -> Real:
+        return self.closure.regularity(self.closure.of(self._target, of), values)
 
 
 def _unfinished(found: Roots | None) -> bool:
@@ -221,7 +271,7 @@ def _unfinished(found: Roots | None) -> bool:
 
 
 def _settle(
-    equations: Equations,
+    equations: _Targets[P],
     values: Complex,
     endings: NDArray[np.int8],
     of: Index,
@@ -241,9 +291,9 @@ def _settle(
     slow = np.flatnonzero(~(error <= enough))  # near another solution it takes more rounds
     if slow.size:
         ends[:, slow], error[slow] = equations.polish(ends[:, slow], of[who[slow]], rounds=8)
-    settled = (error <= enough) & (equations.regularity(ends, of[who]) > equations.singular)
+    settled = (error <= enough) & (equations.regularity(ends, of[who]) > equations.closure.SINGULAR)
     settled &= relative_size(ends - values[:, who], ends) < _STAYS
-    far = equations.infinite(ends, ends)
+    far = equations.closure.infinite(ends, ends)
     values[:, who[settled]] = ends[:, settled]
     arrived = endings[who] == Ending.REGULAR
     endings[who[settled]] = Ending.REGULAR
@@ -251,7 +301,7 @@ def _settle(
     endings[who[far & settled]] = Ending.INFINITE
     where = np.flatnonzero(~settled & (endings[who] == Ending.SINGULAR))
     left, goals = who[where], ends[:, where]
-    gone = equations.infinite(values[:, left], goals)
+    gone = equations.closure.infinite(values[:, left], goals)
     endings[left[gone]] = Ending.INFINITE
     left = left[~gone]
     # A path that ends at a singular solution comes where the equations are nearly singular.
@@ -267,20 +317,20 @@ def _rounding(values: Complex) -> Real:
 
 
 def _doubtful(
-    equations: Equations, values: Complex, endings: NDArray[np.int8], paths: int
+    equations: _Targets[P], values: Complex, endings: NDArray[np.int8], paths: int
 ) -> Index:
     """Paths that were lost, and those that claim the same regular solution of their target."""
     doubt = endings == Ending.LOST
     for first in range(0, len(endings), max(paths, 1)):
         mine = first + np.flatnonzero(endings[first : first + paths] == Ending.REGULAR)
-        groups = equations.cluster(values[:, mine], SAME)
+        groups = cluster(equations.closure, values[:, mine], SAME)
         if groups.size:
             doubt[mine[np.bincount(groups)[groups] > 1]] = True
     return np.flatnonzero(doubt)
 
 
 def _gathered(
-    equations: Equations,
+    equations: _Targets[P],
     values: Complex,
     endings: NDArray[np.int8],
     target: int,
@@ -293,14 +343,14 @@ def _gathered(
     regular = values[:, endings == Ending.REGULAR]
     if known is not None:
         regular = np.concatenate([known.values[:, : known.regular], regular], axis=1)
-    regular = distinct(regular, equations.cluster(regular, SAME))
+    regular = distinct(regular, cluster(equations.closure, regular, SAME))
     closed = True
     if real:
         regular, closed = _with_conjugates(equations, regular, target)
     singular = _singular_ends(equations, values[:, endings == Ending.SINGULAR], target)
     # What a conjugate brought in already is not there twice.
-    singular = singular[:, ~equations.among(singular, regular)]
-    groups = equations.cluster(singular, equations.near)
+    singular = singular[:, ~among(equations.closure, singular, regular)]
+    groups = cluster(equations.closure, singular, equations.closure.NEAR)
     weights = np.bincount(groups) if groups.size else np.zeros(0, dtype=np.intp)
     infinite = int(np.count_nonzero(endings == Ending.INFINITE))
     return Roots(
@@ -322,7 +372,7 @@ def distinct(values: Complex, groups: Index) -> Complex:
     return values[:, np.unique(groups, return_index=True)[1]] if groups.size else values
 
 
-def _singular_ends(equations: Equations, values: Complex, target: int) -> Complex:
+def _singular_ends(equations: _Targets[P], values: Complex, target: int) -> Complex:
     """Newton's method halves the way to a double solution at every step; some steps are enough."""
     if not values.size:
         return values
@@ -332,13 +382,13 @@ def _singular_ends(equations: Equations, values: Complex, target: int) -> Comple
     return ends
 
 
-def _with_conjugates(equations: Equations, regular: Complex, target: int) -> tuple[Complex, bool]:
+def _with_conjugates(equations: _Targets[P], regular: Complex, target: int) -> tuple[Complex, bool]:
     """The solutions and their conjugates, which a real machine has too, and whether all closed.
 
     A path that was lost is made good by the one to the conjugate solution.
     """
-    mirrored = equations.conjugate(regular)
-    fresh = np.flatnonzero(~equations.among(mirrored, regular))
+    mirrored = equations.closure.conjugate(regular)
+    fresh = np.flatnonzero(~among(equations.closure, mirrored, regular))
     if not fresh.size:
         return regular, True
     missing, error = equations.polish(mirrored[:, fresh], np.full(len(fresh), target))

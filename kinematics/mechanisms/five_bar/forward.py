@@ -15,12 +15,10 @@ from numpy.typing import ArrayLike
 
 from kinematics.answers.solutions import ForwardSolutions, Merged, Refreshed, SelfMotion
 from kinematics.arrays import Array, finite
-from kinematics.facets.forward import ForwardFacet
-from kinematics.homotopy.assembly_sets import not_closed
+from kinematics.facets.forward import ForwardFacet, Found
 from kinematics.mechanisms.five_bar.design import LIMBS, FiveBarDesign
-from kinematics.mechanisms.five_bar.inverse import elbows, in_range, mode_of, normal_angles
+from kinematics.mechanisms.five_bar.inverse import elbows, mode_of
 from kinematics.mechanisms.five_bar.joints_line import first_crossing
-from kinematics.mechanisms.five_bar.statics import condition
 
 MEETING = 1e-12
 """Part of the size: circles that miss each other by less touch; centres that near coincide."""
@@ -57,12 +55,19 @@ def both_points(design: FiveBarDesign, joints: ArrayLike) -> Array:
 class Forward(ForwardFacet[FiveBarDesign]):
     """Two circles, two points."""
 
+    counted_from = 0
+    none_real = ""  # the notes say why
+
+    @property
+    def size(self) -> float:
+        return float(min(self.design.size, self.design.distal.min()))
+
     def is_quick(self, *, mixed_modes: bool = False) -> bool:
         return True
 
     def solve(self, joints: Array, *, mixed_modes: bool) -> list[ForwardSolutions]:
         points = both_points(self.design, joints)
-        return [_solutions(self.design, q, p) for q, p in zip(joints, points, strict=True)]
+        return self.answers([_found(self.design, *one) for one in zip(joints, points, strict=True)])
 
     def refresh(self, before: ForwardSolutions, joints: Sequence[float]) -> Refreshed:
         """An assembly mode keeps its sign of the determinant as long as it is real; where both end
@@ -88,75 +93,40 @@ class Forward(ForwardFacet[FiveBarDesign]):
         return Refreshed(replace(now, identities=new), new, merged)
 
 
-def _solutions(design: FiveBarDesign, joints: Array, points: Array) -> ForwardSolutions:
+def _found(design: FiveBarDesign, joints: Array, points: Array) -> Found:
     b = elbows(design, joints)
     between = float(np.hypot(*(b[1] - b[0])))
     r, s = design.distal.tolist()
     slack = MEETING * design.size
-    notes: list[str] = []
+    notes: tuple[str, ...] = ()
     motions: tuple[SelfMotion, ...] = ()
-    identities: tuple[int, ...] = (0, 1)
-    multiplicity = np.ones(LIMBS, dtype=int)
-    if between <= slack:
-        if abs(r - s) > slack:
-            notes.append("B₁ and B₂ coincide and the distal links differ, so P cannot be put")
-            return _packed(design, joints, points[:0], (), multiplicity[:0], (), notes, 0)
+    times, count = 1, 2
+    if between <= slack and abs(r - s) > slack:
+        notes = ("B₁ and B₂ coincide and the distal links differ, so P cannot be put",)
+        points, count = points[:0], 0
+    elif between <= slack:
         motions = (_circle(design, joints, b[0], r),)
-        notes.append("B₁ and B₂ coincide: P moves freely on a circle about them")
-        points = np.array([motions[0].pose])
-        return _packed(
-            design, joints, points, (0,), np.array([2]), motions, notes, 2, complete=False
-        )
-    if not np.isfinite(points).all():
+        notes = ("B₁ and B₂ coincide: P moves freely on a circle about them",)
+        points, times = np.array([motions[0].pose]), 2
+    elif not np.isfinite(points).all():
         far = between > r + s
         word = "further apart than the distal links reach" if far else "too near to one another"
-        notes.append(f"B₁ and B₂ are {between:.6g} mm apart, {word}: no assembly mode is real")
-        points, identities, multiplicity = points[:0], (), multiplicity[:0]
+        notes = (f"B₁ and B₂ are {between:.6g} mm apart, {word}: no assembly mode is real",)
+        points = points[:0]
     elif float(np.hypot(*(points[0] - points[1]))) <= 1e-9 * design.size:
-        points, identities, multiplicity = points[:1], (0,), np.array([2])
-        notes.append("both assembly modes meet here: a parallel singularity")
-    return _packed(design, joints, points, identities, multiplicity, motions, notes, 2)
-
-
-def _packed(
-    design: FiveBarDesign,
-    joints: Array,
-    points: Array,
-    identities: tuple[int, ...],
-    multiplicity: np.ndarray,
-    motions: tuple[SelfMotion, ...],
-    notes: Sequence[str],
-    count: int,
-    *,
-    complete: bool = True,
-) -> ForwardSolutions:
-    q = np.broadcast_to(joints, (len(points), LIMBS))
-    b = elbows(design, joints)
-    reach = points[:, None, :] - b
-    residual = np.abs(np.linalg.norm(reach, axis=-1) - design.distal).max(axis=-1, initial=0.0)
-    loose = not_closed(residual, design.size, design.distal)
-    unit = reach / design.distal[:, None]
-    gap = np.full(len(points), np.inf)
-    if len(points) == LIMBS:
-        gap[:] = np.hypot(*(points[0] - points[1]))
-    return ForwardSolutions(
-        joints=tuple(joints.tolist()),
-        poses=np.array(points).reshape(-1, 2),
-        residual=residual,
-        condition=condition(design, points, q),
-        determinant=unit[:, 0, 0] * unit[:, 1, 1] - unit[:, 0, 1] * unit[:, 1, 0],
-        within_stroke=np.asarray(in_range(design, normal_angles(design, q)).all(axis=-1)),
-        multiplicity=np.asarray(multiplicity),
-        gap=gap,
+        notes = ("both assembly modes meet here: a parallel singularity",)
+        points, times = points[:1], 2
+    return Found(
+        joints=joints,
+        poses=points,
+        modes=tuple(mode_of(design, points, np.broadcast_to(joints, (len(points), LIMBS)))),
+        multiplicity=np.full(len(points), times),
         roots=_complex_points(design, b) if count else np.zeros((0, 2), dtype=complex),
-        modes=tuple(mode_of(design, points, q)),
-        identities=identities,
-        complex_count=count,
-        expected_count=2,
-        complete=complete and not loose,
+        count=count,
+        expected=2,
+        complete=not motions,
         method="the two points in which the circles of the distal links meet",
-        seconds=0.0,
-        notes=(*notes, *loose),
+        notes=notes,
         self_motions=motions,
     )
 

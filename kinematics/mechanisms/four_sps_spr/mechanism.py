@@ -43,7 +43,7 @@ class FourSPSSPR(Mechanism[FourSPSSPRDesign]):
     facets: ClassVar = Facets(
         __package__,
         following="following:Following",
-        forward="forward.refreshing:Forward",
+        forward="forward.assembly:Forward",
         measures="measures:Measures",
         singularities="singularities:Singularities",
         clearances="clearances:Clearances",

@@ -8,22 +8,19 @@ revolute joints: Z changes its sign, the tilt stays, the azimuth turns by π in 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinematics.answers.solutions import ForwardSolutions, SelfMotion
 from kinematics.arrays import Array
-from kinematics.facets.forward import ForwardFacet, gaps, placed_apart
-from kinematics.homotopy.assembly_sets import not_closed
+from kinematics.facets.forward import ForwardFacet, Found
 from kinematics.mechanisms.tripods import conics, posing
 from kinematics.mechanisms.tripods.conics import Complex
 from kinematics.mechanisms.tripods.design import MODES, TripodDesign, mode_sign
-from kinematics.mechanisms.tripods.inverse import STROKE_SLACK
 from kinematics.mechanisms.tripods.limbs import limb_lengths
 from kinematics.mechanisms.tripods.posing import Reduced
-from kinematics.mechanisms.tripods.statics import wrenches
-from kinematics.screws.wrenches import condition, determinant
 
 EXPECTED = 16
 _EACH = 8  # in one operation mode
@@ -37,8 +34,6 @@ _METHOD = "two conics a mode in closed form, polished"
 class Forward(ForwardFacet[TripodDesign]):
     """``roots`` are Study parameters (8, 16), complex, mode 1 first, mirror pairs side by side."""
 
-    keeps_mode = True
-
     def is_quick(self, *, mixed_modes: bool = False) -> bool:
         return True
 
@@ -46,14 +41,14 @@ class Forward(ForwardFacet[TripodDesign]):
         design = self.design
         h = design.revolute_radius / design.spherical_radius
         scaled = joints / design.spherical_radius
-        both: list[list[_Told]] = []
+        shortest = np.sqrt(np.minimum(scaled.min(axis=-1), 1.0))
+        told = []
         for mode in MODES:
             r = conics.roots(h, mode_sign(mode), scaled)
             points = np.stack([r.x0, r.x1, r.x2, r.v], axis=-1)
-            shortest = np.sqrt(np.minimum(scaled.min(axis=-1), 1.0))
-            sets = [_distinct(*one) for one in zip(points, r.miss, _SAME * shortest, strict=True)]
-            both.append(_told(design, joints, mode, sets, r.curve.tolist()))
-        return [_answer(design, *one) for one in zip(joints, *both, strict=True)]
+            each = zip(points, r.miss, _SAME * shortest, strict=True)
+            told.append(_of_mode(design, joints, mode, [_distinct(*one) for one in each], r.curve))
+        return self.answers([_found(design, *one) for one in zip(joints, *told, strict=True)])
 
 
 def mirrored(design: TripodDesign, poses: ArrayLike, mode: str) -> Array:
@@ -117,91 +112,63 @@ def _distinct(points: Complex, miss: Array, near: float) -> _Distinct:
     return _Distinct(one, number, real, points)
 
 
-@dataclass(frozen=True, slots=True)
-class _Told:
-    """What is known of the solutions of one mode; of the n real ones poses (n, 3) and so on."""
+class _Told(NamedTuple):
+    """The solutions of one mode: of the real ones poses (n, 3), and residuals (n,) mm; all as Study
+    parameters (m, 8).
+    """
 
-    mode: str
     found: _Distinct
     curve: bool
     poses: Array
-    placed: Array
     residual: Array
-    condition: Array
-    determinant: Array
     roots: Complex
 
 
-def _told(
-    design: TripodDesign, rho: Array, mode: str, sets: list[_Distinct], curves: list[bool]
+def _of_mode(
+    design: TripodDesign, rho: Array, mode: str, sets: list[_Distinct], curves: NDArray[np.bool_]
 ) -> list[_Told]:
     """For B length vectors (B, 3) at once, since the arrays of each are short."""
     radius = design.spherical_radius
     x0, x1, x2, v = np.concatenate([one.points[one.real].real for one in sets]).T
     norm = np.sqrt(x0 * x0 + x1 * x1 + x2 * x2)
-    reduced = Reduced(x0 / norm, x1 / norm, x2 / norm, radius * v)
-    poses = posing.to_poses(design, reduced, mode)
+    poses = posing.to_poses(design, Reduced(x0 / norm, x1 / norm, x2 / norm, radius * v), mode)
     counts = [int(one.real.sum()) for one in sets]
+    # Lengths keep digits that the joints' places lose where limbs are short.
     off = limb_lengths(design, poses, mode) - np.repeat(rho, counts, axis=0)
+    off = np.abs(off).max(axis=-1, initial=0.0)
     a, b, c, d = np.concatenate([one.everything for one in sets]).T
     roots = posing.to_study(design, Reduced(a, b, c, radius * d), mode)
-    held = wrenches(design, posing.placement(design, poses, mode))
-    each = [
-        np.split(values, np.cumsum(counts)[:-1])
-        for values in (
-            poses,
-            posing.transform(design, poses, mode),
-            np.abs(off).max(axis=-1, initial=0.0),
-            condition(held, design.platform_radius),
-            determinant(held.rows, design.platform_radius),
-        )
-    ]
+    each = [np.split(values, np.cumsum(counts)[:-1]) for values in (poses, off)]
     whole = np.split(roots, np.cumsum([len(one.everything) for one in sets])[:-1])
-    return [
-        _Told(mode, one, curve, *parts)
-        for one, curve, *parts in zip(sets, curves, *each, whole, strict=True)
-    ]
+    return list(map(_Told, sets, curves.tolist(), *each, whole))
 
 
-def _answer(design: TripodDesign, rho: Array, first: _Told, second: _Told) -> ForwardSolutions:
-    both = (first, second)
-    sets = [told.found for told in both]
-    curve = [told.curve for told in both]
-    modes = tuple(told.mode for told in both for _ in range(len(told.poses)))
-    pose, residual, number, determinant, placed = (
-        np.concatenate([getattr(told, name) for told in both])
-        for name in ("poses", "residual", "condition", "determinant", "placed")
-    )
-    numbers = [one.multiplicity[one.real] for one in sets]
-    roots = [told.roots for told in both]
-    count = sum(one.count for one in sets)
+def _found(design: TripodDesign, rho: Array, *both: _Told) -> Found:
+    """Both modes' solutions at lengths (3,)."""
+    sets, curve = [told.found for told in both], tuple(told.curve for told in both)
+    count, motions = sum(one.count for one in sets), _self_motions(design, rho, curve)
     complete = count == EXPECTED and not any(curve)
     complete &= all(_closed(one.everything) for one in sets)
-    motions = _self_motions(design, rho, curve)
-    size = max(design.base_radius, design.platform_radius)
-    loose = not_closed(residual, size, rho)
-    complete &= not loose
-    low, high = design.stroke
-    within = bool(((rho >= low - STROKE_SLACK) & (rho <= high + STROKE_SLACK)).all())
-    return ForwardSolutions(
-        joints=tuple(rho.tolist()),
-        poses=pose,
-        modes=modes,
-        residual=residual,
-        condition=number,
-        determinant=determinant,
-        within_stroke=np.full(len(pose), within),
-        multiplicity=np.concatenate(numbers),
-        gap=gaps(placed_apart(placed, placed, design.platform_radius)),
-        identities=tuple(range(len(pose))),
-        complex_count=count,
-        expected_count=EXPECTED,
+    notes = []
+    if count < EXPECTED and not motions:
+        notes.append(
+            f"{EXPECTED - count} of {EXPECTED} solutions are at infinity for these lengths."
+        )
+    elif not complete and not motions:
+        notes.append("Solutions nearly coincide, so that they may not be told apart rightly.")
+    return Found(
+        joints=rho,
+        poses=np.concatenate([told.poses for told in both]),
+        modes=tuple(mode for mode, told in zip(MODES, both, strict=True) for _ in told.poses),
+        multiplicity=np.concatenate([one.multiplicity[one.real] for one in sets]),
+        roots=np.concatenate([told.roots for told in both]).T,
+        count=count,
+        expected=EXPECTED,
         complete=complete,
         method=_METHOD,
-        seconds=0.0,
-        notes=(*loose, *_notes(count, len(pose), motions, number, complete=complete)),
+        notes=tuple(notes),
         self_motions=motions,
-        roots=np.concatenate(roots).T,
+        residual=np.concatenate([told.residual for told in both]),
     )
 
 
@@ -214,7 +181,9 @@ def _closed(points: Complex) -> bool:
     return bool((apart <= 1e-6 * (1.0 + np.abs(points).max(axis=-1))).all())
 
 
-def _self_motions(design: TripodDesign, rho: Array, curve: list[bool]) -> tuple[SelfMotion, ...]:
+def _self_motions(
+    design: TripodDesign, rho: Array, curve: tuple[bool, ...]
+) -> tuple[SelfMotion, ...]:
     """Equal limbs where the spherical triangle is twice the revolute one leave a curve free.
 
     There r² = D0 for all limbs wherever v = −k Im ζ³/x0 and (E + k²) q − E = k² (Re ζ³)²,
@@ -260,25 +229,3 @@ def free_direction(design: TripodDesign, pose: Array, mode: str) -> tuple[float,
     slopes = (up - down).T / (2.0 * scale) / np.array([1.0, length, length])
     direction = np.linalg.svd(slopes)[2][-1] / np.array([1.0, length, length])
     return tuple(float(v) for v in direction)
-
-
-def _notes(
-    count: int,
-    real: int,
-    motions: tuple[SelfMotion, ...],
-    number: Array,
-    *,
-    complete: bool,
-) -> tuple[str, ...]:
-    notes = [motion.text for motion in motions]
-    if count < EXPECTED and not motions:
-        notes.append(
-            f"{EXPECTED - count} of {EXPECTED} solutions are at infinity for these lengths."
-        )
-    elif not complete and not motions:
-        notes.append("Solutions nearly coincide, so that they may not be told apart rightly.")
-    if complete and not real:
-        notes.append("There is no real solution: the limbs cannot be assembled with these lengths.")
-    if (~np.isfinite(number)).any():
-        notes.append("Some solutions are singular: the platform is not held there.")
-    return tuple(notes)

@@ -10,13 +10,12 @@ from kinematics.arrays import Array
 from kinematics.facets.following import ClosureFollowing
 from kinematics.homotopy.assembly_sets import NEAR
 from kinematics.mechanism import mechanism_of
-from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
+from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.forward.equations import (
     PHI,
     THETA,
     Complex,
     Frame,
-    Parameters,
     conjugate,
     from_real,
     parameters,
@@ -64,20 +63,3 @@ def self_motions(
     modes = ["".join("+" if height >= 0.0 else "-" for height in each) for each in q.T]
     following: ClosureFollowing[FiveRPURDesign] = mechanism_of(design).facet("following")
     return following.self_motions(to_poses(frame, values), modes, rho)
-
-
-def real_jacobian(g: Parameters, u: Complex) -> Array:
-    """d(F1, F2)/d(X, y, Z, φ, θ, w) at real configurations, (n, 10, 10), without unit."""
-    t = terms(g, u)
-    count = u.shape[1]
-    j = np.zeros((count, 2 * LIMBS, 10))
-    limb = np.arange(LIMBS)
-    p, q, big_p, big_y = (v.real.T for v in (t.p, t.q, t.big_p, t.big_y))
-    j[:, :LIMBS, 0] = big_p
-    j[:, :LIMBS, 4] = (t.big_p * t.b - t.p * t.a).real.T
-    j[:, limb, 5 + limb] = p
-    j[:, LIMBS:, 1] = big_y
-    j[:, LIMBS:, 2] = q
-    j[:, LIMBS:, 3] = (t.q * t.my - t.big_y * t.mz).real.T
-    j[:, LIMBS + limb, 5 + limb] = -q
-    return j

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -83,6 +83,12 @@ def parameters(design: FiveRPURDesign, joints: ArrayLike, frame: Frame | None = 
     s = ((design.platform - frame.platform) / frame.unit).T[:, :, None]
     link = (design.link / frame.unit)[:, None]
     return Parameters(r[0], r[1], r[2], s[0], s[1], s[2], link * link, rho * rho)
+
+
+SINGULAR, NEAR = 1e-12, 1e-4
+"""See `homotopy.solving.Closure`."""
+_NEAR_ENOUGH = 10.0  # units within which regular solutions look so
+_FAR, _MOST_FAR = 1e3, 1e3  # units, and how much less two solutions out there need to agree
 
 
 # --- the equations -------------------------------------------------------------------------
@@ -188,6 +194,13 @@ def extent(u: Complex) -> Array:
 
 
 def regularity(g: Parameters, u: Complex) -> Array:
+    """As `steepness`, but far out every solution looks singular: there it counts that Newton's
+    method settles."""
+    far = np.maximum(extent(u) / _NEAR_ENOUGH, 1.0)
+    return steepness(g, u) * far * far
+
+
+def steepness(g: Parameters, u: Complex) -> Array:
     """How far the equations are from singular at configurations u (10, n): 0 … 1, (n,).
 
     |det| of the matrix over (X, θ, y, Z, φ), displacements in the size of the configuration,
@@ -203,7 +216,7 @@ def regularity(g: Parameters, u: Complex) -> Array:
     return np.nan_to_num(answer, nan=0.0, posinf=0.0)
 
 
-def polish(g: Parameters, u: Complex, *, rounds: int = 3) -> tuple[Complex, Array]:
+def polish(g: Parameters, u: Complex, rounds: int = 3) -> tuple[Complex, Array]:
     """Newton's method with a pivoting solver: the points, and their last correction (n,)."""
     error = np.full(u.shape[1], np.inf)
     with np.errstate(all="ignore"):
@@ -233,46 +246,33 @@ def _solve_pivoting(rows: Complex, right: Complex) -> Complex:
 
 
 class Deformation:
-    """A machine that turns into another: g(t) = (1 − t) start + t end + t(1 − t) bend.
+    """A machine that turns into another, straight: g(s) = (1 − s) start + s end.
 
     What stays the same may be given as the same array on both sides; then it costs nothing.
+    ``around``: how far s leads through complex values on the way, as t + i t (1 − t) around.
     """
 
-    def __init__(self, start: Parameters, end: Parameters, bend: Parameters | None = None) -> None:
-        self._start, self._end, self._bend = start, end, bend
+    def __init__(self, start: Parameters, end: Parameters, around: float = 0.0) -> None:
+        self._start, self._end, self._around = start, end, 1j * around
         self._moving = tuple(a is not b for a, b in zip(start, end, strict=True))
 
     def take(self, columns: NDArray[np.intp]) -> Deformation:
         """The same for some of the paths."""
-        start = self._start.take(columns)
-        end = Parameters(
-            *(
-                new if moving else old
-                for old, new, moving in zip(
-                    start, self._end.take(columns), self._moving, strict=True
-                )
-            )
-        )
-        return Deformation(start, end, self._bend and self._bend.take(columns))
+        part = object.__new__(Deformation)
+        part._start, part._end = self._start.take(columns), self._end.take(columns)
+        part._around, part._moving = self._around, self._moving
+        return part
 
     def at(self, t: Complex | Array) -> tuple[Parameters, Parameters]:
         """The machine at t and its derivative."""
-        now: list[Complex | Array] = []
-        change: list[Complex | Array] = []
-        for k, moving in enumerate(self._moving):
-            if not moving:
-                now.append(self._start[k])
-                change.append(_NOTHING)
-                continue
-            way = self._end[k] - self._start[k]
-            if self._bend is None:
-                now.append(self._start[k] + t * way)
-                change.append(way)
-            else:
-                bend = self._bend[k]
-                now.append(self._start[k] + t * (way + (1.0 - t) * bend))
-                change.append(way + (1.0 - 2.0 * t) * bend)
-        return Parameters(*now), Parameters(*change)
+        s: NDArray[Any] = t
+        ds: NDArray[Any] = _ONCE
+        if self._around:
+            s, ds = t * (1.0 + (1.0 - t) * self._around), 1.0 + (1.0 - 2.0 * t) * self._around
+        pairs = zip(self._start, self._end, self._moving, strict=True)
+        ways = [(a, b - a if moving else None) for a, b, moving in pairs]
+        now = Parameters(*(a if way is None else a + s * way for a, way in ways))
+        return now, Parameters(*(_NOTHING if way is None else ds * way for _, way in ways))
 
     def step(self, u: Complex, t: Complex | Array) -> tuple[Complex, Complex]:
         """Newton's step at fixed t, and du/dt along the path; (10, n) each."""
@@ -294,7 +294,7 @@ class Deformation:
         return extent(u)
 
 
-_NOTHING = np.zeros((1, 1))
+_NOTHING, _ONCE = np.zeros((1, 1)), np.ones(1)
 
 
 # --- real and complex ----------------------------------------------------------------------
@@ -339,7 +339,7 @@ def to_poses(frame: Frame, values: Array) -> Array:
     )
 
 
-def from_poses(design: FiveRPURDesign, frame: Frame, poses: Array, elbows: Array) -> Complex:
+def from_poses(frame: Frame, poses: Array, elbows: Array) -> Complex:
     """Configurations of poses (n, 5) with B_i (n, 5, 3), mm, in the base frame."""
     c, s = np.cos(poses[:, 4]), np.sin(poses[:, 4])
     cf, sf = np.cos(poses[:, 3]), np.sin(poses[:, 3])
@@ -359,17 +359,22 @@ def from_poses(design: FiveRPURDesign, frame: Frame, poses: Array, elbows: Array
     return from_real(values, w)
 
 
-def signature(u: Complex) -> Complex:
-    """One number a configuration, the same only for the same; conjugates have conjugate ones."""
-    inverse = 1.0 / u[PHI : THETA + 1]
-    cosine = 0.5 * (u[PHI : THETA + 1] + inverse)
-    sine = -0.5j * (u[PHI : THETA + 1] - inverse)
-    parts = np.concatenate([u[:3], cosine, sine, u[W]])
-    parts *= _WEIGHTS[:, None]  # summed by hand: a product of matrices would wake other cores
-    marks: Complex = parts.sum(axis=0)
-    return marks
+def marks(u: Complex) -> tuple[Complex, Array]:
+    """The unknowns themselves, see `homotopy.solving.Closure`.
+
+    Far out digits are lost with the square of the size, as `tracking` has it.
+    """
+    return u, np.clip((extent(u) / _FAR) ** 2, 1.0, _MOST_FAR)
 
 
-_WEIGHTS = np.array(
-    [0.7548, 0.5698, 0.9053, 1.3247, 0.8191, 0.6710, 1.1347, 0.3125, 0.4271, 0.5309, 0.6180, 0.2887]
-)
+def infinite(values: Complex, goals: Complex) -> NDArray[np.bool_]:
+    """None: what solves the equations is a pose."""
+    return np.zeros(values.shape[1], dtype=bool)
+
+
+between = Deformation
+
+
+def of(g: Parameters, columns: NDArray[np.intp]) -> Parameters:
+    """The machine of some targets, which differ in their lengths, for columns (n,) of them."""
+    return g if g.rho2.shape[1] == 1 else g._replace(rho2=g.rho2[:, columns])

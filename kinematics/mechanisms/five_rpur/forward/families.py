@@ -22,8 +22,8 @@ import numpy as np
 from kinematics.arrays import Array
 from kinematics.designs.assets import asset_folder
 from kinematics.designs.files import load_design
-from kinematics.errors import ComputationError
 from kinematics.homotopy import solving
+from kinematics.homotopy.start_sets import stored
 from kinematics.mechanisms.five_rpur.design import LIMBS, TOLERANCE, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.forward.equations import Parameters
 
@@ -124,11 +124,11 @@ def exact(g: Parameters, member: Membership) -> Parameters:
 
 def start_set(member: Membership) -> StartSet:
     """The start set of a design's family, its limbs in the design's order."""
-    stored = _stored(member.family.name)
+    found = _stored(member.family.name)
     places = np.argsort(member.limbs)
-    roots = stored.roots.copy()
-    roots[5:] = stored.roots[5:][places]
-    return StartSet(Parameters(*(v[places] for v in stored.parameters)), roots)
+    roots = found.roots.copy()
+    roots[5:] = found.roots[5:][places]
+    return StartSet(Parameters(*(v[places] for v in found.parameters)), roots)
 
 
 def kept_set(design: FiveRPURDesign) -> StartSet | None:
@@ -150,15 +150,6 @@ def _geometry_of(preset: str) -> Array:
 
 @cache
 def _stored(name: str) -> StartSet:
-    path = asset_folder("start_solutions") / f"five_rpur-{name}.npz"
-    try:
-        with np.load(path) as file:
-            parameters, roots = file["parameters"], file["roots"]
-    except (OSError, ValueError, KeyError) as error:
-        raise ComputationError(
-            f"the start solutions {path.name} cannot be read ({error}); reinstall Bohemia, or make "
-            "them again with 'make start-solutions'"
-        ) from None
-    return StartSet(
-        Parameters(*(v[:, None] for v in parameters)), np.ascontiguousarray(roots, dtype=complex)
-    )
+    file = stored(asset_folder("start_solutions") / f"five_rpur-{name}.npz")
+    machine = Parameters(*(v[:, None] for v in file["parameters"]))
+    return StartSet(machine, np.ascontiguousarray(file["roots"], dtype=complex))

@@ -10,25 +10,28 @@ the way.
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from kinematics.designs.files import load_design
-from kinematics.errors import ComputationError
-from kinematics.homotopy.monodromy import Report, completed, print_line, random_complex, run
+from kinematics.homotopy.monodromy import (
+    Report,
+    completed,
+    counted,
+    each_once,
+    random_complex,
+    run,
+)
 from kinematics.homotopy.tracking import Ending, track
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
+from kinematics.mechanisms.five_rpur.forward import equations
 from kinematics.mechanisms.five_rpur.forward.equations import (
     PHI,
     THETA,
     UNKNOWNS,
-    Complex,
     Deformation,
     Parameters,
-    polish,
     residuals,
 )
 from kinematics.mechanisms.five_rpur.forward.families import (
@@ -39,7 +42,7 @@ from kinematics.mechanisms.five_rpur.forward.families import (
     StartSet,
     exact,
 )
-from kinematics.mechanisms.five_rpur.forward.general import cluster, make_own
+from kinematics.mechanisms.five_rpur.forward.general import make_own
 
 _PATIENCE = 4  # loops without anything new, after which a set is taken to be whole
 _SPREAD = 0.7  # of the base and platform points of random machines, in links
@@ -62,8 +65,8 @@ def family_set(
     """All solutions of a random complex machine of a family."""
     machine = _random_machine(rng, family)
     ends = track(Deformation(general.parameters, machine), general.roots)
-    regular = ends.values[:, ends.endings == Ending.REGULAR]
-    return _completed(StartSet(machine, _distinct(machine, regular)), family, rng, report)
+    regular = each_once(equations, machine, ends.values[:, ends.ended(Ending.REGULAR)])
+    return _completed(StartSet(machine, regular), family, rng, report)
 
 
 def _completed(
@@ -71,27 +74,14 @@ def _completed(
 ) -> StartSet:
     """Loops through random machines of the family until they bring nothing new."""
     found = completed(
+        equations,
         known,
         lambda: _random_machine(rng, family),
-        Deformation,
-        _distinct,
         # From one solution, loops bring nothing new by chance.
         lambda count, idle: idle >= _PATIENCE * (1 if count >= family.count else 3),
         lambda line: report(f"{family.name}: {line}"),
     )
-    count = found.roots.shape[1]
-    if count != family.count:
-        raise ComputationError(
-            f"{family.title} came out with {count} solutions, not {family.count}; "
-            "try again with another seed"
-        )
-    return found
-
-
-def _distinct(machine: Parameters, roots: Complex) -> Complex:
-    values, error = polish(machine, roots)
-    values = values[:, error < 1e-10]
-    return values[:, np.unique(cluster(values), return_index=True)[1]]
+    return counted(found, family.title, family.count)
 
 
 def _random_machine(rng: np.random.Generator, family: Family) -> Parameters:
@@ -110,14 +100,13 @@ def write(folder: Path, name: str, found: StartSet) -> None:
     )
 
 
-def make(folder: Path, *, seed: int = 2011, report: Report = lambda _: None) -> None:
+def make(folder: Path, report: Report) -> None:
     """Write all start sets.
 
     Raises:
         ComputationError: a set did not come out with as many solutions as it must have.
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(2011)
     general = general_set(rng, report)
     write(folder, FAMILIES[0].name, general)
     for family in FAMILIES[1:]:
@@ -130,10 +119,5 @@ def make(folder: Path, *, seed: int = 2011, report: Report = lambda _: None) -> 
         report(f"{name}: {found.roots.shape[1]} solutions")
 
 
-def main(arguments: Sequence[str]) -> int:
-    """``python -m kinematics.mechanisms.five_rpur.forward.monodromy FOLDER``."""
-    return run(partial(make, report=print_line), arguments)
-
-
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(run(make, sys.argv[1:]))

@@ -1,7 +1,5 @@
 """Forward displacement of the 4-SPS + 1-SPR: all assembly modes for given leg lengths.
 
-`equations` has the closure equations and their path homotopy, `start_set` the stored solutions that
-paths begin from (made by `monodromy`), `roots` every complex solution of a machine, `assembly` the
-real ones with all that is said of them, `self_motion` curves of solutions, and `refreshing` keeps
-their identities while the legs move.
+`equations` has the closure equations and their path homotopy, `roots` every complex solution of a
+machine, from a stored start set (made by `monodromy`), `assembly` the real ones.
 """

@@ -28,6 +28,9 @@ from kinematics.mechanisms.four_sps_spr.design import LIMBS, SPR, FourSPSSPRDesi
 
 UNKNOWNS = 8
 _MONOMIALS = 17  # N, y·y, w, t, R̂ row by row
+SINGULAR, NEAR = 1e-11, 1e-3
+"""See `homotopy.solving.Closure`."""
+_FAR, _INFINITE = 1e5, 1e10  # extent of what solves the equations but is no pose
 
 
 class Parameters(NamedTuple):
@@ -217,6 +220,9 @@ class Deformation:
         return np.ascontiguousarray(solved[..., 0].T), np.ascontiguousarray(solved[..., 1].T)
 
 
+between = Deformation
+
+
 def extent(u: Complex) -> Real:
     """|u|² / |N|, (n,): about the square of how far out a pose is, in units."""
     norm = np.abs((u[:4] * u[:4]).sum(axis=0))
@@ -273,7 +279,7 @@ def conjugate(u: Complex) -> Complex:
     return on_patch(u.conj())
 
 
-def marks(u: Complex) -> Complex:
+def placed(u: Complex) -> Complex:
     """R and p of each, (12, n): the same for the same pose, whatever u's scale."""
     with np.errstate(all="ignore"):
         monomials = (_halves(u) @ u.T[:, :, None])[..., 0].T
@@ -281,12 +287,28 @@ def marks(u: Complex) -> Complex:
     return values
 
 
+def marks(u: Complex) -> tuple[Complex, Real]:
+    """`placed`, see `homotopy.solving.Closure`; digits are lost with the distance."""
+    values = placed(u)
+    return values, np.maximum(np.abs(values).max(axis=0), 1.0)
+
+
+def infinite(values: Complex, goals: Complex) -> NDArray[np.bool_]:
+    """Where the norm of the rotation vanishes, or nearly so."""
+    return ~((extent(values) < _FAR) | (extent(goals) < _INFINITE))
+
+
+def of(g: Parameters, columns: Index) -> Parameters:
+    """The machine of some targets, which differ in their lengths, for columns (n,) of them."""
+    return g._replace(squares=np.atleast_2d(g.squares)[columns])
+
+
 def to_transforms(frame: Frame, u: Complex) -> tuple[Array, Array]:
     """R (n, 3, 3) and p (n, 3) mm of real solutions, in the design's own frames."""
     real = normal_form(u).real
     real[:4] /= np.sqrt((real[:4] * real[:4]).sum(axis=0))
     real[4:] -= (real[:4] * real[4:]).sum(axis=0) * real[:4]  # onto Study's quadric
-    m = marks(real.astype(complex)).real
+    m = placed(real.astype(complex)).real
     r = m[:9].T.reshape(-1, 3, 3)
     p = frame.base + frame.unit * m[9:].T - r @ frame.platform
     return r, p

@@ -8,25 +8,15 @@ It comes from a single solution of one random machine, see `kinematics.homotopy.
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from kinematics.errors import ComputationError
-from kinematics.homotopy.monodromy import Report, completed, print_line, random_complex, run
-from kinematics.homotopy.tracking import Complex
+from kinematics.homotopy.monodromy import Report, completed, counted, random_complex, run
 from kinematics.mechanisms.four_sps_spr.design import LIMBS, SPR
-from kinematics.mechanisms.four_sps_spr.forward.equations import (
-    Deformation,
-    Parameters,
-    marks,
-    on_patch,
-    polish,
-)
-from kinematics.mechanisms.four_sps_spr.forward.roots import cluster
-from kinematics.mechanisms.four_sps_spr.forward.start_set import FILE, GENERAL_COUNT, StartSet
+from kinematics.mechanisms.four_sps_spr.forward import equations
+from kinematics.mechanisms.four_sps_spr.forward.equations import Parameters, on_patch, placed
+from kinematics.mechanisms.four_sps_spr.forward.roots import FILE, GENERAL_COUNT, StartSet
 
 _PATIENCE = 10  # loops without anything new, after which the set is taken to be whole
 
@@ -40,10 +30,9 @@ def completed_set(
         planar: base and platform points in planes, the axis in that of the platform.
     """
     return completed(
+        equations,
         _seed(rng, planar),
         lambda: _random_machine(rng, planar),
-        Deformation,
-        _distinct,
         lambda _, idle: idle >= _PATIENCE,
         report,
     )
@@ -55,7 +44,7 @@ def _seed(rng: np.random.Generator, planar: bool) -> StartSet:
     x, y = random_complex(rng, 4, 1), random_complex(rng, 4, 1)
     y = y - x * (x * y).sum() / (x * x).sum()
     u = on_patch(np.concatenate([x, y]))
-    pose = marks(u)[:, 0]
+    pose = placed(u)[:, 0]
     r, p = pose[:9].reshape(3, 3), pose[9:]
     base, platform, axis = (np.array(v, dtype=complex) for v in (g.base, g.platform, g.axis))
     normal = r @ axis
@@ -63,12 +52,6 @@ def _seed(rng: np.random.Generator, planar: bool) -> StartSet:
     base[SPR, 0] += apart / normal[0]
     vectors = p + platform @ r.T - base
     return StartSet(g._replace(base=base, squares=(vectors * vectors).sum(axis=1)), u)
-
-
-def _distinct(machine: Parameters, roots: Complex) -> Complex:
-    values, error = polish(machine, roots)
-    values = values[:, error < 1e-10]
-    return values[:, np.unique(cluster(values), return_index=True)[1]]
 
 
 def _random_machine(rng: np.random.Generator, planar: bool) -> Parameters:
@@ -80,31 +63,18 @@ def _random_machine(rng: np.random.Generator, planar: bool) -> Parameters:
     return Parameters(base, platform, axis, random_complex(rng, LIMBS))
 
 
-def make(folder: Path, *, seed: int = 2017, report: Report = lambda _: None) -> None:
+def make(folder: Path, report: Report) -> None:
     """Write the start set.
 
     Raises:
         ComputationError: it did not come out with as many solutions as it must have.
     """
-    found = completed_set(np.random.default_rng(seed), report)
-    count = found.roots.shape[1]
-    if count != GENERAL_COUNT:
-        raise ComputationError(
-            f"the general 4-SPS + 1-SPR came out with {count} solutions, not {GENERAL_COUNT}; "
-            "try again with another seed"
-        )
-    folder.mkdir(parents=True, exist_ok=True)
-    np.savez(folder / FILE, **found.parameters._asdict(), roots=found.roots.astype(np.complex64))
-
-
-def main(arguments: Sequence[str]) -> int:
-    """``python -m kinematics.mechanisms.four_sps_spr.forward.monodromy FOLDER``."""
-    return run(partial(make, report=_print), arguments)
-
-
-def _print(line: str) -> None:
-    print_line(f"4-SPS + 1-SPR: {line}")
+    title = "4-SPS + 1-SPR"
+    found = completed_set(np.random.default_rng(2017), lambda line: report(f"{title}: {line}"))
+    counted(found, f"the general {title}", GENERAL_COUNT)
+    roots = found.roots.astype(np.complex64)
+    np.savez(folder / FILE, **found.parameters._asdict(), roots=roots)
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(run(make, sys.argv[1:]))

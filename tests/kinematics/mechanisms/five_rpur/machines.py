@@ -12,11 +12,23 @@ from kinematics.answers.solutions import ForwardSolutions, Posture
 from kinematics.designs.files import load_design
 from kinematics.facets.sections import Modes
 from kinematics.machine import machine_of
-from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
+from kinematics.mechanisms.five_rpur.design import MODES, FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.following import Following
 from kinematics.mechanisms.five_rpur.maps import Maps
 from kinematics.mechanisms.five_rpur.mechanism import FiveRPUR
 from kinematics.mechanisms.five_rpur.sections import Sections
+
+MODE_SIGNS = {mode: mode.sigma for mode in MODES}
+"""σ_i of every working mode."""
+
+
+def signature(u: np.ndarray) -> np.ndarray:
+    """One number a configuration (10, n), the same only for the same; conjugates have conjugate
+    ones."""
+    turns = u[3:5]
+    values = np.concatenate([u[:3], turns + 1.0 / turns, 1j * (1.0 / turns - turns), u[5:]])
+    numbers: np.ndarray = np.cos(1.7 * np.arange(len(values)) + 0.4) @ values
+    return numbers
 
 
 def preset(name: str, *, merged: bool = False) -> FiveRPURDesign:

@@ -7,8 +7,10 @@ from hypothesis import strategies as st
 
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
+from kinematics.machine import machine_of
 from kinematics.mechanisms.four_sps_spr.constraint import complete_pose
 from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign, Limb
+from kinematics.mechanisms.four_sps_spr.forward.equations import placed
 from tests.kinematics.references import read
 
 
@@ -20,6 +22,21 @@ def preset() -> FourSPSSPRDesign:
     design = load_design("sps-spr")
     assert isinstance(design, FourSPSSPRDesign)
     return design
+
+
+def pose_distances(design: FourSPSSPRDesign, one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Between poses (n, 6) and (m, 6), (n, m) mm."""
+    no_modes = [""] * max(len(one), len(other))
+    return machine_of(design).forward.distances(one, no_modes, other, no_modes)
+
+
+def distances(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Between the poses of roots (8, n) and (8, m), (n, m): of R and p, relative to max(1, p)."""
+    a, b = placed(one), placed(other)
+    apart = np.abs(a[:, :, None] - b[:, None, :]).max(axis=0)
+    size = np.maximum(np.abs(a).max(axis=0)[:, None], np.abs(b).max(axis=0)[None, :])
+    ratio: np.ndarray = apart / np.maximum(size, 1.0)
+    return ratio
 
 
 def pentagon(radius: float) -> np.ndarray:

@@ -18,12 +18,11 @@ from kinematics.errors import InputError
 from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur.arrangements import arrangements
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
-from kinematics.mechanisms.five_rpur.forward.assembly import MODE_SIGNS
 from kinematics.mechanisms.five_rpur.forward.equations import Frame, conjugate, real_part, to_poses
 from kinematics.mechanisms.five_rpur.forward.simplified import same_mode_roots
 from kinematics.mechanisms.five_rpur.inverse import MODES, closure_residual, limb_lengths
 from tests.kinematics.mechanisms.five_rpur.asked import condition, wrench_matrix
-from tests.kinematics.mechanisms.five_rpur.machines import forward, of_forward_case
+from tests.kinematics.mechanisms.five_rpur.machines import MODE_SIGNS, forward, of_forward_case
 from tests.kinematics.references import read
 
 CASES = read("rpur_forward.json")["cases"]

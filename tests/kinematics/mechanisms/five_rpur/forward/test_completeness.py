@@ -15,13 +15,12 @@ from kinematics.answers.solutions import ForwardSolutions
 from kinematics.designs.files import load_design
 from kinematics.homotopy import solving
 from kinematics.homotopy.assembly_sets import CLOSES
-from kinematics.homotopy.solving import StartSet
+from kinematics.homotopy.solving import StartSet, solve
 from kinematics.homotopy.tracking import Ending, track
 from kinematics.mechanisms.five_rpur.design import MODES, FiveRPURDesign
-from kinematics.mechanisms.five_rpur.forward import families, general
-from kinematics.mechanisms.five_rpur.forward.assembly import MODE_SIGNS
+from kinematics.mechanisms.five_rpur.forward import equations, families, general
 from kinematics.mechanisms.five_rpur.inverse import inverse, joint_points, limb_lengths
-from tests.kinematics.mechanisms.five_rpur.machines import forward, made
+from tests.kinematics.mechanisms.five_rpur.machines import MODE_SIGNS, forward, made
 
 N3_POSE = (190.0, 30.0, 180.0, np.radians(20.0), np.radians(-35.0))
 N3_JOINTS = (
@@ -249,7 +248,8 @@ def test_what_seems_to_run_off_to_infinity_is_looked_for_along_a_second_way(monk
         return ends
 
     monkeypatch.setattr(solving, "track", hasty)
-    found = general._solve(
+    (found,) = solve(
+        equations,
         families.start_set(families.membership(design)),
         general._moved(general.own_start_set(design).parameters, design, joints),
         real=False,

@@ -20,11 +20,11 @@ from kinematics.mechanisms.five_rpur.forward.equations import (
     real_part,
     regularity,
     residuals,
-    signature,
     to_poses,
 )
 from kinematics.mechanisms.five_rpur.inverse import joint_points, limb_lengths
 from tests.kinematics.mechanisms.five_rpur.asked import wrench_matrix
+from tests.kinematics.mechanisms.five_rpur.machines import signature
 
 SIGNS = np.array([1.0, -1.0, 1.0, 1.0, -1.0])
 
@@ -57,7 +57,7 @@ def test_reachable_poses_solve_the_equations_and_come_back(name):
     frame = Frame.of(design)
     poses, rho = random_poses(design, 20, 1)
     _, elbows, _ = joint_points(design, poses, SIGNS)
-    u = from_poses(design, frame, poses, elbows)
+    u = from_poses(frame, poses, elbows)
     g = parameters(design, rho, frame)
     assert np.abs(np.concatenate(residuals(g, u))).max() < 1e-13
     np.testing.assert_allclose(np.abs(u[3:5]), 1.0, atol=1e-15)
@@ -77,15 +77,15 @@ def test_newton_and_tangent_against_differences(seed):
     here, there = random_machine(rng), random_machine(rng)
     u = random_configurations(rng, 3)
     t = rng.uniform(0.2, 0.8, 3)
-    bend = random_machine(rng)
-    way = Deformation(here, there, bend)
+    around = rng.uniform(-0.8, 0.8)
+    way = Deformation(here, there, around)
     g, _ = way.at(t)
     # Lengths that make u a solution at t.
     f1, f2 = residuals(g._replace(link2=np.zeros((5, 1)), rho2=np.zeros((5, 1))), u)
     shift = Parameters(*(np.zeros((5, 1)),) * 6, 2 * f2 - g.link2, 2 * f1 - g.rho2)
     moved = [a + s for a, s in zip(here, shift, strict=True)]
     other = [a + s for a, s in zip(there, shift, strict=True)]
-    way = Deformation(Parameters(*moved), Parameters(*other), bend)
+    way = Deformation(Parameters(*moved), Parameters(*other), around)
     newton, tangent = way.step(u, t)
     size = 1.0 + np.abs(tangent).max()
     if size > 1e3:  # next to a singularity
@@ -103,7 +103,7 @@ def test_one_newton_step_squares_the_distance():
     frame = Frame.of(design)
     poses, rho = random_poses(design, 30, 2)
     _, elbows, _ = joint_points(design, poses, SIGNS)
-    u = from_poses(design, frame, poses, elbows)
+    u = from_poses(frame, poses, elbows)
     g = parameters(design, rho, frame)
     regular = regularity(g, u) > 1e-2
     assert regular.sum() > 5
@@ -150,7 +150,7 @@ def test_regularity_vanishes_with_the_determinant_of_the_wrenches():
     frame = Frame.of(design)
     poses, rho = random_poses(design, 200, 6)
     _, elbows, _ = joint_points(design, poses, SIGNS)
-    u = from_poses(design, frame, poses, elbows)
+    u = from_poses(frame, poses, elbows)
     found = regularity(parameters(design, rho, frame), u)
     matrix = wrench_matrix(design, poses, SIGNS, length=frame.unit)
     rows = matrix / np.linalg.norm(matrix, axis=-1, keepdims=True)

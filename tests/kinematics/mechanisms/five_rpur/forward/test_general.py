@@ -15,8 +15,9 @@ from kinematics.designs.files import load_design
 from kinematics.errors import ComputationError
 from kinematics.homotopy import monodromy as loops
 from kinematics.homotopy import solving as homotopies
+from kinematics.homotopy.solving import cluster, solve
 from kinematics.homotopy.tracking import Ending, track
-from kinematics.mechanisms.five_rpur.forward import families, general, monodromy
+from kinematics.mechanisms.five_rpur.forward import equations, families, monodromy
 from kinematics.mechanisms.five_rpur.forward.equations import (
     Deformation,
     conjugate,
@@ -25,7 +26,7 @@ from kinematics.mechanisms.five_rpur.forward.equations import (
     residuals,
 )
 from kinematics.mechanisms.five_rpur.forward.families import FAMILIES, membership, start_set
-from kinematics.mechanisms.five_rpur.forward.general import cluster, roots_at, roots_from
+from kinematics.mechanisms.five_rpur.forward.general import roots_at, roots_from
 from tests.kinematics.mechanisms.five_rpur.machines import of_forward_case
 from tests.kinematics.references import read
 
@@ -49,7 +50,7 @@ def test_a_stored_set_is_distinct_solutions_of_its_machine(family):
     assert stored.roots.shape == (10, family.count)
     roots, error = polish(stored.parameters, stored.roots, rounds=3)
     assert error.max() < 1e-9
-    assert len(np.unique(cluster(roots))) == family.count
+    assert len(np.unique(cluster(equations, roots))) == family.count
     sizes = 1.0 + np.abs(roots).max(axis=0) ** 2
     f1, f2 = residuals(stored.parameters, roots)
     assert (np.abs(np.concatenate([f1, f2])) / sizes).max() < 1e-11
@@ -111,7 +112,7 @@ def test_monodromy_finds_the_general_set_again_from_a_part_of_it(monkeypatch):
     )
     assert found.roots.shape == (10, 1680)
     both = np.concatenate([polish(stored.parameters, stored.roots)[0], found.roots], axis=1)
-    assert len(np.unique(cluster(both))) == 1680
+    assert len(np.unique(cluster(equations, both))) == 1680
     assert len(lines) >= 2
 
 
@@ -163,7 +164,7 @@ def test_the_cases_have_as_many_complex_solutions_as_they_must(name):
     assert (found.count, found.infinite, found.lost) == (case["complex_count"], 0, 0)
     assert closes(design, case["rho"], found.values) < 1e-12
     mirrored = np.concatenate([found.values, conjugate(found.values)], axis=1)
-    assert len(np.unique(cluster(mirrored))) == found.count
+    assert len(np.unique(cluster(equations, mirrored))) == found.count
 
 
 @pytest.mark.parametrize("name", ["rpur-table1", "rpur-table1-icee", "rpur-mpa1"])
@@ -183,9 +184,11 @@ def test_two_start_sets_lead_to_the_same_solutions():
     design = load_design("rpur-table1-icee")
     joints = [287.0, 331.0, 302.0, 366.0, 341.0]
     one = roots_at(design, joints)
-    other = general._solve(start_set(membership(design)), parameters(design, joints), real=True)
+    other = solve(equations, start_set(membership(design)), parameters(design, joints), real=True)[
+        0
+    ]
     assert one.count == other.count == 1440
-    assert len(np.unique(cluster(np.concatenate([one.values, other.values], axis=1)))) == 1440
+    assert len(np.unique(cluster(equations, np.hstack([one.values, other.values])))) == 1440
 
 
 @pytest.mark.parametrize("change", [0.05, 3.0, 30.0])
@@ -197,7 +200,7 @@ def test_solutions_are_tracked_on_from_known_ones(change):
     moved, fresh = roots_from(design, known.values, before, after), roots_at(design, after)
     assert moved.complete
     assert moved.count == fresh.count == 1560
-    assert len(np.unique(cluster(np.concatenate([moved.values, fresh.values], axis=1)))) == 1560
+    assert len(np.unique(cluster(equations, np.hstack([moved.values, fresh.values])))) == 1560
 
 
 def test_lost_paths_are_reported_and_then_found(monkeypatch):
@@ -228,7 +231,9 @@ def test_lost_paths_are_reported_and_then_found(monkeypatch):
         return ends
 
     monkeypatch.setattr(homotopies, "track", hopeless)
-    found = general._solve(start_set(membership(design)), parameters(design, joints), real=False)
+    found = solve(equations, start_set(membership(design)), parameters(design, joints), real=False)[
+        0
+    ]
     assert calls[:3] == [1560, 8, 1560]  # then all take another way, and the union is taken
     assert found.ways == 2
     assert found.count == 1560
@@ -258,10 +263,10 @@ def test_clusters_are_of_solutions_that_agree():
     values = rng.normal(size=(10, 6)) + 1j * rng.normal(size=(10, 6))
     values[:, 4] = values[:, 1] * (1 + 1e-9)
     values[:, 5] = values[:, 1]
-    labels = cluster(values)
+    labels = cluster(equations, values)
     assert len(np.unique(labels)) == 4
     assert labels[1] == labels[4] == labels[5]
-    assert cluster(values[:, :0]).shape == (0,)
+    assert cluster(equations, values[:, :0]).shape == (0,)
 
 
 def test_a_design_of_coincident_limbs_says_what_it_could_not_follow():

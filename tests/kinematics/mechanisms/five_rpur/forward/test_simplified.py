@@ -25,7 +25,6 @@ from kinematics.mechanisms.five_rpur.forward.equations import (
     parameters,
     real_part,
     residuals,
-    signature,
     terms,
     to_poses,
 )
@@ -33,7 +32,7 @@ from kinematics.mechanisms.five_rpur.forward.linkage import Machine
 from kinematics.mechanisms.five_rpur.forward.simplified import expected, same_mode_roots
 from kinematics.mechanisms.five_rpur.inverse import MODES, inverse, joint_points
 from kinematics.screws.spatial import rotation_x, rotation_y
-from tests.kinematics.mechanisms.five_rpur.machines import made
+from tests.kinematics.mechanisms.five_rpur.machines import made, signature
 from tests.kinematics.references import read
 
 CASES: list[dict[str, Any]] = [
@@ -327,7 +326,7 @@ def nearest(
     u, owner = same_mode_roots(design, joints)
     signs = [[1.0 if sign == "+" else -1.0 for sign in mode] for mode in modes]
     _, elbows, _ = joint_points(design, poses, signs)
-    true = from_poses(design, Frame.of(design), poses, elbows)
+    true = from_poses(Frame.of(design), poses, elbows)
     off = np.abs(u - true[:, owner]).max(axis=0)
     return np.array([off[owner == k].min() for k in range(len(poses))]), counts(owner, len(poses))
 

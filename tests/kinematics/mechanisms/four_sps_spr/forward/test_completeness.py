@@ -13,13 +13,13 @@ from kinematics.machine import machine_of
 from kinematics.mechanisms.four_sps_spr import inverse
 from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
 from kinematics.mechanisms.four_sps_spr.forward import roots
-from kinematics.mechanisms.four_sps_spr.forward.assembly import pose_distances
-from kinematics.mechanisms.four_sps_spr.forward.start_set import GENERAL_COUNT
+from kinematics.mechanisms.four_sps_spr.forward.roots import GENERAL_COUNT
 from tests.kinematics.mechanisms.four_sps_spr.machines import (
     general,
     machine,
     pentagon,
     pentagons,
+    pose_distances,
     poses,
     preset,
 )

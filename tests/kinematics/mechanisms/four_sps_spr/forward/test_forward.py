@@ -12,24 +12,29 @@ from kinematics.errors import InputError
 from kinematics.machine import machine_of
 from kinematics.mechanisms.four_sps_spr import inverse
 from kinematics.mechanisms.four_sps_spr.forward import monodromy
-from kinematics.mechanisms.four_sps_spr.forward.assembly import pose_distances
 from kinematics.mechanisms.four_sps_spr.forward.equations import (
     Frame,
     conjugate,
     from_transforms,
-    marks,
     parameters,
+    placed,
     polish,
     to_transforms,
 )
-from kinematics.mechanisms.four_sps_spr.forward.roots import distances, own_start_set, roots_at
-from kinematics.mechanisms.four_sps_spr.forward.start_set import GENERAL_COUNT, general_set
+from kinematics.mechanisms.four_sps_spr.forward.roots import (
+    GENERAL_COUNT,
+    general_set,
+    own_start_set,
+    roots_at,
+)
 from kinematics.mechanisms.four_sps_spr.home import home
 from tests.kinematics.mechanisms.four_sps_spr.machines import (
+    distances,
     general,
     machine,
     pentagon,
     pentagons,
+    pose_distances,
     poses,
     preset,
     reference,
@@ -218,7 +223,7 @@ def test_the_start_set_is_all_of_a_machine_that_nothing_is_special_about() -> No
     assert error.max() < 1e-12
     apart = distances(settled, settled) + np.eye(GENERAL_COUNT)
     assert apart.min() > 1e-4
-    assert np.isfinite(marks(settled)).all()
+    assert np.isfinite(placed(settled)).all()
     assert own_start_set(pentagons()).roots.shape == (8, 32)
 
 
