@@ -30,11 +30,12 @@ from kinematics.answers.solutions import Finding
 from kinematics.arrays import Array
 from kinematics.mechanisms.five_rpur.design import LIMBS, SUBSCRIPTS, TOLERANCE, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inverse import inside, signs
+from kinematics.mechanisms.five_rpur.singularities.determinant import at_poses
 
 PairKind = Literal["A1", "A2", "A3", "same"]
 
 _NEAR = 1e-2  # part of the size within which a condition is missed narrowly
-_SINGULAR = 1e-9  # of the largest possible value, for a normalised determinant
+_SINGULAR = 1e3  # of the rounding of a determinant: what vanishes
 _SAMPLES = 24
 _SEARCH = 4096, 48  # poses at a time, times, in the search for a reachable one
 
@@ -144,8 +145,8 @@ def singular_modes(design: FiveRPURDesign) -> tuple[str, ...]:
     poses = _sample_poses(design)
     found = []
     for mode in design.modes:
-        value = _normalised_determinant(design, poses, signs(mode))
-        if (value < _SINGULAR).all():
+        value, noise = at_poses(design, poses, signs(mode), imaginary=True)
+        if (np.abs(value) <= _SINGULAR * noise).all():
             found.append(mode)
     return tuple(found)
 
@@ -280,33 +281,6 @@ def _sample_poses(design: FiveRPURDesign) -> Array:
     reach = design.size
     position = design.base.mean(axis=0) + rng.uniform(-reach, reach, (_SAMPLES, 3))
     return np.concatenate([position, rng.uniform(-np.pi, np.pi, (_SAMPLES, 2))], axis=1)
-
-
-def _normalised_determinant(design: FiveRPURDesign, poses: Array, sigma: Array) -> Array:
-    """|det| of the six wrenches over the product of their norms, in the turned frame.
-
-    With the couple along e1 × e2 (the frame's z') taken out, rows are the force −(qX, pY, pq)
-    and its moments about e2 and e1; see `kinematics.mechanisms.five_rpur.statics`.
-    """
-    theta, phi = poses[:, 4, None], poses[:, 3, None]
-    c, s, cf, sf = np.cos(theta), np.sin(theta), np.cos(phi), np.sin(phi)
-    dx, dz = poses[:, 0, None] - design.base[:, 0], poses[:, 2, None] - design.base[:, 2]
-    sx, sy, sz = design.platform.T
-    my, mz = cf * sy - sf * sz, sf * sy + cf * sz
-    x, z = dx * c - dz * s + sx, dx * s + dz * c + mz
-    y = poses[:, 1, None] + my - design.base[:, 1]
-    q = sigma * np.sqrt((design.link**2 - y**2).astype(complex))
-    p = z - q
-    length = design.length
-    force = np.stack([q * x, p * y, p * q], axis=-1)
-    # B − O' = (s_x, m_y − Y, m_z − q); its moment with the force about e2 (x') and e1 (y').
-    about_e2 = (my - y) * force[..., 2] - (mz - q) * force[..., 1]
-    about_e1 = (mz - q) * force[..., 0] - sx * force[..., 2]
-    rows = np.concatenate([force, np.stack([about_e2, about_e1], axis=-1) / length], axis=-1)
-    norms = np.sqrt((np.abs(rows) ** 2).sum(axis=-1))
-    tiny = norms <= 1e-200
-    determinant: Array = np.abs(np.linalg.det(rows / np.where(tiny, 1.0, norms)[..., None]))
-    return np.where(tiny.any(axis=-1), 0.0, determinant)
 
 
 def _reachable_somewhere(design: FiveRPURDesign) -> bool:

@@ -60,7 +60,7 @@ def limb_lengths(design: FiveRPURDesign, poses: ArrayLike) -> Array:
     flat, shape = _flat(poses)
     lengths = np.empty((len(flat), LIMBS, 2))
     for part in _chunks(len(flat)):
-        lengths[part] = _both_lengths(design, _offsets(design, flat[part]))
+        lengths[part] = _both_lengths(design, limb_vectors(design, flat[part]))
     return frozen(lengths.reshape(*shape, LIMBS, 2))
 
 
@@ -78,7 +78,7 @@ def inverse(design: FiveRPURDesign, poses: ArrayLike) -> InverseSolutions:
     within = np.empty((count, len(modes)), dtype=bool)
     residual = np.empty(count)
     for part in _chunks(count):
-        offsets = _offsets(design, flat[part])
+        offsets = limb_vectors(design, flat[part])
         lengths = _both_lengths(design, offsets)
         np.take(lengths.reshape(-1, 2 * LIMBS), pick, axis=1, out=joints[part], mode="clip")
         within[part] = _all_modes(_within(design, lengths))[:, exists]
@@ -117,7 +117,7 @@ def inside(
     picks = None if wanted is None else _mode_pick(wanted)
     answer = np.empty(len(flat), dtype=bool)
     for part in _chunks(len(flat)):
-        ok = _within(design, _both_lengths(design, _offsets(design, flat[part])))
+        ok = _within(design, _both_lengths(design, limb_vectors(design, flat[part])))
         if picks is None:
             answer[part] = np.all(np.any(ok, axis=2), axis=1)
         else:
@@ -173,7 +173,7 @@ LIMITS = limb_bounds(JOINT_SYMBOLS, links=[f"l{mark}" for mark in SUBSCRIPTS])
 def joints_of(design: FiveRPURDesign, poses: ArrayLike, mode: str) -> Array:
     """Actuator lengths (..., 5) mm of poses (..., 5) in one working mode; NaN: cannot close."""
     flat, sigma, shape = _broadcast(design, poses, mode)
-    x, y, z = _offsets(design, flat)
+    x, y, z = limb_vectors(design, flat)
     with np.errstate(invalid="ignore", over="ignore"):
         lengths = np.hypot(x, z - sigma * _height(design, y))
     return np.asarray(lengths.T.reshape(*shape, LIMBS))
@@ -181,7 +181,7 @@ def joints_of(design: FiveRPURDesign, poses: ArrayLike, mode: str) -> Array:
 
 def margins(design: FiveRPURDesign, poses: Array, joints: Array) -> Array:
     """How far poses (..., 5) with lengths (..., 5) are from each of `LIMITS`, (..., 15) mm."""
-    y = _offsets(design, poses.reshape(-1, 5))[1].T.reshape(joints.shape)
+    y = limb_vectors(design, poses.reshape(-1, 5))[1].T.reshape(joints.shape)
     room = (design.link - np.abs(y), joints - design.stroke[:, 0], design.stroke[:, 1] - joints)
     return np.stack(room, axis=-1).reshape(*joints.shape[:-1], len(LIMITS))
 
@@ -213,7 +213,7 @@ def joint_points(
         close.
     """
     flat, sigma, shape = _broadcast(design, poses, modes)
-    elbow = _elbows(design, flat, _offsets(design, flat), sigma)
+    elbow = _elbows(design, flat, limb_vectors(design, flat), sigma)
     tip = _tips(design, flat)
     out = (*shape, LIMBS, 3)
     base = np.broadcast_to(design.base, out).copy()
@@ -234,7 +234,7 @@ def closure_residual(
     """
     flat, sigma, shape = _broadcast(design, poses, modes)
     rho = np.broadcast_to(np.asarray(joints, dtype=float), (*shape, LIMBS)).reshape(-1, LIMBS).T
-    elbows = _elbows(design, flat, _offsets(design, flat), sigma)
+    elbows = _elbows(design, flat, limb_vectors(design, flat), sigma)
     residual = _residual(design, flat[:, 4], elbows, _tips(design, flat), rho)
     return frozen(residual.T.reshape(*shape, LIMBS))
 
@@ -313,7 +313,7 @@ def _chunks(count: int) -> Iterator[slice]:
     return (slice(k, min(k + _CHUNK, count)) for k in range(0, count, _CHUNK))
 
 
-def _offsets(design: FiveRPURDesign, poses: Array) -> _Components:
+def limb_vectors(design: FiveRPURDesign, poses: Array) -> _Components:
     """C_i − A_i in the frame turned by R_y(−θ): X, Y, Z, each (5, n), of poses (n, 5)."""
     r = design.base.T[:, :, None]
     s = design.platform.T[:, :, None]

@@ -21,7 +21,7 @@ from kinematics.errors import ComputationError, InputError
 from kinematics.facets.singularities import SingularitiesFacet
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
-from kinematics.mechanisms.five_rpur.singularities.determinant import Determinant, terms
+from kinematics.mechanisms.five_rpur.singularities.determinant import Determinant, at_poses
 from kinematics.plane.contours import zero_curves
 from kinematics.screws.spatial import wrap_angle
 
@@ -215,12 +215,13 @@ def _section(design: FiveRPURDesign, pose: Array, mode: str, at: float | None) -
 
 def _orientation(design: FiveRPURDesign, pose: Array, mode: str) -> LocusCurves:
     sign = inverse.signs(mode, design)
-    size = float((design.link + design.stroke[:, 1]).max())
     across = np.linspace(-np.pi, np.pi, _ACROSS + 1)
     curves = _Curves()
 
     def value(phi: Array, theta: Array) -> tuple[Array, Array]:
-        return _value(design, pose[:3], sign, size, phi, theta)
+        angles = np.stack(np.broadcast_arrays(phi, theta), axis=-1)
+        place = np.broadcast_to(pose[:3], (*angles.shape[:-1], 3))
+        return at_poses(design, np.concatenate([place, angles], axis=-1), sign)
 
     def on_grid(phi: Array) -> Array:
         return value(phi[:, None], across[None, :])[0]
@@ -262,24 +263,3 @@ def _closing(design: FiveRPURDesign, y: float) -> list[tuple[float, float, list[
         )
         found.append((low, high, first, last))
     return found
-
-
-def _value(
-    design: FiveRPURDesign, position: Array, sign: Array, size: float, phi: Array, theta: Array
-) -> tuple[Array, Array]:
-    """F, see `determinant`, and its rounding at orientations (...,)."""
-    phi, theta = np.broadcast_arrays(phi, theta)
-    ahead = (slice(None),) + (None,) * phi.ndim
-    (rx, ry, rz), (sx, sy, sz) = (
-        (points.T / size)[(slice(None), *ahead)] for points in (design.base, design.platform)
-    )
-    px, py, pz = position / size
-    c, s, cf, sf = np.cos(theta), np.sin(theta), np.cos(phi), np.sin(phi)
-    tip = np.stack([sx + 0.0 * cf, sy * cf - sz * sf, sy * sf + sz * cf])
-    dx, dz = px - rx, pz - rz
-    x, y, z = dx * c - dz * s + tip[0], py - ry + tip[1], dx * s + dz * c + tip[2]
-    link = (design.link / size)[ahead]
-    y = np.clip(y, -link, link)
-    q = sign[ahead] * np.sqrt((link - y) * (link + y))
-    parts, most = terms(x, y, q, z - q, tip)
-    return parts.sum(axis=0), np.asarray(1e-13 * most)

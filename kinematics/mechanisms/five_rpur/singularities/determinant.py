@@ -249,6 +249,25 @@ def terms(x: Array, y: Array, q: Array, p: Array, tip: Array) -> tuple[Array, Ar
     return front * minor * inner, np.asarray(bound.sum(axis=0))
 
 
+def at_poses(
+    design: FiveRPURDesign, poses: Array, sign: Array, *, imaginary: bool = False
+) -> tuple[Array, Array]:
+    """F and its rounding (...,) at poses (..., 5) in a mode with the signs (5,).
+
+    Args:
+        imaginary: beyond |Y| = l of a limb q is imaginary, and F complex; else q is 0 there.
+    """
+    flat, size = poses.reshape(-1, 5), float((design.link + design.stroke[:, 1]).max())
+    x, y, z = (part / size for part in inverse.limb_vectors(design, flat))
+    link = (design.link / size)[:, None]
+    square = link * link - y * y if imaginary else np.maximum((link - y) * (link + y), 0.0)
+    q = sign[:, None] * np.sqrt(square.astype(complex) if imaginary else square)
+    tip = design.platform @ rotation_x(flat[:, 3]).swapaxes(-1, -2) / size
+    parts, most = terms(x, y, q, z - q, tip.transpose(2, 1, 0))
+    shape = poses.shape[:-1]
+    return parts.sum(axis=0).reshape(shape), ROUNDING * most.reshape(shape)
+
+
 _CHUNK = 2048  # points at a time, so that the temporaries stay in the cache
 
 
