@@ -15,7 +15,6 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
 import viser
@@ -27,6 +26,7 @@ from app.jobs.parts import Part
 from app.review import view as compute
 from app.review.changes import Change
 from app.review.history import History
+from app.review.keeping import Keeper
 from app.review.state import Options, Review
 from app.scene.camera import fit
 from app.scene.machine import Scene
@@ -59,12 +59,12 @@ class Page:
     """
 
     def __init__(
-        self, server: viser.ViserServer, review: Review, address: str, session_file: Path | None
+        self, server: viser.ViserServer, review: Review, address: str, keeper: Keeper | None
     ) -> None:
         self.server = server
         self.gui = server.gui
         self.address = address
-        self.session_file = session_file
+        self.keeper = keeper
         self.hands = Hands()
         self.scene = Scene(server)
 

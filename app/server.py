@@ -1,4 +1,4 @@
-"""The web server: host, port, whom it answers, how it starts and ends."""
+"""The web server: how it starts and ends, and what stands between it and viser."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from types import FrameType
 from typing import Any
-from urllib.parse import urlsplit
 
 import viser
 import viser._messages
@@ -22,76 +21,142 @@ import websockets.asyncio.server
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
+from app.admission import LOOPBACK, Place, arrived_at, place, policies, refused
+from app.incoming import Sifted, bound_uploads
 from app.loop import Page
-from app.review import session as sessions
+from app.review.keeping import Keeper
 from app.review.state import new_review
+from kinematics.errors import ComputationError
 from kinematics.mechanism import Design
 
 log = logging.getLogger(__name__)
-
-MAX_UPLOAD = 16 << 20  # bytes; the largest file that has a use here is a path in CSV
-LOOPBACK = frozenset({"127.0.0.1", "localhost", "::1"})
+connections = logging.getLogger(f"{__name__}.connections")
 
 
-def run(design: Design, *, host: str, port: int, session: Path | None, open_browser: bool) -> None:
-    """Serve a review until it is interrupted; prints the address it really has."""
-    if session is not None and session.exists():
-        review = sessions.load(session)
-    else:
-        review = new_review(design)
-    server = make_server(host, port)
-    address = f"http://{_for_url(host)}:{server.get_port()}"
-    page = Page(server, review, address, session)
-    print(f"Bohemia is at {address} (stop it with Ctrl-C)", flush=True)
-    if open_browser:
-        threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+def run(
+    design: Design,
+    *,
+    host: str,
+    port: int,
+    session: Path | None,
+    open_browser: bool,
+    allowed: tuple[str, ...] = (),
+) -> None:
+    """Serve a review until it is interrupted; prints the address it really has.
 
+    Args:
+        allowed: names beside its own address under which the server answers.
+
+    Raises:
+        InputError: it cannot listen there, or the session cannot be kept.
+        ComputationError: the last change could not be saved.
+    """
+    where = place(host, port, allowed)
+    keeper = None if session is None else Keeper(session)
+    try:
+        review = None if keeper is None else keeper.load()
+        if review is None:
+            review = new_review(design)
+        if keeper is not None:
+            keeper.begin(review)
+        server = make_server(where.host, where.port, where)
+        address = where.url(server.get_port())
+        page = Page(server, review, address, keeper)
+        _stopped_by_signals(page)
+        print(f"Bohemia is at {address} (stop it with Ctrl-C)", flush=True)
+        if open_browser:
+            threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+        page.run()
+        server.stop()
+    finally:
+        failure = "" if keeper is None else keeper.close()
+    if failure:
+        raise ComputationError(f"the last changes of the session are lost: {failure}")
+
+
+def _stopped_by_signals(page: Page) -> None:
     def stop(_signal: int, _frame: FrameType | None) -> None:
         page.stop()
 
     signal.signal(signal.SIGINT, stop)
     signal.signal(signal.SIGTERM, stop)
-    page.run()
-    server.stop()
+    hangup = getattr(signal, "SIGHUP", None)  # the terminal is closed
+    if hangup is not None and signal.getsignal(hangup) is not signal.SIG_IGN:  # as by nohup
+        signal.signal(hangup, stop)
 
 
-def make_server(host: str, port: int) -> viser.ViserServer:
-    """A viser server that answers only its own page, has no share tunnel and bounds uploads."""
+def make_server(host: str, port: int, where: Place | None = None) -> viser.ViserServer:
+    """A viser server that answers only its own page, has no share tunnel and bounds uploads.
+
+    Args:
+        where: whom it answers; this machine alone if not given.
+    """
+    names = LOOPBACK if where is None else where.names
+    made: list[viser.ViserServer] = []
+
+    def find(uuid: str) -> Any:
+        handles: dict[str, Any] = made[0].gui._gui_input_handle_from_uuid if made else {}
+        return handles.get(uuid)
+
     # viser prints an address of its own, which is not always the one to open.
-    with _guarded(host), contextlib.redirect_stdout(io.StringIO()):
+    with _guarded(names, find), contextlib.redirect_stdout(io.StringIO()):
         server = viser.ViserServer(host=host, port=port, verbose=False, label="Bohemia")
+    made.append(server)
     connection = server._websock_server
     connection.unregister_handler(viser._messages.ShareUrlRequest)
     connection.unregister_handler(viser._messages.ShareUrlDisconnect)
-    _bound_uploads(server)
+    bound_uploads(server)
     return server
 
 
-@contextlib.contextmanager
-def _guarded(host: str) -> Iterator[None]:
-    """While inside, websocket servers are made to refuse foreign origins and foreign hosts.
+class _Quiet(logging.Filter):
+    """What strangers do wrong is no fault of this program: a line, and no traceback."""
 
-    Any page in the user's browser can open a websocket to localhost and would steer this server:
-    so a request must come from the very address that it goes to, and while only this machine is
-    served, that address must be this machine's (a foreign name that resolves to it is refused).
+    def filter(self, record: logging.LogRecord) -> bool:
+        if record.exc_info:
+            record.msg, record.args = f"{record.getMessage()}: {record.exc_info[1]}", ()
+            record.exc_info = record.exc_text = None
+        return not record.getMessage().startswith(("opening handshake failed", "connection rej"))
+
+
+connections.addFilter(_Quiet())
+
+
+@contextlib.contextmanager
+def _guarded(names: frozenset[str], find: Any) -> Iterator[None]:
+    """While inside, websocket servers are made to answer only where they are meant to be asked.
+
+    See `app.admission` for who is answered, and `app.incoming` for what is taken of them.
     """
     original = websockets.asyncio.server.serve
 
-    def serve(*arguments: Any, process_request: Any = None, **options: Any) -> Any:
+    def serve(handler: Any, *arguments: Any, process_request: Any = None, **options: Any) -> Any:
         async def checked(connection: Any, request: Request) -> Response | None:
-            refusal = refused(request.headers, loopback_only=host in LOOPBACK)
+            own = names | {arrived_at(connection.local_address)}
+            refusal = refused(request.headers, own)
             if refusal:
                 log.warning("refused a request: %s", refusal)
-                return Response(http.HTTPStatus.FORBIDDEN, "Forbidden", Headers(), refusal.encode())
+                return _answer(http.HTTPStatus.FORBIDDEN, refusal, "")
+            host = request.headers["Host"]
             if process_request is None:
                 return None
-            answer = process_request(connection, request)
-            if inspect.isawaitable(answer):
-                answer = await answer
+            try:
+                answer = process_request(connection, request)
+                if inspect.isawaitable(answer):
+                    answer = await answer
+            except (OSError, ValueError, LookupError) as error:
+                log.warning("a request that cannot be answered: %s", error)
+                return _answer(http.HTTPStatus.BAD_REQUEST, "This cannot be answered.", host)
             result: Response | None = answer
+            if result is not None:
+                for name, what in policies(host).items():
+                    result.headers[name] = what
             return result
 
-        return original(*arguments, process_request=checked, **options)
+        async def sifted(connection: Any) -> None:
+            await handler(Sifted(connection, find))
+
+        return original(sifted, *arguments, process_request=checked, logger=connections, **options)
 
     websockets.asyncio.server.serve = serve  # type: ignore[assignment,misc]
     try:
@@ -100,77 +165,10 @@ def _guarded(host: str) -> Iterator[None]:
         websockets.asyncio.server.serve = original  # type: ignore[misc]
 
 
-def refused(headers: Headers, *, loopback_only: bool) -> str:
-    """Why a request is refused; "" when it may pass."""
-    host = headers.get("Host", "")
-    if loopback_only and (urlsplit(f"//{host}").hostname or "") not in LOOPBACK:
-        return "this server answers only under the address of the machine it runs on"
-    origin = headers.get("Origin")
-    if origin is not None and urlsplit(origin).netloc != host:
-        return "this page may not be steered from another site"
-    return ""
-
-
-def _bound_uploads(server: viser.ViserServer) -> None:
-    """Refuse uploads that announce or send more than any file of use here has.
-
-    How far an upload has come is told to whoever sends it: viser tells all browsers, and again
-    those that come later. A refused one is told to have come, else its button waits for ever.
-    """
-    gui: Any = server.gui
-    connection: Any = server._websock_server
-    start, part = viser._messages.FileTransferStartUpload, viser._messages.FileTransferPart
-    acknowledged = viser._messages.FileTransferPartAck
-    senders: dict[str, int] = {}  # of transfers
-    queue_message = connection.queue_message
-
-    def queued(message: Any) -> None:
-        if not isinstance(message, acknowledged):
-            queue_message(message)
-            return
-        client = server.get_clients().get(senders.get(message.transfer_uuid, -1))
-        if message.transferred_bytes >= message.total_bytes:
-            senders.pop(message.transfer_uuid, None)
-        if client is not None:
-            client._websock_connection.queue_message(message)
-
-    async def started(client_id: int, message: Any) -> None:
-        senders[message.transfer_uuid] = client_id
-        if message.size_bytes <= MAX_UPLOAD and message.part_count <= MAX_UPLOAD:
-            gui._handle_file_transfer_start(client_id, message)
-            return
-        client = server.get_clients().get(client_id)
-        if client is not None:
-            client.add_notification(
-                "Bohemia",
-                f"{message.filename} is too large: a file to open is smaller than "
-                f"{MAX_UPLOAD >> 20} MB.",
-                color="red",
-                auto_close_seconds=12.0,
-            )
-        give_up(message.source_component_uuid, message.transfer_uuid, message.size_bytes)
-
-    async def came(client_id: int, message: Any) -> None:
-        state = gui._current_file_upload_states.get(message.transfer_uuid)
-        if state is None:
-            return
-        if state["transferred_bytes"] + len(message.content) > MAX_UPLOAD:
-            gui._current_file_upload_states.pop(message.transfer_uuid, None)
-            source = message.source_component_uuid
-            give_up(source, message.transfer_uuid, state["total_bytes"])
-            return
-        gui._handle_file_transfer_part(client_id, message)
-
-    def give_up(source: str | None, transfer: str, size: int) -> None:
-        queued(acknowledged(source, transfer, transferred_bytes=size, total_bytes=size))
-
-    connection.queue_message = queued
-    connection.unregister_handler(start)
-    connection.unregister_handler(part)
-    connection.register_handler(start, started)
-    connection.register_handler(part, came)
-
-
-def _for_url(host: str) -> str:
-    shown = "127.0.0.1" if host in {"0.0.0.0", "::", ""} else host
-    return f"[{shown}]" if ":" in shown else shown
+def _answer(status: http.HTTPStatus, text: str, host: str) -> Response:
+    body = text.encode()
+    headers = Headers(
+        {"Content-Type": "text/plain; charset=utf-8", "Content-Length": str(len(body))}
+        | policies(host)
+    )
+    return Response(status.value, status.phrase, headers, body)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import csv
+import errno
 import io
 import os
+import re
 import secrets
 import stat
 from collections.abc import Iterable
@@ -56,8 +58,8 @@ def read_text(path: Path | str, limit: int, what: str) -> str:
 def write_file(path: Path | str, data: bytes) -> Path:
     """Write a file beside its place and move it there: a failure leaves what was there whole.
 
-    Links are followed and the permissions of an existing file are kept. What is no regular file
-    (a device, a pipe) is written to directly. Returns the path as given.
+    Links are followed; owner and permissions of an existing file are kept, and obeyed. What is no
+    regular file (a device, a pipe) is written to directly. Returns the path as given.
 
     Raises:
         InputError: it cannot be written.
@@ -66,18 +68,24 @@ def write_file(path: Path | str, data: bytes) -> Path:
     beside: Path | None = None
     try:
         target = Path(os.path.realpath(place))
-        mode = target.stat().st_mode if target.exists() else None
-        if mode is not None and not stat.S_ISREG(mode):
+        if target.is_symlink():
+            raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
+        known = target.stat() if target.exists() else None
+        if known is not None and not stat.S_ISREG(known.st_mode):
             target.write_bytes(data)
             return place
-        beside = target.with_name(f".{target.name[:100]}.{secrets.token_hex(4)}")
+        if known is not None and not os.access(target, os.W_OK):  # moving would not ask
+            raise OSError(errno.EACCES, os.strerror(errno.EACCES))
+        beside = target.with_name(f"{_beside(target)}{secrets.token_hex(4)}")
         flags = os.O_CREAT | os.O_EXCL | os.O_WRONLY | getattr(os, "O_BINARY", 0)
         with os.fdopen(os.open(beside, flags, 0o666), "wb") as file:
             file.write(data)
             file.flush()
             os.fsync(file.fileno())
-        if mode is not None:
-            beside.chmod(stat.S_IMODE(mode))
+        if known is not None:
+            with suppress(OSError, AttributeError):  # only some may, and not on every system
+                os.chown(beside, known.st_uid, known.st_gid)
+            beside.chmod(stat.S_IMODE(known.st_mode))
         beside.replace(target)
     except (OSError, ValueError) as error:
         if beside is not None:
@@ -85,6 +93,34 @@ def write_file(path: Path | str, data: bytes) -> Path:
                 beside.unlink(missing_ok=True)
         raise InputError(f"cannot write {str(place)!r}: {_reason(error)}") from None
     return place
+
+
+def exists(path: Path | str) -> bool:
+    """Whether there is something; nothing has a name that cannot be one."""
+    try:
+        return Path(path).exists()
+    except (OSError, ValueError):
+        return False
+
+
+def sweep(path: Path | str) -> None:
+    """Remove what a writer of this file left beside it when it was killed.
+
+    Only for who alone writes the file.
+    """
+    target = Path(os.path.realpath(path))
+    begins = _beside(target)
+    with suppress(OSError):
+        for left in target.parent.iterdir():
+            if left.name.startswith(begins) and _TOKEN.fullmatch(left.name[len(begins) :]):
+                left.unlink()
+
+
+_TOKEN = re.compile(r"[0-9a-f]{8}")
+
+
+def _beside(target: Path) -> str:
+    return f".{target.name[:100]}."
 
 
 def _reason(error: Exception) -> str:

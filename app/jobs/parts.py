@@ -10,10 +10,9 @@ from app.jobs.answers import Answers, Asked, Told
 from app.jobs.lane import Done, Lane, Lost
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from app.features.review.files import ExportedFile
     from app.review.changes import Change
+    from app.review.keeping import Keeper
     from app.review.state import Review
     from app.review.view import View
     from app.scene.machine import Scene
@@ -77,7 +76,7 @@ class Stage(Room, Protocol):
     @property
     def scene(self) -> Scene: ...
     @property
-    def session_file(self) -> Path | None: ...
+    def keeper(self) -> Keeper | None: ...
     @property
     def view(self) -> View:
         """What is shown, of the review that was brought to the page last."""

@@ -68,7 +68,7 @@ def load_design(name_or_path: str | Path) -> Design:
     if text in _preset_paths():
         return _preset(text)
     path = Path(name_or_path)
-    if not text.strip() or "\0" in text or not _exists(path):
+    if not text.strip() or not storage.exists(path):
         near = difflib.get_close_matches(text, _preset_paths(), n=3, cutoff=0.5)
         hint = f"did you mean {' or '.join(near)}?" if near else "the presets are "
         hint = hint if near else hint + ", ".join(_preset_paths())
@@ -270,13 +270,6 @@ def _is_deep(text: str) -> bool:
     return deepest > DEEPEST or any(
         part.count(".") > DEEPEST for part in re.split(r"[=,{}\[\]\n]", bare)
     )
-
-
-def _exists(path: Path) -> bool:
-    try:
-        return path.exists()
-    except OSError:  # a name too long to be one
-        return False
 
 
 @cache

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from app.terminal import tables, values
 from app.terminal.command import Answer, command, load, warn
 from app.terminal.options import design, flag, option
+from kinematics.storage import exists
 
 if TYPE_CHECKING:
     from kinematics.machine import Machine
@@ -23,7 +24,17 @@ def serve(
     port: int = option(
         "N", "port to listen on", values.counted("a port", 0, 65535), default="8080"
     ),
-    session: str | None = option("FILE", "keep the review in this file", files=True),
+    allow_host: tuple[str, ...] = option(
+        "NAME",
+        "answer under this name too, as that of this machine in its network; may be given often. "
+        "Without it only under the address listened on",
+        multiple=True,
+    ),
+    session: str | None = option(
+        "FILE",
+        "keep the review in this file: opened from it, and saved while it is changed",
+        files=True,
+    ),
     no_browser: bool = flag("do not open a browser"),
 ) -> None:
     """The page, in the browser. DESIGN is rpur-table1 if none is named."""
@@ -31,10 +42,17 @@ def serve(
     from app.server import run
 
     file = None if session is None else Path(session)
-    if machine is not None and file is not None and file.exists():
+    if machine is not None and file is not None and exists(file):
         warn(f"{file} holds a review, which is opened instead of {opened.name}")
     with suppress(KeyboardInterrupt):  # the usual way to stop a server
-        run(opened, host=host, port=port, session=file, open_browser=not no_browser)
+        run(
+            opened,
+            host=host,
+            port=port,
+            session=file,
+            open_browser=not no_browser,
+            allowed=allow_host,
+        )
 
 
 @command("designs")

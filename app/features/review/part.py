@@ -2,49 +2,38 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 from app.features.review.files import ExportedFile, solid_name
 from app.jobs.parts import Client, Part, Stage
-from app.review import session
 from app.review.state import Review
-from kinematics.errors import InputError
 from kinematics.mechanism import Design
-
-SETTLED = 0.8  # s without a change before the session is saved
 
 
 class ReviewPart(Part):
-    """Saves what people ask for, and the session once a change has settled."""
+    """Saves what people ask for, and hands each change to what keeps the session."""
 
     def __init__(self, stage: Stage) -> None:
         super().__init__(stage)
-        self._saved: Review = stage.review
         self._seen: Review = stage.review
-        self._changed_at = 0.0
+        if stage.keeper is not None:
+            stage.keeper.tells(self._tell)
 
     def follow(self) -> None:
         review = self.stage.review
-        if review != self._seen:
-            self._seen, self._changed_at = review, time.monotonic()
+        if self.stage.keeper is not None and review != self._seen:
+            self.stage.keeper.offer(review)
+        self._seen = review
 
-    def catch_up(self) -> None:
-        if self._seen != self._saved and time.monotonic() - self._changed_at > SETTLED:
-            self._save()
+    def _tell(self, text: str) -> None:
+        """Called in the thread that saves; whoever opens the page later reads it, too."""
 
-    def stop(self) -> None:
-        self._save()
+        def told() -> bool:
+            self.stage.complain(text)
+            self.stage.note(text)
+            return True
 
-    def _save(self) -> None:
-        review, file = self.stage.review, self.stage.session_file
-        if file is None or review == self._saved:
-            return
-        self._saved = review
-        try:
-            session.save(review, file)
-        except InputError as error:
-            self.stage.complain(f"The session could not be saved: {error}")
+        self.stage.put(told)
 
     def picture(self, client: Client) -> None:
         """A picture of one browser's view."""
