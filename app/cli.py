@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import errno
 import os
+import signal
 import sys
 from collections.abc import Sequence
 from difflib import get_close_matches
@@ -126,6 +127,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         if hasattr(stream, "reconfigure"):  # a terminal without φ shows ? and goes on
             stream.reconfigure(errors="replace")
     try:
+        if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:  # see `app.__main__`
+            signal.signal(signal.SIGINT, signal.default_int_handler)
         if COMPLETE in os.environ:
             return shell_complete(bohemia, {}, "bohemia", COMPLETE, os.environ[COMPLETE])
         with bohemia.make_context("bohemia", list(sys.argv[1:] if argv is None else argv)) as ctx:
