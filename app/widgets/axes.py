@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from app.review.units import number, page_unit
 from app.scene import palette
-from app.widgets.svg import label, line, tag
+from app.widgets.svg import in_mm, label, line, tag
 from kinematics.mechanism import Coordinate
 
 Range = tuple[float, float]
@@ -37,6 +37,7 @@ class Axes:
     bottom: float
     x: Range
     y: Range
+    digits: int = 1  # of a px, along lines
 
     @property
     def inner(self) -> tuple[float, float]:
@@ -59,7 +60,16 @@ class Axes:
 
     def path(self, points: Iterable[Sequence[float]]) -> str:
         """A line through points, for a path's ``d``."""
-        return "M" + "L".join("{:.1f} {:.1f}".format(*self.px(x, y)) for x, y in points)
+        n = self.digits
+        ends = (self.px(x, y) for x, y in points)
+        return "M" + "L".join(f"{u:.{n}f} {v:.{n}f}" for u, v in ends)
+
+    def true_size(self, picture: str) -> str:
+        """A picture with these axes, which are both mm to one scale, in mm: each place has its own
+        coordinates, y downwards, as SVG counts it.
+        """
+        unit = (self.x[1] - self.x[0]) / self.inner[0]
+        return in_mm(picture, unit, self.x[0] - self.left * unit, -self.y[1] - self.top * unit)
 
     def px(self, x: float, y: float) -> tuple[float, float]:
         """A place in the plot, px."""
@@ -76,7 +86,7 @@ def equal_axes(
     (u0, u1), (v0, v1) = bounds
     right = 14.0
     wide, high = max(width - left - right, 20.0), max(height - top - bottom, 20.0)
-    across, up = max(u1 - u0, 1e-6), max(v1 - v0, 1e-6)
+    across, up = max(u1 - u0, 1e-9), max(v1 - v0, 1e-9)
     scale = (1.0 - 2 * MARGIN) * min(wide / across, high / up)
     x, y = (
         (0.5 * (low + high_) - 0.5 * size / scale, 0.5 * (low + high_) + 0.5 * size / scale)

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Iterator, Sequence
+from itertools import cycle
+from math import floor, log10
+from xml.etree import ElementTree
 
 from app.scene.palette import INK
 from app.widgets.texts import esc
@@ -95,3 +99,75 @@ def document(
         font_size=SIZE,
     )
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{drawn}\n' if paper else drawn
+
+
+_WORD = re.compile(r"[A-Za-z]|-?\d*\.?\d+(?:e[+-]?\d+)?")
+_PARTS = {"M": "xy", "L": "xy", "H": "x", "V": "y", "A": "ll---xy", "h": "l", "v": "l", "l": "ll"}
+"""What the numbers of a path are: places, lengths, or neither."""
+
+
+def in_mm(picture: str, unit: float, edge: float, roof: float) -> str:
+    """A picture of something in true size: its user unit is a mm, and so is what it measures.
+
+    Args:
+        picture: a `document` in pixels.
+        unit: mm that a pixel shows.
+        edge, roof: where its left and top are to be, mm.
+    """
+    digits = min(max(5 - floor(log10(unit)), 3), 15)
+
+    def written(value: float) -> str:
+        return f"{value:.{digits}f}".rstrip("0").rstrip(".")
+
+    def at(kind: str, text: str) -> str:
+        return written({"x": edge, "y": roof, "l": 0.0}[kind] + unit * float(text))
+
+    def path(d: str) -> str:
+        said: list[str] = []
+        kinds: Iterator[str] = iter("")
+        for word in _WORD.findall(d):
+            if word.isalpha():
+                parts = _PARTS.get(word, "")
+                kinds = cycle(parts) if parts else iter("")
+                said.append(word)
+            else:
+                kind, gap = next(kinds), "" if said[-1].isalpha() else " "
+                said.append(f"{gap}{word if kind == '-' else at(kind, word)}")
+        return "".join(said)
+
+    svg = "{http://www.w3.org/2000/svg}"
+    ElementTree.register_namespace("", svg[1:-1])
+    root = ElementTree.fromstring(picture)
+    for element in root.iter():
+        look = element.attrib
+        if look.get("width") == "100%":  # all of the picture
+            sizes = zip(("x", "y", "width", "height"), root.get("viewBox", "").split(), strict=True)
+            look |= {name: at("l" if "h" in name else name, text) for name, text in sizes}
+            continue
+        for name, kind in _MEASURES.items():
+            if name in look and not (element is root and kind in "xy"):
+                look[name] = at(kind, look[name])
+        if "d" in look:
+            look["d"] = path(look["d"])
+        if "stroke-dasharray" in look:
+            dashes = look["stroke-dasharray"].split()
+            look["stroke-dasharray"] = " ".join(at("l", dash) for dash in dashes)
+        if "transform" in look:  # turned about a place
+            angle, x, y = look["transform"].removeprefix("rotate(").removesuffix(")").split()
+            look["transform"] = f"rotate({angle} {at('x', x)} {at('y', y)})"
+        if element is not root and "viewBox" in look:
+            look["viewBox"] = " ".join(map(at, "xyll", look["viewBox"].split()))
+    left, top, wide, high = map(at, "xyll", root.get("viewBox", "").split())
+    root.set("viewBox", f"{left} {top} {wide} {high}")
+    root.set("width", f"{wide}mm")
+    root.set("height", f"{high}mm")
+    root.set("stroke-width", written(unit))
+    text = ElementTree.tostring(root, encoding="unicode")
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'
+
+
+_MEASURES = {
+    **dict.fromkeys(("x", "x1", "x2", "cx"), "x"),
+    **dict.fromkeys(("y", "y1", "y2", "cy"), "y"),
+    **dict.fromkeys(("width", "height", "r", "stroke-width", "font-size"), "l"),
+}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Sequence
 from math import atan2, degrees, isfinite
 from typing import Any
 
@@ -19,6 +19,10 @@ LINETYPES: dict[EdgeBound, str] = {
 }
 
 Edge = dict[str, Any]
+Color = tuple[int, int, int]
+"""Red, green and blue, 0 to 255."""
+FORBIDDEN = frozenset("<>/\\\":;?*|='`,")
+"""What no layer's name may have."""
 
 
 def section_bytes(section: Section, spec: SectionSpec, kind: str) -> bytes:
@@ -78,28 +82,59 @@ def section_dxf(
     spec: SectionSpec,
     *,
     title: str = "",
-    color: Callable[[int], tuple[int, int, int]] | None = None,
+    color: Callable[[int], Color] | None = None,
+    layers: Sequence[tuple[str, Color, Section]] = (),
 ) -> str:
     """A drawing of true arcs and lines: a layer a limb, dashed by bound, in the section's order.
 
-    The drawing's x and y are the section's axes.
+    The drawing's x and y are the section's axes, mm. Its extents are those of the edges.
 
     Args:
-        color: red, green and blue, 0 to 255, of a limb's layer; None: all the same.
+        color: of a limb's layer; None: all the same.
+        layers: names, colours and the parts of which the section consists: a layer each, instead
+            of one a limb.
     """
-    from ezdxf import units
+    from ezdxf import bbox, units, zoom
     from ezdxf.filemanagement import new
 
     drawing = new("R2010", setup=["linetypes"], units=units.MM)
     plane = f"{spec.normal} = {section.at:.9g} mm; x, y are {', '.join(spec.axes)}"
     drawing.header.custom_vars.append("Section", f"{title}: {plane}" if title else plane)
-    for limb in sorted({*section.limb.tolist(), *section.construction.circle_limb.tolist()}):
-        layer = drawing.layers.add(f"limb{limb}")
-        if color is not None:
-            layer.rgb = color(limb)
     space = drawing.modelspace()
+    used: set[int] = set()
+
+    def layer(name: str, shown: Color | None) -> str:
+        plain = name.replace("< 0", "negative").replace("> 0", "positive")[:100]
+        plain = "".join("-" if c in FORBIDDEN or c < " " else c for c in plain)
+        made = drawing.layers.add(plain)
+        if shown is not None:
+            made.rgb, made.color = shown, _nearest_index(shown, used)
+            used.add(made.color)
+        return plain
+
+    limbs = sorted({*section.limb.tolist(), *section.construction.circle_limb.tolist()})
+    if layers:
+        for name, shown, part in layers:
+            _draw(space, part, dict.fromkeys(limbs, layer(name, shown)))
+    else:
+        shades = {n: None if color is None else color(n) for n in limbs}
+        _draw(space, section, {n: layer(f"limb{n}", shade) for n, shade in shades.items()})
+    box = bbox.extents(space)
+    low, high = (box.extmin, box.extmax) if box.has_data else ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    space.reset_extents(low, high)
+    drawing.header["$EXTMIN"], drawing.header["$EXTMAX"] = low, high  # where they begin at 0, 0
+    space.reset_limits(tuple(low)[:2], tuple(high)[:2])
+    if box.has_data:
+        zoom.window(space, low, high)
+    written = io.StringIO()
+    drawing.write(written)
+    return written.getvalue()
+
+
+def _draw(space: Any, section: Section, layers: dict[int, str]) -> None:
+    """Put the edges into a drawing, each on the layer of its limb."""
     for edge in (edge for loop in section_loops(section) for edge in loop):
-        look = {"layer": f"limb{edge['limb']}", "linetype": LINETYPES[edge["bound"]]}
+        look = {"layer": layers[edge["limb"]], "linetype": LINETYPES[edge["bound"]]}
         if edge["kind"] == "line":
             space.add_line(edge["from"], edge["to"], dxfattribs=look)
             continue
@@ -112,9 +147,16 @@ def section_dxf(
             _angle(edge["center"], last),
             dxfattribs=look,
         )
-    written = io.StringIO()
-    drawing.write(written)
-    return written.getvalue()
+
+
+def _nearest_index(shown: Color, used: Collection[int]) -> int:
+    """The numbered colour that comes nearest, for programs that know no others; none twice."""
+    from ezdxf.colors import aci2rgb
+
+    def distance(index: int) -> int:
+        return sum((a - b) ** 2 for a, b in zip(aci2rgb(index), shown, strict=True))
+
+    return min((n for n in range(1, 250) if n not in used or len(used) > 200), key=distance)
 
 
 def _angle(center: list[float], point: list[float]) -> float:

@@ -192,3 +192,25 @@ def test_the_curves_of_every_machine_make_a_sound_picture(name: str) -> None:
         (clip,) = root.iter("svg") if root.tag != "svg" else list(root)[:1]
         assert clip.get("viewBox")
         assert set(paths) <= set(clip.iter("path"))
+
+
+@pytest.mark.parametrize("by", [1e-3, 1.0, 1e3])
+def test_a_chart_of_places_is_a_file_of_true_size(by: float) -> None:
+    spec = LocusSpec("place", "Plane", ("x", "y"), ("mm", "mm"))
+    turn = np.linspace(0.0, 2 * math.pi, 60)
+    run = by * (np.stack([np.cos(turn), np.sin(turn)], axis=1) * 50.0 + [30.0, -20.0])
+    bounds = by * np.array([[-20.0, 80.0], [-70.0, 30.0]])
+    root = ElementTree.fromstring(plot.chart_svg(spec, _curves(run, bounds=bounds), title="a"))
+    wide = float(root.get("width", "").removesuffix("mm"))
+    assert list(map(float, root.get("viewBox", "").split()))[2] == wide
+    assert 100.0 * by < wide < 300.0 * by
+    svg = "{http://www.w3.org/2000/svg}"
+    drawn = [p.get("d", "") for p in root.iter(f"{svg}path") if p.get("d", "").count("L") == 59]
+    assert len(drawn) == 1
+    found = np.array(re.findall(r"-?[\d.]+", drawn[0]), dtype=float).reshape(-1, 2)
+    assert found * [1.0, -1.0] == pytest.approx(run, abs=1e-5 * wide)
+
+
+def test_a_chart_of_angles_stays_a_figure() -> None:
+    root = ElementTree.fromstring(plot.chart_svg(POLAR, _curves(CIRCLE_OF, bounds=TILTS)))
+    assert not root.get("width", "").endswith("mm")

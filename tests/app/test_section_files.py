@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import csv
 import io
+import re
+from dataclasses import replace
 from itertools import pairwise
 from math import radians, tau
+from xml.etree import ElementTree
 
 import ezdxf
 import numpy as np
@@ -13,8 +16,10 @@ import pytest
 
 from app.features.section.files import section_bytes, section_loops
 from app.scene.palette import limb_color, rgb
-from kinematics.answers.sections import Section
+from kinematics.answers.sections import Construction, Section, together
+from kinematics.designs.files import load_design
 from kinematics.errors import InputError
+from kinematics.machine import machine_of
 from tests.app.made_sections import EMPTY, LENS, RING, SPEC, TWO, area_by_edge
 
 SECTIONS = {"ring": RING, "lens": LENS, "two": TWO, "empty": EMPTY}
@@ -119,3 +124,91 @@ def test_loops_as_plain_values() -> None:
 def test_other_formats_are_refused() -> None:
     with pytest.raises(InputError, match="svg, dxf or csv"):
         section_bytes(RING, SPEC, "pdf")
+
+
+# --- sizes, layers, colours ----------------------------------------------------------------
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def _numbers(path: str) -> list[tuple[float, float]]:
+    """The ends of a path's parts."""
+    ends = []
+    for _, rest in re.findall(r"([MLA])([^MLAZ]*)", path):
+        words = [float(word) for word in rest.split()]
+        ends.append((words[-2], -words[-1]))
+    return ends
+
+
+def scaled(section: Section, by: float) -> Section:
+    """The same, so many times as large."""
+
+    def made() -> Construction:
+        old = section.construction
+        return replace(old, center=old.center * by, radius=old.radius * by, line=old.line * by)
+
+    return replace(
+        section,
+        start=section.start * by,
+        end=section.end * by,
+        center=section.center * by,
+        radius=section.radius * by,
+        construct=made,
+    )
+
+
+@pytest.mark.parametrize("by", [1e-6, 1e-3, 1.0, 1e3])
+@pytest.mark.parametrize("section", [RING, LENS, TWO], ids=["ring", "lens", "two"])
+def test_an_svg_has_its_true_size_in_mm(section: Section, by: float) -> None:
+    section = scaled(section, by)
+    root = ElementTree.fromstring(section_bytes(section, SPEC, "svg", title="a"))
+    left, top, wide, high = map(float, root.get("viewBox", "").split())
+    assert root.get("width", "").endswith("mm")
+    assert float(root.get("width", "").removesuffix("mm")) == wide
+    assert float(root.get("height", "").removesuffix("mm")) == high
+    (region,) = (p for p in root.iter(f"{SVG}path") if p.get("class") == "region")
+    ends = np.array(_numbers(region.get("d", "")))
+    for true in section.start:  # each corner where it is, in mm
+        assert np.linalg.norm(ends - true, axis=1).min() < 1e-6 * wide
+    assert (ends[:, 0] > left).all()
+    assert (ends[:, 0] < left + wide).all()
+    assert (-ends[:, 1] > top).all()
+    assert (-ends[:, 1] < top + high).all()
+    assert wide < 2.5 * max(np.ptp(ends, axis=0))  # the drawing fills its sheet
+    radii = {float(r) for r in re.findall(r"A([-\d.]+) ", region.get("d", ""))}
+    for radius in section.radius[section.is_arc].tolist():
+        assert min(abs(known - radius) for known in radii) < 1e-6 * wide
+
+
+@ALL
+def test_a_dxf_has_the_extents_of_its_edges(section: Section) -> None:
+    drawing = ezdxf.read(io.StringIO(section_bytes(section, SPEC, "dxf").decode()))
+    low, high = (np.array(drawing.header[f"$EXT{end}"])[:2] for end in ("MIN", "MAX"))
+    points = [section.edge_points(k, 0.01) for k in range(len(section.limb))]
+    true = np.concatenate(points) if points else np.zeros((1, 2))
+    assert low == pytest.approx(true.min(axis=0), abs=1e-3)
+    assert high == pytest.approx(true.max(axis=0), abs=1e-3)
+    assert drawing.header["$INSUNITS"] == 4  # mm
+
+
+@pytest.mark.parametrize("key", ["aspects", "modes"])
+def test_each_aspect_has_a_layer_and_a_colour(key: str) -> None:
+    machine = machine_of(load_design("five-bar"))
+    regions = machine.regions.of(key, machine.home.pose, None)
+    spec = next(s for s in machine.region_specs if s.key == key).plane
+    whole = together([region.section for region in regions])
+    text = section_bytes(whole, spec, "dxf", parts=regions).decode()
+    drawing = ezdxf.read(io.StringIO(text))
+    assert not drawing.audit().errors
+    used = {edge.dxf.layer for edge in drawing.modelspace()}
+    layers = [drawing.layers.get(name) for name in used]
+    assert len(layers) == len(regions) > 1
+    assert len({layer.color for layer in layers}) == len({layer.rgb for layer in layers})
+    assert len({layer.rgb for layer in layers}) == len(regions)
+    assert all(layer.color != 7 for layer in layers)
+    for n, region in enumerate(regions, start=1):
+        edges = [e for e in drawing.modelspace() if e.dxf.layer.split()[0] == str(n)]
+        assert len(edges) == len(region.section.limb)
+    svg = ElementTree.fromstring(section_bytes(whole, spec, "svg", parts=regions))
+    fills = [p.get("fill") for p in svg.iter(f"{SVG}path") if p.get("class") == "region"]
+    assert len(set(fills)) == len(regions)

@@ -60,12 +60,14 @@ def section_svg(
     dark: bool = False,
     faint: bool = True,
     standalone: bool = True,
+    true_size: bool = False,
     mark: Sequence[float] | None = None,
     title: str = "",
     bounds: Bounds | None = None,
     curves: Sequence[Array] = (),
     beyond: Sequence[Array] = (),
     shade: Shade | None = None,
+    fills: Sequence[tuple[Section, str]] = (),
 ) -> str:
     """A section as SVG text, equal scale in both directions.
 
@@ -74,12 +76,14 @@ def section_svg(
         dark: for a dark page.
         faint: also the curves that made the section.
         standalone: a file of its own, with background; otherwise to be put into HTML.
+        true_size: in mm of the plane instead of pixels, a mm as large as it is.
         mark: (2,) mm, the platform point in the plane, drawn as a small cross.
         bounds: mm to be seen at least; None to fit the section. Keeps the picture still while
             the plane moves.
         curves: each (N, 2) mm, where control is lost.
         beyond: likewise, where the machine does not come; drawn faint.
         shade: a measure to colour the section by.
+        fills: the parts of which the section consists, each with its colour; none: all in one.
     """
     limbs = sorted({*section.limb.tolist(), *section.construction.circle_limb.tolist()})
     # An edge where control is lost, or a curve of it: in its own colour, if there is any.
@@ -94,7 +98,10 @@ def section_svg(
     if section.loops and shade is not None:
         inner.append(_shaded(section, frame, shade, dark))
     elif section.loops:
-        inner.append(_plain(_region(section, frame), dark))
+        inner += [
+            _plain(_region(part, frame), dark, color)
+            for part, color in fills or [(section, WORKSPACE)]
+        ]
     if faint:
         inner += _faint(section.construction, frame)
     inner += _strong(section, frame)
@@ -113,13 +120,14 @@ def section_svg(
         label(LEFT + wide / 2, top + 24, empty, font_size=13),
         key,
     ]
-    return document(
+    drawn = document(
         (width, height),
         "".join(parts),
         name=title or f"{spec.title} = {section.at:g} mm",
         ink=INK_DARK if dark else INK,
         paper=(PAPER_DARK if dark else PAPER) if standalone else "",
     )
+    return frame.true_size(drawn) if true_size else drawn
 
 
 def section_bounds(section: Section) -> Bounds:
@@ -176,9 +184,9 @@ def _region(section: Section, frame: Axes) -> str:
     return "".join(path)
 
 
-def _plain(path: str, dark: bool) -> str:
-    """A region, in the colour that workspaces have; its holes by the even-odd rule."""
-    look = {"fill": WORKSPACE, "fill_opacity": 0.5 if dark else 0.38, "fill_rule": "evenodd"}
+def _plain(path: str, dark: bool, color: str = WORKSPACE) -> str:
+    """A region; its holes by the even-odd rule."""
+    look = {"fill": color, "fill_opacity": 0.5 if dark else 0.38, "fill_rule": "evenodd"}
     return tag("path", class_="region", d=path, stroke="none", **look)
 
 
@@ -214,7 +222,7 @@ def _shaded(section: Section, frame: Axes, shade: Shade, dark: bool) -> str:
 
 def _curve(points: Array, frame: Axes, *, faint: bool = False) -> str:
     """One of the curves where control is lost."""
-    path = "M" + "L".join("{:.2f} {:.2f}".format(*frame.px(*p)) for p in points.tolist())
+    path = "M" + "L".join("{:.3f} {:.3f}".format(*frame.px(*p)) for p in points.tolist())
     if faint:
         return line(path, BEYOND, 1.2, class_="lost-beyond", stroke_opacity=0.45)
     return line(path, BEYOND, 2.2, class_="lost")

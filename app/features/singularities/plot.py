@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -125,11 +126,11 @@ def _titles(spec: LocusSpec) -> tuple[Named, Named]:
 
 
 def chart_svg(spec: LocusSpec, curves: LocusCurves, *, title: str = "", note: str = "") -> str:
-    """The curves as a file of their own, with a legend."""
+    """The curves as a file of their own, with a legend; those in a plane are of true size, mm."""
     wide, top = FILE[0], 58.0
     axes = chart_axes(spec, curves, FILE, top)
     if not spec.polar and spec.units[0] == spec.units[1]:
-        axes = equal_axes((axes.x, axes.y), *FILE, 46, top, 38)
+        axes = replace(equal_axes((axes.x, axes.y), *FILE, 46, top, 38), digits=3)
     entries = {}
     for kind, limb in zip(curves.kinds, curves.limb.tolist(), strict=True):
         name = f"{kind}, limb {limb}" if limb else kind
@@ -152,7 +153,8 @@ def chart_svg(spec: LocusSpec, curves: LocusCurves, *, title: str = "", note: st
         label(wide / 2, axes.height / 2, "" if curves.kinds else "no singularity here"),
         legend(foot, wide, high)[0],
     ]
-    return document((wide, high), "".join(drawn), name=title or spec.title, paper="#FFFFFF")
+    drawing = document((wide, high), "".join(drawn), name=title or spec.title, paper="#FFFFFF")
+    return axes.true_size(drawing) if spec.units == ("mm", "mm") else drawing
 
 
 def mark(spec: LocusSpec, axes: Axes, at: Sequence[float]) -> str:

@@ -173,7 +173,7 @@ def _regions(
             filter(None, (machine.design.title or machine.design.name, angles.text()))
         )
         whole = together([region.section for region in found])
-        output.write(section_bytes(whole, spec.plane, kind, title=title), "mm")
+        output.write(section_bytes(whole, spec.plane, kind, title=title, parts=found), "mm")
     frame = required(machine.regions, "plane workspace").frame(space.pose)
     data = {
         "region": spec.key,

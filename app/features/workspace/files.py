@@ -13,6 +13,7 @@ def regions_file(laid: Laid, kind: str) -> ExportedFile:
     design = laid.wish.design
     plane = laid.spec.plane
     whole = together([region.section for region in laid.regions])
-    data = section_bytes(whole, plane, kind, title=design.title or design.name)
+    title = design.title or design.name
+    data = section_bytes(whole, plane, kind, title=title, parts=laid.regions)
     name = f"{sanitized(design.name)}_{sanitized(laid.spec.key)}"
     return ExportedFile(f"{name}.{kind}", data)
