@@ -1,0 +1,544 @@
+"""The surface of a solid by columns: closed meshes of its parts of either sign, vertices exact.
+
+Over a triangle of the base the walls between its three columns (`joining`) carry curves that close
+to loops. Each is filled by a fan about a place of its own, where surfaces meet or a layer ends, so
+that what two triangles have in common is the same for both, and the surface is closed whatever the
+columns show. Vertices are ends of layers, places where layers end and places where surfaces meet,
+all on the true surfaces.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from kinematics.screws.spatial import Array
+from kinematics.solids.columns import ROOT, Columned, Ints, Layers, layers
+from kinematics.solids.joining import Joined, Walls, joined
+from kinematics.solids.meeting import creases, ends
+from kinematics.solids.tiling import Tiling, Triangles
+
+SIDE = ROOT - 1
+"""The label of faces where the base ends."""
+_CORE = 1e-3
+"""Part of the base's length on either side of a tear that is left out."""
+
+
+@dataclass(frozen=True, eq=False)
+class ColumnMesh:
+    """Faces between what is outside (0) and the parts of either sign.
+
+    Attributes:
+        vertices: (V, 3) mm.
+        faces: (F, 3) counter-clockwise seen from ``above``.
+        below, above: (F,) 0, +1 or −1.
+        label: (F,) the surface, see `columns.Layers`, or `SIDE`.
+        over: (F,) the triangle of the base.
+        twin: (W, 2) vertices at both sides of the tear that are one place of the machine.
+    """
+
+    vertices: Array
+    faces: Ints
+    below: NDArray[np.int8]
+    above: NDArray[np.int8]
+    label: NDArray[np.int16]
+    over: Ints
+    twin: Ints
+
+
+@dataclass(frozen=True, eq=False)
+class Stand:
+    """Columns over the vertices of a tiling, and the walls between them.
+
+    Attributes:
+        triangles: of the base.
+        edge_of: (T, 3) the wall from each corner to the next.
+        along: (T, 3) whether the triangle goes along it from a to b.
+        walls, joints: what stands between columns, and how it hangs together.
+        ends: (N, 2) the vertices of edges, on which the first walls stand.
+        rim: (N,) whether an edge has a triangle on one side only.
+    """
+
+    triangles: Triangles
+    edge_of: NDArray[np.intp]
+    along: NDArray[np.bool_]
+    walls: Walls
+    joints: Joined
+    ends: Ints
+    rim: NDArray[np.bool_]
+
+
+def stand(tiling: Tiling, columns: Layers, triangles: Triangles) -> Stand:
+    """The walls of a tiling whose vertices have these ``columns``."""
+    tail = triangles.corners
+    head = np.roll(tail, -1, axis=1)
+    along = tail < head
+    a, b = np.where(along, tail, head), np.where(along, head, tail)
+    key = a * len(triangles.vertices) + b
+    known, first, number, count = np.unique(
+        key, return_index=True, return_inverse=True, return_counts=True
+    )
+    edge_of = number.reshape(key.shape)
+    begin = triangles.places.reshape(-1, 2)[first]
+    end = np.roll(triangles.places, -1, axis=1).reshape(-1, 2)[first]
+    along_first = along.ravel()[first]
+    places = np.where(along_first[:, None], begin, end), np.where(along_first[:, None], end, begin)
+    if tiling.solid.pole:  # straight towards it
+        for one, other in (places, places[::-1]):
+            at_pole = one[:, 0] == 0
+            one[at_pole, 1] = other[at_pole, 1]
+    ends_of = np.stack(np.divmod(known, len(triangles.vertices)), axis=-1)
+    bare = Walls.on(
+        tiling.points(places[0]), tiling.points(places[1]), ends_of[:, 0], ends_of[:, 1], columns
+    )
+    walls, joints = joined(tiling.solid, bare)
+    return Stand(triangles, edge_of, along, walls, joints, ends_of, count == 1)
+
+
+# --- curves on the walls -------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class _Curves:
+    """Nodes, and curves from one to another, each on a wall from a to b.
+
+    Attributes:
+        at, v: (K, 2) and (K,) of the nodes: first those of the columns, then the others.
+        torn: (K,) −1 or +1 on a side of the tear.
+        wall_of: (K,) on which edge, −1 of those at its ends.
+        tail, head: (C,) nodes.
+        wall, below, above, label: (C,); of ``wall`` its edge.
+        halves: (H, 3) two nodes that are joined, and the one between them; first one, then
+            another next to the second of the two.
+    """
+
+    at: Array
+    v: Array
+    torn: Ints
+    wall_of: Ints
+    tail: Ints
+    head: Ints
+    wall: Ints
+    below: NDArray[np.int8]
+    above: NDArray[np.int8]
+    label: NDArray[np.int16]
+    halves: tuple[Ints, Ints]
+
+
+def _curves(tiling: Tiling, stood: Stand) -> tuple[_Curves, Ints, NDArray[np.bool_]]:
+    """The curves; (V,) the first node of each column; and (N,) which edges have nothing on them but
+    boundaries that go on upon one surface."""
+    walls, joints, columns = stood.walls, stood.joints, stood.walls.columns
+    first = np.cumsum(columns.count) - columns.count
+    vertex = np.repeat(np.arange(len(first)), columns.count)
+    own = np.arange(len(vertex)) - first[vertex]
+    where = np.concatenate([tiling.points(stood.triangles.vertices), walls.inner])
+    torn_at = np.concatenate([stood.triangles.torn, _torn(stood, walls.inner_of)])
+    edge_at = np.concatenate([np.full(len(stood.triangles.vertices), -1), walls.inner_of])
+    at, v = [where[vertex]], [columns.at[vertex, own]]
+    below_of, above_of = columns.below()[vertex, own], columns.above[vertex, own]
+    label_of = columns.label[vertex, own]
+    plain = joints.plain[: len(stood.ends)].copy()
+
+    wall, i, j = joints.goes_on.T
+    tail, head = first[walls.at_a[wall]] + i, first[walls.at_b[wall]] + j
+    which, t, height = creases(tiling.solid, walls, joints.goes_on)
+    plain[walls.of[wall[which]]] = False
+    number = len(vertex)
+    crease = number + np.arange(len(which))
+    number += len(which)
+    bent = np.zeros(len(wall), dtype=bool)
+    bent[which] = True
+    of_crease = wall[which]
+    at.append(walls.a[of_crease] + t[:, None] * (walls.b - walls.a)[of_crease])
+    v.append(height)
+    tails = [tail[~bent], tail[which], crease]
+    heads = [head[~bent], crease, head[which]]
+    sources = [tail[~bent], tail[which], head[which]]
+    on = [wall[~bent], of_crease, of_crease]
+
+    wall, swap = joints.meets[:, 0], joints.swaps
+    found = ends(tiling.solid, walls, joints)
+    at += [walls.a[wall] + found.part[:, None] * (walls.b - walls.a)[wall]] * 2
+    v += [found.low, found.high]
+    lower, upper = number + np.arange(len(wall)), number + len(wall) + np.arange(len(wall))
+    upper = np.where(swap, upper, lower)
+    for side, base, to_end in ((walls.at_a, 1, True), (walls.at_b, 4, False)):
+        for k in range(3):
+            own = joints.meets[:, base + k]
+            has = own >= 0
+            node = first[side[wall[has]]] + own[has]
+            end = (upper if k else lower)[has]
+            tails.append(node if to_end else end)
+            heads.append(end if to_end else node)
+            sources.append(node)
+            on.append(wall[has])
+    source = np.concatenate(sources)
+    below, above, label = below_of[source], above_of[source], label_of[source]
+    # What ends is not as straight lines are: more places on the way there.
+    number += 2 * len(wall)
+    at_end, more = lower, []
+    from_b = (joints.meets[:, 4:] >= 0).sum(axis=1) > (joints.meets[:, 1:4] >= 0).sum(axis=1)
+    tops = np.where(from_b, joints.meets[:, 4:].max(axis=1), joints.meets[:, 1:4].max(axis=1))
+    bottoms = np.where(from_b, joints.meets[:, 4], joints.meets[:, 1])
+    row = first[np.where(from_b, walls.at_b[wall], walls.at_a[wall])]
+    begin = np.stack([row + bottoms, row + tops])
+    halves = []
+    for between in found.on_the_way:
+        of, k = between.of, between.highest.astype(np.intp)
+        on_wall = wall[of]
+        at.append(walls.a[on_wall] + between.part[:, None] * (walls.b - walls.a)[on_wall])
+        v.append(between.v)
+        new = number + np.arange(len(of))
+        number += len(of)
+        halves.append(np.stack([begin[k, of], at_end[of], new], axis=-1))
+        begin[k, of] = new
+        more.append(on_wall)
+    # An upright line between both signs, seen from the other side along the way from a to b.
+    tails.append(lower[swap])
+    heads.append(upper[swap])
+    on.append(wall[swap])
+    inner = [
+        columns.above[side[wall[swap]], joints.meets[swap, base]]
+        for side, base in ((walls.at_b, 4), (walls.at_a, 1))
+    ]
+    torn = np.concatenate(
+        [
+            torn_at[vertex],
+            _torn(stood, walls.of[np.concatenate([of_crease, wall, wall, *more])]),
+        ]
+    )
+    curves = _Curves(
+        np.concatenate(at),
+        np.concatenate(v),
+        torn,
+        np.concatenate([edge_at[vertex], walls.of[np.concatenate([of_crease, wall, wall, *more])]]),
+        np.concatenate(tails),
+        np.concatenate(heads),
+        walls.of[np.concatenate(on)],
+        np.concatenate([below, inner[0]]),
+        np.concatenate([above, inner[1]]),
+        np.concatenate([label, np.full(int(swap.sum()), ROOT, dtype=np.int16)]),
+        (halves[0], halves[1]),
+    )
+    return curves, first, plain
+
+
+def _torn(stood: Stand, wall: Ints) -> Ints:
+    """On which side of the tear walls stand that are on it."""
+    one, other = (stood.triangles.torn[stood.ends[wall, n]] for n in (0, 1))
+    return np.where(one == other, one, 0)
+
+
+# --- faces ---------------------------------------------------------------------------------------
+
+
+def column_mesh(tiling: Tiling, stood: Stand) -> ColumnMesh:
+    """The mesh over a tiling."""
+    curves, first, plain = _curves(tiling, stood)
+    simple = plain[stood.edge_of].all(axis=1)
+    sheets, boundary, over = _sheets(stood, first, simple)
+    fans = _fans(tiling, stood, curves, np.flatnonzero(~simple))
+    upright = _rims(tiling, stood, curves, len(curves.v) + len(fans.v))
+    at = np.concatenate([curves.at, fans.at, upright.at])
+    torn = np.concatenate([curves.torn, np.zeros(len(fans.v), dtype=np.int64), upright.torn])
+    (x0, x1), _ = tiling.solid.base
+    at[:, 0] += _CORE * (x1 - x0) * torn
+    vertices = tiling.solid.place(at, np.concatenate([curves.v, fans.v, upright.v]))
+    columns, vertex = stood.walls.columns, stood.triangles.corners[over, 0]
+    side = len(upright.faces)
+    faces = np.concatenate([sheets, fans.faces, upright.faces])
+    over = np.concatenate([over, fans.over, upright.over])
+    below = np.concatenate([columns.below()[vertex, boundary], fans.below, upright.inside])
+    above = np.concatenate([columns.above[vertex, boundary], fans.above, np.zeros(side, np.int8)])
+    label = np.concatenate(
+        [columns.label[vertex, boundary], fans.label, np.full(side, SIDE, np.int16)]
+    )
+    for halves in curves.halves:
+        faces, of = _halved(faces, halves)
+        over, below, above, label = over[of], below[of], above[of], label[of]
+    turned = _turned(tiling)[stood.triangles.cell[over]]
+    faces[turned] = faces[turned][:, ::-1]
+    return ColumnMesh(vertices, faces, below, above, label, over, _twins(stood, first))
+
+
+def _halved(faces: Ints, halves: Ints) -> tuple[Ints, NDArray[np.intp]]:
+    """Faces with more nodes on their edges, and which of those before each is of."""
+    size = int(max(faces.max(initial=0), halves.max(initial=0))) + 1
+    ends_of = np.sort(halves[:, :2], axis=1)
+    key = ends_of[:, 0] * size + ends_of[:, 1]
+    order = np.argsort(key)
+    key, node = key[order], halves[order, 2]
+    edges = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1), axis=-1)
+    wanted = edges[..., 0] * size + edges[..., 1]
+    at = np.minimum(np.searchsorted(key, wanted), max(len(key) - 1, 0))
+    between = np.where(key[at] == wanted, node[at], -1) if len(key) else np.full(faces.shape, -1)
+    count = (between >= 0).sum(axis=1)
+    rows = np.arange(len(faces))
+    kept, of = [faces[count == 0]], [rows[count == 0]]
+    # Turned so that edges with a node come first.
+    one, two, three = (rows[count == n] for n in (1, 2, 3))
+    for chosen, start in ((one, between >= 0), (two, np.roll(between < 0, 1, axis=1))):
+        shift = start[chosen].argmax(axis=1)
+        pick = (shift[:, None] + np.arange(3)) % 3
+        a, b, c = np.take_along_axis(faces[chosen], pick, axis=1).T
+        m, n, _ = np.take_along_axis(between[chosen], pick, axis=1).T
+        if chosen is one:
+            kept += [np.stack([a, m, c], axis=-1), np.stack([m, b, c], axis=-1)]
+            of += [chosen] * 2
+        else:
+            kept += [
+                np.stack([m, b, n], axis=-1),
+                np.stack([a, m, n], axis=-1),
+                np.stack([a, n, c], axis=-1),
+            ]
+            of += [chosen] * 3
+    a, b, c = faces[three].T
+    m, n, o = between[three].T
+    corners = ((a, m, o), (m, b, n), (o, n, c), (m, n, o))
+    kept += [np.stack(corner, axis=-1) for corner in corners]
+    of += [three] * 4
+    return np.concatenate(kept), np.concatenate(of)
+
+
+def _sheets(
+    stood: Stand, first: Ints, simple: NDArray[np.bool_]
+) -> tuple[Ints, Ints, NDArray[np.intp]]:
+    """Over triangles of three equal columns: a face for each boundary; also which boundary, and
+    over which triangle."""
+    corners = stood.triangles.corners
+    rows = np.flatnonzero(simple)
+    count = stood.walls.columns.count[corners[rows, 0]]
+    over = np.repeat(rows, count)
+    own = np.arange(len(over)) - np.repeat(np.cumsum(count) - count, count)
+    return first[corners[over]] + own[:, None], own, over
+
+
+@dataclass(frozen=True, eq=False)
+class _Fans:
+    """Faces (F, 3), what is below and above them, their labels and over which triangle, (F,); the
+    places ``at`` (N, 2), ``v`` (N,) of new nodes."""
+
+    faces: Ints
+    below: NDArray[np.int8]
+    above: NDArray[np.int8]
+    label: NDArray[np.int16]
+    over: Ints
+    at: Array
+    v: Array
+
+
+def _fans(tiling: Tiling, stood: Stand, curves: _Curves, odd: NDArray[np.intp]) -> _Fans:
+    """Over the other triangles: what hangs together there is filled about one of its nodes."""
+    order = np.argsort(curves.wall, kind="stable")
+    count = np.bincount(curves.wall, minlength=len(stood.ends))
+    start = np.cumsum(count) - count
+    edges = stood.edge_of[odd].ravel()
+    number = count[edges]
+    incidence = np.repeat(np.arange(len(edges)), number)
+    own = np.arange(len(incidence)) - np.repeat(np.cumsum(number) - number, number)
+    curve = order[start[edges[incidence]] + own]
+    triangle = odd[incidence // 3]
+    along = stood.along[odd].ravel()[incidence]
+    tail = np.where(along, curves.tail[curve], curves.head[curve])
+    head = np.where(along, curves.head[curve], curves.tail[curve])
+    nodes = len(curves.v)
+    keys, local = np.unique(
+        np.concatenate([triangle * nodes + tail, triangle * nodes + head]), return_inverse=True
+    )
+    local = local.reshape(2, -1)
+    graph = coo_array((np.ones(len(tail), bool), (local[0], local[1])), shape=(len(keys),) * 2)
+    count_of, part = connected_components(graph, directed=False)
+    node = keys % nodes
+    apex = np.full(count_of, -1, dtype=np.int64)
+    apex[part] = node
+    # About an end or a crease, unless its fan would stand upright in the wall that it is on.
+    special = curves.wall_of[node] >= 0
+    lone = part[np.flatnonzero(special)]
+    apex[lone] = -1
+    on = np.zeros(len(node), dtype=np.int64)
+    for k in (0, 1):
+        same = curves.wall_of[node[local[k]]] == curves.wall[curve]
+        on += np.bincount(local[k][same], minlength=len(node))
+    walls = len(stood.ends)
+    key = part * walls + np.maximum(curves.wall_of[node], 0)
+    wall_keys, which = np.unique(part[local[0]] * walls + curves.wall[curve], return_inverse=True)
+    edges_on = np.bincount(which)
+    found = np.minimum(np.searchsorted(wall_keys, key), len(wall_keys) - 1)
+    fit = special & (on == edges_on[found])
+    order = np.argsort(node * fit)  # ends come after creases
+    fits = order[fit[order]]
+    apex[part[fits]] = node[fits]
+    middle = np.flatnonzero(apex < 0)
+    at, v = _middles(tiling, curves, node, part, special, middle)
+    apex[middle] = nodes + np.arange(len(middle))
+    tip = apex[part[local[0]]]
+    proper = (tip != tail) & (tip != head)
+    kept = curve[proper]
+    return _Fans(
+        np.stack([tail, head, tip], axis=-1)[proper],
+        curves.below[kept],
+        curves.above[kept],
+        curves.label[kept],
+        triangle[proper],
+        at,
+        v,
+    )
+
+
+def _middles(
+    tiling: Tiling,
+    curves: _Curves,
+    node: Ints,
+    part: NDArray[np.intp],
+    special: NDArray[np.bool_],
+    middle: NDArray[np.intp],
+) -> tuple[Array, Array]:
+    """Places in the midst of the special nodes of parts, on a surface if there is one."""
+    number = np.full(int(part.max(initial=-1)) + 1, -1)
+    number[middle] = np.arange(len(middle))
+    chosen = special & (number[part] >= 0)
+    of, own = number[part[chosen]], node[chosen]
+    count = np.bincount(of, minlength=len(middle))
+    reference = np.zeros(len(middle))
+    reference[of] = curves.at[own, 1]
+    x, y, v = (
+        np.bincount(of, values, len(middle)) / np.maximum(count, 1)
+        for values in (
+            curves.at[own, 0],
+            _beside(tiling, curves.at[own, 1], reference[of]),
+            curves.v[own],
+        )
+    )
+    at = np.stack([x, y], axis=-1)
+    if len(at):
+        here = layers(tiling.solid, at)
+        if here.at.shape[1]:
+            with np.errstate(invalid="ignore"):
+                away = np.abs(here.at - v[:, None])
+            nearest = away.argmin(axis=1)
+            found = here.at[np.arange(len(v)), nearest]
+            v = np.where(np.isfinite(found), found, v)
+    return at, v
+
+
+def _beside(tiling: Tiling, y: Array, reference: Array) -> Array:
+    """The second coordinate without a jump from ``reference`` where it closes."""
+    if not tiling.solid.closed:
+        return y
+    low, high = tiling.solid.base[1]
+    turn = high - low
+    return np.asarray(y - turn * np.round((y - reference) / turn))
+
+
+def _rims(tiling: Tiling, stood: Stand, curves: _Curves, number: int) -> _Upright:
+    """Faces upright where the base ends, by walking around each layer on the wall; ``number`` is
+    that of the first new node."""
+    faces: list[tuple[int, int, int]] = []
+    inside: list[int] = []
+    over: list[int] = []
+    middles: list[tuple[list[int], int]] = []
+    rim = np.flatnonzero(stood.rim[stood.edge_of])
+    by_wall = np.argsort(curves.wall, kind="stable")
+    bounds = np.searchsorted(curves.wall[by_wall], np.arange(len(stood.ends) + 1))
+    columns = stood.walls.columns
+    first = np.cumsum(columns.count) - columns.count
+    for corner in rim.tolist():
+        triangle, k = divmod(corner, 3)
+        wall = int(stood.edge_of[triangle, k])
+        own = by_wall[bounds[wall] : bounds[wall + 1]]
+        if not len(own):
+            continue
+        along = bool(stood.along[triangle, k])
+        onward: dict[int, dict[int, list[int]]] = {1: {}, -1: {}}
+        for c in own.tolist():
+            tail, head = int(curves.tail[c]), int(curves.head[c])
+            tail, head = (tail, head) if along else (head, tail)
+            for material, way in ((curves.above[c], (tail, head)), (curves.below[c], (head, tail))):
+                if material:
+                    onward[int(material)].setdefault(way[0], []).append(way[1])
+        one, other = (int(stood.ends[wall, n]) for n in (0, 1))
+        for vertex, up in ((one, not along), (other, along)):
+            for n in range(int(columns.count[vertex]) - 1):
+                low, material = int(first[vertex]) + n, int(columns.above[vertex, n])
+                if material:
+                    way = (low, low + 1) if up else (low + 1, low)
+                    onward[material].setdefault(way[0], []).append(way[1])
+        for material, ways in onward.items():
+            for loop in _loops(ways):
+                if len(loop) > 4:  # across, it could meet a fan of the next wall
+                    tip = number + len(middles)
+                    middles.append((loop, wall))
+                    new = [(a, b, tip) for a, b in zip(loop, loop[1:] + loop[:1], strict=True)]
+                else:
+                    new = [(loop[0], loop[n], loop[n + 1]) for n in range(1, len(loop) - 1)]
+                faces += new
+                inside += [material] * len(new)
+                over += [triangle] * len(new)
+    mean = []
+    for loop, _ in middles:
+        at = curves.at[loop].copy()
+        at[:, 1] = _beside(tiling, at[:, 1], at[0, 1])
+        mean.append(at.mean(axis=0))
+    return _Upright(
+        np.array(faces, dtype=np.int64).reshape(-1, 3),
+        np.array(inside, dtype=np.int8),
+        np.array(over, dtype=np.int64),
+        np.array(mean).reshape(-1, 2),
+        np.array([curves.v[loop].mean() for loop, _ in middles]),
+        _torn(stood, np.array([wall for _, wall in middles], dtype=np.int64)),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Upright:
+    """Faces (F, 3) where the base ends, what is inside of them and over which triangle, (F,); the
+    places ``at`` (N, 2), ``v`` (N,) of new nodes, and on which side of the tear they are."""
+
+    faces: Ints
+    inside: NDArray[np.int8]
+    over: Ints
+    at: Array
+    v: Array
+    torn: Ints
+
+
+def _loops(onward: dict[int, list[int]]) -> list[list[int]]:
+    found = []
+    while onward:
+        start = next(iter(onward))
+        loop, node = [], start
+        while node in onward:
+            loop.append(node)
+            ways = onward[node]
+            after = ways.pop()
+            if not ways:
+                del onward[node]
+            node = after
+            if node == start:
+                break
+        found.append(loop)
+    return found
+
+
+def _turned(tiling: Tiling) -> NDArray[np.bool_]:
+    """(N,) whether places over cells are mirror images of (base, v)."""
+    at, half = tiling.middles(), 1e-3 * tiling.halves()
+    v, step = np.zeros(len(at)), 1e-3 * float(tiling.solid.high.max())
+    here = tiling.solid.place(at, v)
+    x = tiling.solid.place(at + half * [1.0, 0.0], v) - here
+    y = tiling.solid.place(at + half * [0.0, 1.0], v) - here
+    z = tiling.solid.place(at, v + step) - here
+    return np.asarray(np.einsum("ni,ni->n", np.cross(x, y), z) < 0.0)
+
+
+def _twins(stood: Stand, first: Ints) -> Ints:
+    left, right = stood.triangles.twin.T
+    count = stood.walls.columns.count[left]
+    vertex = np.repeat(np.arange(len(left)), count)
+    own = np.arange(len(vertex)) - np.repeat(np.cumsum(count) - count, count)
+    return np.stack([first[left[vertex]] + own, first[right[vertex]] + own], axis=-1)
