@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 from kinematics.solids.columns import ROOT, Columned, Ints, Layers, layers
 from kinematics.solids.joining import Joined, Walls, joined
 from kinematics.solids.meeting import creases, ends
@@ -24,6 +24,10 @@ from kinematics.solids.tiling import Tiling, Triangles
 
 SIDE = ROOT - 1
 """The label of faces where the base ends."""
+BOTH = 2
+"""What such faces have below them that are of the solid as a whole, whatever its signs."""
+_Ways = dict[int, dict[int, list[int]]]
+_NEARER = 14  # halvings of the way to where something is
 _CORE = 1e-3
 """Part of the base's length on either side of a tear that is left out."""
 
@@ -35,7 +39,7 @@ class ColumnMesh:
     Attributes:
         vertices: (V, 3) mm.
         faces: (F, 3) counter-clockwise seen from ``above``.
-        below, above: (F,) 0, +1 or −1.
+        below, above: (F,) 0, +1 or −1, or `BOTH`.
         label: (F,) the surface, see `columns.Layers`, or `SIDE`.
         over: (F,) the triangle of the base.
         twin: (W, 2) vertices at both sides of the tear that are one place of the machine.
@@ -243,12 +247,12 @@ def column_mesh(tiling: Tiling, stood: Stand) -> ColumnMesh:
     simple = plain[stood.edge_of].all(axis=1)
     sheets, boundary, over = _sheets(stood, first, simple)
     fans = _fans(tiling, stood, curves, np.flatnonzero(~simple))
-    upright = _rims(tiling, stood, curves, len(curves.v) + len(fans.v))
-    at = np.concatenate([curves.at, fans.at, upright.at])
-    torn = np.concatenate([curves.torn, np.zeros(len(fans.v), dtype=np.int64), upright.torn])
+    upright = _rims(stood, curves)
+    at = np.concatenate([curves.at, fans.at])
+    torn = np.concatenate([curves.torn, np.zeros(len(fans.v), dtype=np.int64)])
     (x0, x1), _ = tiling.solid.base
     at[:, 0] += _CORE * (x1 - x0) * torn
-    vertices = tiling.solid.place(at, np.concatenate([curves.v, fans.v, upright.v]))
+    vertices = tiling.solid.place(at, np.concatenate([curves.v, fans.v]))
     columns, vertex = stood.walls.columns, stood.triangles.corners[over, 0]
     side = len(upright.faces)
     faces = np.concatenate([sheets, fans.faces, upright.faces])
@@ -396,33 +400,43 @@ def _middles(
     node: Ints,
     part: NDArray[np.intp],
     special: NDArray[np.bool_],
-    middle: NDArray[np.intp],
+    chosen: NDArray[np.intp],
 ) -> tuple[Array, Array]:
-    """Places in the midst of the special nodes of parts, on a surface if there is one."""
+    """Places in the midst of the special nodes of ``chosen`` parts, on a limb's surface."""
     number = np.full(int(part.max(initial=-1)) + 1, -1)
-    number[middle] = np.arange(len(middle))
-    chosen = special & (number[part] >= 0)
-    of, own = number[part[chosen]], node[chosen]
-    count = np.bincount(of, minlength=len(middle))
-    reference = np.zeros(len(middle))
-    reference[of] = curves.at[own, 1]
-    x, y, v = (
-        np.bincount(of, values, len(middle)) / np.maximum(count, 1)
-        for values in (
-            curves.at[own, 0],
-            _beside(tiling, curves.at[own, 1], reference[of]),
-            curves.v[own],
-        )
-    )
-    at = np.stack([x, y], axis=-1)
-    if len(at):
-        here = layers(tiling.solid, at)
-        if here.at.shape[1]:
-            with np.errstate(invalid="ignore"):
-                away = np.abs(here.at - v[:, None])
-            nearest = away.argmin(axis=1)
-            found = here.at[np.arange(len(v)), nearest]
-            v = np.where(np.isfinite(found), found, v)
+    number[chosen] = np.arange(len(chosen))
+    if not len(chosen):
+        return np.zeros((0, 2)), np.zeros(0)
+    reference = np.zeros(len(chosen))
+    own = number[part] >= 0
+    reference[number[part[own]]] = curves.at[node[own], 1]
+
+    def mean(rows: NDArray[np.bool_]) -> Array:
+        of, nodes = number[part[rows]], node[rows]
+        count = np.maximum(np.bincount(of, minlength=len(chosen)), 1)
+        y = _beside(tiling, curves.at[nodes, 1], reference[of])
+        values = (curves.at[nodes, 0], y, curves.v[nodes])
+        return np.stack([np.bincount(of, v, len(chosen)) / count for v in values], axis=-1)
+
+    middle, inside = mean(own & special), mean(own & ~special)
+    at, v = middle[:, :2].copy(), middle[:, 2].copy()
+    # Where nothing is over the midst, as near to it as something is.
+    low, high = np.zeros(len(at)), np.ones(len(at))
+    for step in range(_NEARER):
+        t = low if step == 0 else 0.5 * (low + high)
+        tried = middle[:, :2] + t[:, None] * (inside - middle)[:, :2]
+        here = layers(tiling.solid, tried)
+        some = here.count > 0
+        high = np.where(some, t, high)
+        low = np.where(some, low, t)
+        rows = np.flatnonzero(some)
+        with np.errstate(invalid="ignore"):
+            away = np.abs(here.at[rows] - middle[rows, 2:])
+        away = np.where((here.label[rows] == ROOT) | np.isnan(away), np.inf, away)
+        nearest = away.argmin(axis=1) if away.size else np.zeros(len(rows), dtype=np.intp)
+        at[rows], v[rows] = tried[rows], here.at[rows, nearest]
+        if some.all():
+            break
     return at, v
 
 
@@ -435,13 +449,21 @@ def _beside(tiling: Tiling, y: Array, reference: Array) -> Array:
     return np.asarray(y - turn * np.round((y - reference) / turn))
 
 
-def _rims(tiling: Tiling, stood: Stand, curves: _Curves, number: int) -> _Upright:
-    """Faces upright where the base ends, by walking around each layer on the wall; ``number`` is
-    that of the first new node."""
+@dataclass(frozen=True, eq=False)
+class _Upright:
+    """Faces (F, 3) where the base ends, what is inside of them and over which triangle, (F,)."""
+
+    faces: Ints
+    inside: NDArray[np.int8]
+    over: Ints
+
+
+def _rims(stood: Stand, curves: _Curves) -> _Upright:
+    """Faces upright where the base ends, by walking around each layer on the wall: around those of
+    either sign, and, as `BOTH`, around what is inside."""
     faces: list[tuple[int, int, int]] = []
     inside: list[int] = []
     over: list[int] = []
-    middles: list[tuple[list[int], int]] = []
     rim = np.flatnonzero(stood.rim[stood.edge_of])
     by_wall = np.argsort(curves.wall, kind="stable")
     bounds = np.searchsorted(curves.wall[by_wall], np.arange(len(stood.ends) + 1))
@@ -454,57 +476,37 @@ def _rims(tiling: Tiling, stood: Stand, curves: _Curves, number: int) -> _Uprigh
         if not len(own):
             continue
         along = bool(stood.along[triangle, k])
-        onward: dict[int, dict[int, list[int]]] = {1: {}, -1: {}}
-        for c in own.tolist():
-            tail, head = int(curves.tail[c]), int(curves.head[c])
-            tail, head = (tail, head) if along else (head, tail)
-            for material, way in ((curves.above[c], (tail, head)), (curves.below[c], (head, tail))):
+        onward: dict[int, dict[int, list[int]]] = {1: {}, -1: {}, BOTH: {}}
+
+        def go(tail: int, head: int, left: int, right: int, ways: _Ways = onward) -> None:
+            for material, way in ((left, (tail, head)), (right, (head, tail))):
                 if material:
-                    onward[int(material)].setdefault(way[0], []).append(way[1])
+                    ways[material].setdefault(way[0], []).append(way[1])
+                if material and not (left and right):
+                    ways[BOTH].setdefault(way[0], []).append(way[1])
+
+        for c in own.tolist():
+            ends_of = int(curves.tail[c]), int(curves.head[c])
+            go(*(ends_of if along else ends_of[::-1]), int(curves.above[c]), int(curves.below[c]))
         one, other = (int(stood.ends[wall, n]) for n in (0, 1))
         for vertex, up in ((one, not along), (other, along)):
             for n in range(int(columns.count[vertex]) - 1):
-                low, material = int(first[vertex]) + n, int(columns.above[vertex, n])
-                if material:
-                    way = (low, low + 1) if up else (low + 1, low)
-                    onward[material].setdefault(way[0], []).append(way[1])
+                low = int(first[vertex]) + n
+                go(*((low, low + 1) if up else (low + 1, low)), int(columns.above[vertex, n]), 0)
         for material, ways in onward.items():
             for loop in _loops(ways):
-                if len(loop) > 4:  # across, it could meet a fan of the next wall
-                    tip = number + len(middles)
-                    middles.append((loop, wall))
-                    new = [(a, b, tip) for a, b in zip(loop, loop[1:] + loop[:1], strict=True)]
-                else:
-                    new = [(loop[0], loop[n], loop[n + 1]) for n in range(1, len(loop) - 1)]
+                # About a place between both columns, so that no face stands in one of them.
+                between = [n for n, node in enumerate(loop) if curves.wall_of[node] >= 0]
+                loop = loop[between[0] :] + loop[: between[0]] if between else loop
+                new = [(loop[0], loop[n], loop[n + 1]) for n in range(1, len(loop) - 1)]
                 faces += new
                 inside += [material] * len(new)
                 over += [triangle] * len(new)
-    mean = []
-    for loop, _ in middles:
-        at = curves.at[loop].copy()
-        at[:, 1] = _beside(tiling, at[:, 1], at[0, 1])
-        mean.append(at.mean(axis=0))
     return _Upright(
         np.array(faces, dtype=np.int64).reshape(-1, 3),
         np.array(inside, dtype=np.int8),
         np.array(over, dtype=np.int64),
-        np.array(mean).reshape(-1, 2),
-        np.array([curves.v[loop].mean() for loop, _ in middles]),
-        _torn(stood, np.array([wall for _, wall in middles], dtype=np.int64)),
     )
-
-
-@dataclass(frozen=True, eq=False)
-class _Upright:
-    """Faces (F, 3) where the base ends, what is inside of them and over which triangle, (F,); the
-    places ``at`` (N, 2), ``v`` (N,) of new nodes, and on which side of the tear they are."""
-
-    faces: Ints
-    inside: NDArray[np.int8]
-    over: Ints
-    at: Array
-    v: Array
-    torn: Ints
 
 
 def _loops(onward: dict[int, list[int]]) -> list[list[int]]:

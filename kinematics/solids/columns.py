@@ -18,7 +18,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 
 Ints = NDArray[np.int64]
 Mask = NDArray[np.bool_]
@@ -182,6 +182,11 @@ def _intervals(solid: Columned, at: Array) -> tuple[Array, Array, Ints, Ints]:
     last = np.concatenate([limb[order], np.zeros((len(at), 1), dtype=np.int64)], axis=1)
     last = np.where(ends >= end[:, None], limb[upper][:, None] + 3, last)
     return begins, np.minimum(ends, end[:, None]), first, last
+
+
+def surface_of(label: NDArray[np.int16]) -> tuple[Ints, Mask]:
+    """Of labels (N,): the limb, counted from 0, negative where it is none; whether its high end."""
+    return label.astype(np.int64) // 4, (label // 2) % 2 == 1
 
 
 def sheets(solid: Columned, at: Array, label: NDArray[np.int16]) -> Array:

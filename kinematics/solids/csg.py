@@ -274,11 +274,14 @@ class BuiltSolid:
             ``unplaced`` ones; None of facets, which are right on the average instead.
         unplaced: how many vertices could not be put on all of the surfaces that meet there.
         piece_of: (F,) to which of ``pieces`` a face belongs, where the solid was parted by the
-            zeros of a function (`partition`); None of others. Pieces that touch are closed each
-            for itself, and what parts them is in the mesh twice, once for either side.
+            zeros of a function (`partition`), or pieces have several shells; None of others. Pieces
+            that touch are closed each for itself, and what parts them is in the mesh twice, once
+            for either side.
         on_locus: (F,) whether a face lies on these zeros; None likewise.
         locus_residual: how far the vertices of such faces are from the zeros at most, mm, but for
             ``locus_unplaced`` ones at the rim, which are on chords; None likewise.
+        note: what else must be said of it: why its error is larger than its resolution promises,
+            or what is not sure; "" as a rule.
     """
 
     mesh: SolidMesh
@@ -295,6 +298,7 @@ class BuiltSolid:
     on_locus: NDArray[np.bool_] | None = None
     locus_residual: float | None = None
     locus_unplaced: int = 0
+    note: str = ""
 
     def piece_at(self, point: ArrayLike) -> int | None:
         """Which of the pieces holds a point (3,) of the solid's own frame; None: none does."""
@@ -344,6 +348,7 @@ def finish(
     *,
     thinnest: float = 0.0,
     place: Callable[[TracedMesh, float], PlacedMesh] | None = None,
+    together: Callable[[NDArray[np.float64]], NDArray[np.intp]] | None = None,
 ) -> BuiltSolid:
     """Slivers dropped, vertices set on a float32 grid, pieces found, creases split.
 
@@ -353,6 +358,8 @@ def finish(
         thinnest: a shell thinner than this on the average (2 volume / area, mm) is dropped too.
         place: moves the mesh onto true surfaces, given the distance (mm) that its vertices must
             keep; where they do not the facets stay.
+        together: numbers of pieces, by places (N, 3) on them: shells that have one number are one
+            piece.
 
     Raises:
         LeakError: the surface could not be closed.
@@ -374,7 +381,10 @@ def finish(
     v, f = traced.mesh.vertices, traced.mesh.faces
     six, twice, moments = meshes.face_parts(v, f)
     volume, area = float(six.sum()) / 6.0, float(twice.sum()) / 2.0
-    pieces, _ = meshes.pieces(v, f, shells, six, moments)
+    pieces, piece_of = meshes.pieces(v, f, shells, six, moments)
+    several = len(pieces)
+    if together is not None and several:
+        pieces, piece_of = meshes.merged(v, f, pieces, piece_of, together)
     if not meshes.closed_by_position(v, f):
         raise LeakError
     return BuiltSolid(
@@ -387,6 +397,7 @@ def finish(
         pieces=pieces,
         watertight=True,
         triangles=len(f),
+        piece_of=None if len(pieces) == several else piece_of,
         residual=None if placed is None else placed.residual,
         unplaced=0 if placed is None else placed.unplaced,
     )
@@ -404,10 +415,10 @@ def rounded(
     *,
     collapse: bool = True,
 ) -> tuple[TracedMesh, NDArray[np.intp], float]:
-    """Every vertex on a float32 grid and, if that can be had, at a place of its own.
+    """Every vertex on a float32 grid, the surface closed also where vertices fall together.
 
-    Vertices that fall together are mostly ends of an edge shorter than the grid: collapse it.
-    What remains are surfaces that touch: move them apart by some steps of the grid.
+    Vertices that do are mostly ends of an edge shorter than the grid: collapse it. What remains are
+    surfaces that touch along edges: move them apart by some steps of the grid.
 
     Args:
         solid: of which ``traced`` is the mesh, without slivers.
@@ -425,20 +436,24 @@ def rounded(
         return traced, shells, 0.0
     step = meshes.grid_step(traced.mesh.vertices) if step is None else step
     result = meshes.on_grid(traced, traced.mesh.vertices, step)
-    if not len(meshes.sharing(result.mesh.vertices)):
+    if _closed(result):
         return result, shells, 0.0
     moved = 0.0
     for moved in (2.0 * step, 16.0 * step) if collapse else ():
         simpler = solid.simplified(moved).traced()
         simpler, shells, _ = meshes.without_slivers(simpler, thinnest)
         result = meshes.on_grid(simpler, simpler.mesh.vertices, step)
-        if not len(meshes.sharing(result.mesh.vertices)):
+        if _closed(result):
             return result, shells, moved
     for reach in (4.0, 16.0, 64.0, 256.0):
         result = meshes.parted(result, reach * step, step)
-        if not len(meshes.sharing(result.mesh.vertices)):
+        if _closed(result):
             break
     return result, shells, moved
+
+
+def _closed(traced: TracedMesh) -> bool:
+    return meshes.closed_by_position(traced.mesh.vertices, traced.mesh.faces)
 
 
 def flat_mesh(loops: Sequence[ArrayLike]) -> tuple[NDArray[np.float64], NDArray[np.int32]]:

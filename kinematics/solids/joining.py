@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 from kinematics.solids.columns import ROOT, Columned, Ints, Layers, Mask, both, layers
 
 _BETWEEN = 8  # parts of the way between columns, to see what hangs together
@@ -512,8 +512,11 @@ def _cost(a: Layers, b: Layers, i: int, j: int, m: int, n: int) -> Array:
     for column, k, number in ((a, i, m), (b, j, n)):
         if number > 1:
             total = total + (column.at[:, k - 1] - column.at[:, k - number])
-    if (m, n) == (2, 2):
-        total = 0.5 * total + np.abs(a.at[:, i - 1] - b.at[:, j - 1])
+    if (m, n) == (2, 2):  # if they have some v in common, or lie between the same surfaces
+        one, other = (a.at[:, i - 2 : i], b.at[:, j - 2 : j])
+        common = np.minimum(one[:, 1], other[:, 1]) > np.maximum(one[:, 0], other[:, 0])
+        common |= (a.label[:, i - 2 : i] == b.label[:, j - 2 : j]).all(axis=1)
+        total = np.where(common, 0.1, 2.0) * total
     elif m and n:  # the boundary that goes on as two
         total = total + np.abs(a.at[:, i - m : i].mean(axis=1) - b.at[:, j - n : j].mean(axis=1))
     return total

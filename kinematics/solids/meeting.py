@@ -10,13 +10,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 from kinematics.solids.columns import ROOT, Columned, Ints, Layers, Mask, layers, sheets
 from kinematics.solids.joining import Joined, Walls
 
-_ENDS = 24  # steps of the search for where a layer ends
+_ENDS = 40  # steps of the search for where a layer ends
 _FINE = 1e-7  # of the way: how near to where a layer ends
 _HALF_AS_THICK = 0.75  # of the way to where a surface turns round
+_CORNER = 1e-4  # of the way
 _MEETS = 20  # steps of the search for where two surfaces cross
 
 @dataclass(frozen=True, eq=False)
@@ -61,11 +62,11 @@ def ends(solid: Columned, walls: Walls, joints: Joined) -> Ends:
     rows, first, last = np.arange(len(wall)), own[:, 0], own.max(axis=1)
     low, high = near.at[rows, first].copy(), near.at[rows, last].copy()
     labels = near.label[rows, first].copy(), near.label[rows, last].copy()
-    # What ends: whatever is between two equal layers, or the one layer between two that are not.
+    # What ends: the one layer that does, or whatever is between two equal ones.
     below, above = near.below()[rows, first], near.above[rows, last]
     inner = near.above[rows, first]
-    ending = np.stack([np.where(below == above, s != below, s == inner) for s in (0, 1, -1)], -1)
-    ending[swap] = np.stack([s == inner[swap] for s in (0, 1, -1)], axis=-1)
+    all_between = (below == above) & (last > first + 1)
+    ending = np.stack([np.where(all_between, s != below, s == inner) for s in (0, 1, -1)], -1)
     there, gone = np.zeros(len(wall)), np.ones(len(wall))
     # The thickness, or its square where one limb or a double root bounds both sides, falls to
     # nothing as a straight line does: its last two values say where.
@@ -85,6 +86,9 @@ def ends(solid: Columned, walls: Walls, joints: Joined) -> Ends:
             guess = guess + (aside if step % 2 else -aside)
         usable = (guess > t0) & (guess < t1) & (step % 6 != 5) & ~swap[active]
         t = np.where(usable, guess, 0.5 * (t0 + t1))
+        # A long step may have lost it: once more from next to where it seemed to end.
+        close = t1 - t0 <= _FINE
+        t = np.where(close, t1, t)
         here = layers(solid, start[active] + t[:, None] * way[active])
         found = _tracked(
             here, ending[active], low[active], high[active], (labels[0][active], labels[1][active])
@@ -97,7 +101,9 @@ def ends(solid: Columned, walls: Walls, joints: Joined) -> Ends:
         labels[0][own], labels[1][own] = found[2][alive], found[3][alive]
         thick[own] = (high[own] - low[own]) ** power[own]
         gone[active[~alive]] = t[~alive]
-        active = active[gone[active] - there[active] > _FINE]
+        again = close & alive & (t1 < 1.0)
+        gone[active[again]] = 1.0
+        active = active[~close | again]
     middle = 0.5 * (low + high)
     names = near.label[rows, first], near.label[rows, last]
     on_the_way = _on_the_way(solid, start, way, there, names, labels, fold & ~swap, middle)
@@ -128,6 +134,7 @@ def _on_the_way(
         t, v, known = _crossing(
             solid, start[rows], way[rows], (before[k][rows], after[k][rows]), there[rows]
         )
+        known &= (t > _CORNER) & (t < there[rows] - _CORNER)
         rows, t, v = rows[known], t[known], v[known]
         passes.append((rows, np.full(len(rows), k == 1), t, v))
         begin = np.zeros(len(there))
@@ -147,7 +154,7 @@ def _on_the_way(
             good = np.isfinite(off).any(axis=1)
             v[roots[good]] = here.at[np.flatnonzero(good), nearest[good]]
             v[roots[~good]] = np.nan
-        good = np.isfinite(v) & (t > 0.0)
+        good = np.isfinite(v) & (there[turns] - t > _CORNER)
         halves.append((turns[good], np.full(int(good.sum()), k == 1), t[good], v[good]))
     one, other = (Between(*(np.concatenate(p) for p in zip(*b, strict=True))) for b in (passes, halves))
     return one, other
@@ -206,8 +213,9 @@ def creases(solid: Columned, walls: Walls, goes_on: Ints) -> tuple[NDArray[np.in
         (one[which], other[which]),
         np.ones(len(which)),
     )
-    middle = 0.5 * (walls.columns.at[walls.at_a[wall], i] + walls.columns.at[walls.at_b[wall], j])
-    return which, np.where(known, t, 0.5), np.where(known, v, middle)
+    # A corner next to one of the columns is that column's.
+    known &= (t > _CORNER) & (t < 1.0 - _CORNER)
+    return which[known], t[known], v[known]
 
 
 def _crossing(

@@ -6,7 +6,7 @@ its vertices by nothing else, is `closed_by_position`. Lengths in mm.
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Any
 
@@ -270,6 +270,31 @@ def pieces(
     for number, belongs in owner.items():
         of_shell[number] = place[belongs]
     return tuple(p for p, _ in found), of_shell[shells]
+
+
+def merged(
+    v: Array,
+    f: NDArray[Any],
+    pieces_: tuple[Piece, ...],
+    piece_of: NDArray[np.intp],
+    together: Callable[[Array], NDArray[np.intp]],
+) -> tuple[tuple[Piece, ...], NDArray[np.intp]]:
+    """Pieces and whose faces are, where those of one number are one, by places on them."""
+    first = np.array([v[f[int((piece_of == n).argmax()), 0]] for n in range(len(pieces_))])
+    _, number = np.unique(together(first), return_inverse=True)
+    found = []
+    for k in range(int(number.max()) + 1):
+        own = [piece for piece, n in zip(pieces_, number, strict=True) if n == k]
+        volume = sum(piece.volume for piece in own)
+        moment = np.sum([np.array(piece.centroid) * piece.volume for piece in own], axis=0)
+        low, high = (np.array([piece.bounds[n] for piece in own]) for n in (0, 1))
+        bounds = _triple(low.min(axis=0)), _triple(high.max(axis=0))
+        found.append((Piece(volume, _triple(moment / volume), bounds), k))
+    found.sort(key=lambda p: (-p[0].volume, p[0].bounds))
+    place = np.full(len(found) + 1, -1, dtype=np.intp)
+    place[[k for _, k in found]] = np.arange(len(found))
+    of = np.append(number, len(found))[piece_of]
+    return tuple(piece for piece, _ in found), place[of]
 
 
 @dataclass(frozen=True, eq=False)

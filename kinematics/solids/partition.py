@@ -67,8 +67,30 @@ def partition(
         tool = Solid.from_mesh(cutter.vertices, cutter.faces, patch=patch, tags=(LOCUS, _SIDE))
         inside, outside = _without_scraps(*solid.split(tool), thinnest)
         sides = [(inside, sign), (outside, -sign)]
-    bounds = np.array(solid.bounds if solid.bounds else [[0.0] * 3])
-    step = meshes.grid_step(np.maximum(np.abs(bounds), 1e-30))
+    return assembled(sides, field, error, thinnest=thinnest, reach=reach)
+
+
+def assembled(
+    sides: Sequence[tuple[Solid, int]],
+    field: Field,
+    error: Callable[[TracedMesh, float], float],
+    *,
+    thinnest: float = 0.0,
+    reach: float = np.inf,
+    together: Sequence[Callable[[Array], Ints]] = (),
+    total: Callable[[float], float] | None = None,
+) -> BuiltSolid:
+    """The sides of a solid, each with its sign, as one; what parts them has the tag `LOCUS`.
+
+    Args:
+        sides: solids, and the signs of the function in them.
+        field, error, thinnest, reach: as for `partition`.
+        together: of each side the numbers of pieces, by places on them: shells that have one
+            number are one piece.
+        total: the error of the whole volume, where that is known better than by ``error``.
+    """
+    bounds = np.array([side.bounds for side, _ in sides if side.bounds] or [[[0.0] * 3]])
+    step = meshes.grid_step(np.maximum(np.abs(bounds).reshape(-1, 3), 1e-30))
     parts: list[TracedMesh] = []
     shells: list[Ints] = []
     lost = 0.0
@@ -84,7 +106,8 @@ def partition(
     v, residual, unplaced = _on_zeros(whole.mesh, on_locus, field, step, reach)
     f = whole.mesh.faces
     whole = TracedMesh(SolidMesh(v, f), whole.patches, whole.patch_of)
-    pieces, piece_of, closed = _pieces(v, parts, shells, [own for _, own in sides])
+    signs = [own for _, own in sides]
+    pieces, piece_of, closed = _pieces(v, parts, shells, signs, together)
     if not closed:
         raise LeakError
     if len({piece.sign for piece in pieces}) < 2:  # what is left of merged scraps
@@ -96,7 +119,7 @@ def partition(
         mesh=whole.mesh,
         shaded=meshes.shaded(whole),
         volume=volume,
-        volume_error=error(whole, volume) + lost,
+        volume_error=(error(whole, volume) if total is None else total(volume)) + lost,
         area=float(twice.sum()) / 2.0,
         pieces=pieces,
         watertight=True,
@@ -282,16 +305,19 @@ def _pieces(
     parts: Sequence[TracedMesh],
     shells: Sequence[Ints],
     signs: Sequence[int],
+    together: Sequence[Callable[[Array], Ints]],
 ) -> tuple[tuple[Piece, ...], Ints, bool]:
     """All pieces, the largest first; of which each face is; and whether every side is closed."""
     found: list[Piece] = []
     owners: list[Ints] = []
     closed = True
     first = 0
-    for part, shell, sign in zip(parts, shells, signs, strict=True):
+    for n, (part, shell, sign) in enumerate(zip(parts, shells, signs, strict=True)):
         there, own = v[first : first + len(part.mesh.vertices)], part.mesh.faces
         six, _, moments = meshes.face_parts(there, own)
         pieces, piece_of = meshes.pieces(there, own, shell, six, moments)
+        if together and pieces:
+            pieces, piece_of = meshes.merged(there, own, pieces, piece_of, together[n])
         owners.append(np.where(piece_of < 0, -1, piece_of + len(found)))
         found += [replace(piece, sign=sign) for piece in pieces]
         closed &= meshes.closed_by_position(there, own)

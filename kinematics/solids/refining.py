@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 from kinematics.solids.column_mesh import Stand, stand
 from kinematics.solids.columns import Columned, Ints, Layers, both, bounds, layers
 from kinematics.solids.joining import parts

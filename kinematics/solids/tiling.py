@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 from kinematics.solids.columns import Columned, Ints
 
 HALVINGS = 21

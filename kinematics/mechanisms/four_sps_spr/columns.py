@@ -18,7 +18,7 @@ import numpy as np
 from kinematics.mechanisms.four_sps_spr.design import LIMBS, SPR, FourSPSSPRDesign
 from kinematics.mechanisms.four_sps_spr.inverse import rotation
 from kinematics.mechanisms.four_sps_spr.motion import angular_axes
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 from kinematics.solids.columns import Span
 
 _LEAST = 1e-9

@@ -15,10 +15,13 @@ import numpy as np
 from kinematics.mechanisms.tripods import polynomial
 from kinematics.mechanisms.tripods.design import AZIMUTHS, LIMBS, TripodDesign, mode_sign
 from kinematics.mechanisms.tripods.powers import Power
-from kinematics.screws.spatial import Array
+from kinematics.arrays import Array
 from kinematics.solids.columns import Span
 
 _ALPHA = np.array(AZIMUTHS)
+_START = 0.0617
+"""rad: no azimuth at which the machine is symmetric is a simple part of a turn from here, so that
+surfaces seldom pass through corners of cells."""
 _RIM = 2e-6
 """rad short of a tilt of π, where both modes meet and aspects that are apart touch."""
 
@@ -47,7 +50,7 @@ class TripodColumns:
 
     @property
     def base(self) -> tuple[Span, Span]:
-        return (0.0, np.pi - _RIM), (-np.pi, np.pi)
+        return (0.0, np.pi - _RIM), (_START - np.pi, _START + np.pi)
 
     @property
     def closed(self) -> bool:

@@ -1,33 +1,43 @@
 """The reachable workspace of an operation mode as a solid, and its parts without a singularity.
 
 Poses are drawn as in `chart`. Volumes in these coordinates are mm³ that compare machines of one
-size; they are no volume of places. The solids are marched on a grid, with
-vertices on the exact surfaces; edges where strokes meet are cut off by a part of a cell.
+size; they are no volume of places. What there is is known exactly over every orientation
+(`columns`), so that nothing is missed, however thin; vertices are on the true surfaces.
+
+What a 3-SPR can do on both sides of a tilt of 90°, where the chart has all altitudes seen from the
+platform on one place, is one piece if the machine can go from one to the other.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinematics.arrays import Array, Frozen
 from kinematics.facets.solids import Resolution
 from kinematics.mechanisms.tripods import polynomial
 from kinematics.mechanisms.tripods.chart import from_chart
+from kinematics.mechanisms.tripods.columns import TripodColumns
 from kinematics.mechanisms.tripods.design import TripodDesign, mode_sign
-from kinematics.mechanisms.tripods.home import reach
 from kinematics.mechanisms.tripods.limbs import limb_lengths
-from kinematics.solids.csg import BuiltSolid, Solid, finish
+from kinematics.solids.column_solids import Quality, Shape, parted, shaped, whole
+from kinematics.solids.columns import surface_of
+from kinematics.solids.csg import BuiltSolid
 from kinematics.solids.isosurfaces import Isosurface, positive_part
-from kinematics.solids.partition import partition
+from kinematics.solids.refining import Fineness
 
+_QUALITY: dict[Resolution, Quality] = {
+    "preview": Quality(Fineness((8, 18), 2e-2, 500), exact=1e-2, promised=0.1),
+    "normal": Quality(Fineness((12, 36), 6e-4, 6000), exact=2e-4, promised=1e-3),
+    "fine": Quality(Fineness((16, 48), 1e-4, 24000), exact=4e-5, promised=2e-4),
+}
 _CELLS: dict[Resolution, int] = {"preview": 20, "normal": 40, "fine": 80}
-"""Along each side of the box about the workspace."""
-_LOOKED = 45  # points along each side of all that there is, to find that box
+"""Along each side of the box about a locus."""
 _STEP = 1e-6  # of h2, of the differences that gradients are made of
-_THIN = 1e-3  # of a cell: thinner pieces are scraps
 
 
 def workspace(design: TripodDesign, mode: str, resolution: Resolution = "normal") -> BuiltSolid:
@@ -36,8 +46,7 @@ def workspace(design: TripodDesign, mode: str, resolution: Resolution = "normal"
     Raises:
         ComputationError: manifold3d gave up.
     """
-    whole, error = _whole(design, mode, resolution)
-    return finish(whole, lambda mesh, volume: error)
+    return whole(_shape(_bare(design), mode, resolution))
 
 
 def aspects(design: TripodDesign, mode: str, resolution: Resolution = "normal") -> BuiltSolid:
@@ -45,29 +54,22 @@ def aspects(design: TripodDesign, mode: str, resolution: Resolution = "normal") 
 
     A piece's sign is that of P.
     """
-    whole, error = _whole(design, mode, resolution)
-    field = _Field(design, mode, _polynomial)
-    if whole.is_empty or whole.bounds is None:
-        return partition(whole, None, 1, field, lambda mesh, volume: error)
-    low, high = np.array(whole.bounds)
-    step = (high - low) / _CELLS[resolution]
-    axes = [np.arange(a - 1.5 * s, b + 2.0 * s, s) for a, b, s in zip(low, high, step, strict=True)]
-    values = _on_grid(field, axes)
-    sign = 1 if (values > 0.0).sum() <= (values < 0.0).sum() else -1
-    if not ((values > 0.0).any() and (values < 0.0).any()):
-        return partition(whole, None, -sign, field, lambda mesh, volume: error)
-    other = _Field(design, mode, _polynomial, sign)
-    cutter = positive_part(axes, sign * values, other)
-    cell = float(step.max())
-    return partition(
-        whole,
-        cutter,
-        sign,
-        field,
-        lambda mesh, volume: error,
-        thinnest=_THIN * cell,
-        reach=2.0 * cell,
+    bare = _bare(design)
+    field = _Field(bare, mode, _polynomial)
+    return parted(_shape(bare, mode, resolution), field, _Limits(bare, mode))
+
+
+def _bare(design: TripodDesign) -> TripodDesign:
+    """Without its names, so that equal machines are one."""
+    return TripodDesign(
+        design.mechanism, design.base_radius, design.platform_radius, design.stroke
     )
+
+
+@lru_cache(maxsize=4)
+def _shape(design: TripodDesign, mode: str, resolution: Resolution) -> Shape:
+    """Parted already, so that a workspace and its aspects are of the same faces."""
+    return shaped(TripodColumns(design, mode), _QUALITY[resolution])
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,15 +138,19 @@ class _Field:
         return self.values(points), gradient
 
 
-def _room(design: TripodDesign, mode: str, points: Array) -> Array:
-    """The least distance to a stroke end, or to the rim at a tilt of π, mm."""
-    poses = from_chart(design, points)
-    lengths = limb_lengths(design, poses, mode)
-    low, high = design.stroke
-    room = np.minimum(lengths - low, high - lengths).min(axis=-1)
-    room = np.where(np.isfinite(room), room, -high)
-    rim = design.platform_radius * (np.pi - poses[..., 1])
-    return np.asarray(np.minimum(np.maximum(room, -high), rim))
+class _Limits:
+    """How far places are from ends of strokes, or from the rim, for `column_solids`."""
+
+    def __init__(self, design: TripodDesign, mode: str) -> None:
+        self._design, self._mode = design, mode
+
+    def __call__(self, points: Array, label: NDArray[np.int16]) -> Array:
+        poses = from_chart(self._design, points)
+        lengths = limb_lengths(self._design, poses, self._mode)
+        limb, high = surface_of(label)
+        bound = np.where(high, self._design.stroke[1], self._design.stroke[0])
+        off = lengths[np.arange(len(points)), np.maximum(limb, 0)] - bound
+        return np.asarray(np.where(limb >= 0, off, np.pi - poses[:, 1]))
 
 
 def _polynomial(design: TripodDesign, mode: str, points: Array) -> Array:
@@ -160,36 +166,3 @@ def _polynomial(design: TripodDesign, mode: str, points: Array) -> Array:
 def _on_grid(field: _Field, axes: list[Array]) -> Array:
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
     return field.values(grid.reshape(-1, 3)).reshape(grid.shape[:-1])
-
-
-def _whole(design: TripodDesign, mode: str, resolution: Resolution) -> tuple[Solid, float]:
-    """The workspace's solid and an estimate of the error of its volume: what half the cells
-    change, which falls with the square of the cells."""
-    field = _Field(design, mode, _room)
-    box = _box(design, field)
-    if box is None:
-        return Solid.from_mesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=int)), 0.0
-    solids = []
-    for cells in (_CELLS[resolution], _CELLS[resolution] // 2):
-        axes = [np.linspace(a, b, cells + 1) for a, b in zip(*box, strict=True)]
-        found = positive_part(axes, _on_grid(field, axes), field)
-        solids.append(Solid.from_mesh(found.vertices, found.faces))
-    fine, coarse = solids
-    return fine, abs(fine.volume - coarse.volume)
-
-
-def _box(design: TripodDesign, field: _Field) -> tuple[Array, Array] | None:
-    """Corners of a box about the workspace, as far as a coarse grid and the home show it."""
-    rim, top = np.pi * design.platform_radius, reach(design)
-    across = np.linspace(-rim, rim, _LOOKED)
-    axes = [across, across, np.linspace(-top, top, 2 * _LOOKED + 1)]
-    inside = np.argwhere(_on_grid(field, axes) > 0.0)
-    if not len(inside):
-        return None
-    spans = [axis[1] - axis[0] for axis in axes]
-    low, high = (
-        np.array([axes[n][int(ends[n])] for n in range(3)])
-        for ends in (inside.min(axis=0), inside.max(axis=0))
-    )
-    margin = 1.01 * np.array(spans)  # beyond the rim, where the room is zero
-    return low - margin, high + margin
