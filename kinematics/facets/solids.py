@@ -117,6 +117,13 @@ class SolidsFacet(Facet[D]):
         """(4, 4) from the frame in which the solid is built to the base frame, mm."""
         return np.eye(4)
 
+    def branch(self, key: str, pose: Sequence[float]) -> tuple[float, ...] | None:
+        """A pose in the solid that tells it from others which one might mean; None: there are none.
+
+        Where a coordinate follows from the others in more than one way, a solid is of one way.
+        """
+        return None
+
     build: ClassVar[Any]
     """build(request) → BuiltSolid: static, as it needs nothing but the request."""
 

@@ -126,7 +126,13 @@ class Space(Generic[D]):
         facet, spec = self._solids(key)
         modes = self._present if spec.of_present_mode else self.modes
         request = facet.request(spec.key, self.pose, modes, resolution, surface)
-        return ShownSolid(spec, build_solid(request), facet.placement(spec.key, self.pose))
+        branch = facet.branch(spec.key, self.pose)
+        return ShownSolid(
+            spec,
+            build_solid(request),
+            facet.placement(spec.key, self.pose),
+            None if branch is None else Pose(branch, self.pose.axes),
+        )
 
     def section(self, at: float | None = None) -> ShownSection:
         """Its exact section by a plane, mm along the normal; of a plane workspace the whole of it.
@@ -269,11 +275,13 @@ class ShownSolid:
         spec: which.
         built: mesh, volume and pieces in the solid's own frame.
         placement: (4, 4) from there to the base frame, mm.
+        branch: a pose that tells it from others which one might mean, see `SolidsFacet.branch`.
     """
 
     spec: SolidSpec
     built: BuiltSolid
     placement: Array
+    branch: Pose | None = None
 
     def __repr__(self) -> str:
         b = self.built
@@ -313,6 +321,8 @@ class ShownSolid:
             "piece_volumes_mm3": [piece.volume for piece in b.pieces],
             "triangles": b.triangles,
             "watertight": b.watertight,
+            "note": b.note,
+            **({} if self.branch is None else {"branch": self.branch.to_dict()}),
         }
 
 

@@ -17,7 +17,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from kinematics.arrays import Array
-from kinematics.solids.columns import ROOT, Columned, Ints, Layers, layers
+from kinematics.solids.columns import ROOT, Ints, Layers, layers
 from kinematics.solids.joining import Joined, Walls, joined
 from kinematics.solids.meeting import creases, ends
 from kinematics.solids.tiling import Tiling, Triangles
@@ -193,14 +193,14 @@ def _curves(tiling: Tiling, stood: Stand) -> tuple[_Curves, Ints, NDArray[np.boo
     begin = np.stack([row + bottoms, row + tops])
     halves = []
     for between in found.on_the_way:
-        of, k = between.of, between.highest.astype(np.intp)
+        of, top = between.of, between.highest.astype(np.intp)
         on_wall = wall[of]
         at.append(walls.a[on_wall] + between.part[:, None] * (walls.b - walls.a)[on_wall])
         v.append(between.v)
-        new = number + np.arange(len(of))
+        new = np.arange(number, number + len(of))
         number += len(of)
-        halves.append(np.stack([begin[k, of], at_end[of], new], axis=-1))
-        begin[k, of] = new
+        halves.append(np.stack([begin[top, of], at_end[of], new], axis=-1))
+        begin[top, of] = new
         more.append(on_wall)
     # An upright line between both signs, seen from the other side along the way from a to b.
     tails.append(lower[swap])
@@ -244,7 +244,7 @@ def _torn(stood: Stand, wall: Ints) -> Ints:
 def column_mesh(tiling: Tiling, stood: Stand) -> ColumnMesh:
     """The mesh over a tiling."""
     curves, first, plain = _curves(tiling, stood)
-    simple = plain[stood.edge_of].all(axis=1)
+    simple = np.asarray(plain[stood.edge_of].all(axis=1))
     sheets, boundary, over = _sheets(stood, first, simple)
     fans = _fans(tiling, stood, curves, np.flatnonzero(~simple))
     upright = _rims(stood, curves)

@@ -26,7 +26,7 @@ from kinematics.solids.refining import Fineness, refined
 from kinematics.zeros import Field
 
 Off = Callable[[Array, NDArray[np.int16]], Array]
-"""How far places (N, 3) are off the surfaces ``label`` (N,), any smooth measure that is 0 on them."""
+"""How far places (N, 3) are off the surfaces ``label`` (N,): a smooth measure that is 0 on them."""
 
 
 @dataclass(frozen=True)

@@ -147,7 +147,7 @@ def lengths(solid: Columned, at: Array, slack: Array | float = 0.0) -> Array:
     order = np.argsort(floor, axis=1)
     roof = np.take_along_axis(roof, order, axis=1)
     floor = np.minimum(np.take_along_axis(floor, order, axis=1), end[:, None])
-    found = np.maximum(floor[:, 0] - begin, 0.0)
+    found: Array = np.maximum(floor[:, 0] - begin, 0.0)
     for k in range(roof.shape[1]):  # holes from below, of which one may reach beyond the next
         begin = np.maximum(begin, roof[:, k])
         after = floor[:, k + 1] if k + 1 < roof.shape[1] else end
@@ -393,11 +393,13 @@ def measure(solid: Columned, relative: float, most: int = _MOST) -> Measured:
         seen = lengths(solid, middle) > 0.0
         shown.append((middle[seen], half[seen]))
         middle, half = middle[~seen], half[~seen]
-        rough = sum(float(bounds(solid, *cell).sum()) for cell in shown)
-        if float(bounds(solid, middle, half).sum()) <= 0.1 * relative * rough:
+        seen_most = sum(float(bounds(solid, *cell).sum()) for cell in shown)
+        if float(bounds(solid, middle, half).sum()) <= 0.1 * relative * seen_most:
             break
         middle, half = halved(solid, middle, half)
-    new = tuple(np.concatenate([a, *(cell[n] for cell in shown)]) for n, a in enumerate((middle, half)))
+    middle = np.concatenate([middle, *(cell[0] for cell in shown)])
+    half = np.concatenate([half, *(cell[1] for cell in shown)])
+    new = middle, half
     middle, half = np.empty((0, 2)), np.empty((0, 2))
     value, doubt, side = np.empty(0), np.empty(0), np.empty(0, dtype=np.int64)
     while True:

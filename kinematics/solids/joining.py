@@ -279,14 +279,14 @@ def _next_to(one: Layers, other: Layers) -> Mask:
     same &= (label[0] != ROOT) | (label[1] != ROOT)
     common = np.minimum(*high) > np.maximum(*low)
     alike = (sign[0] == sign[1]) & (sign[0] != 0) & np.isfinite(high[0]) & np.isfinite(high[1])
-    one_by_one = ((one.above == other.above).all(axis=1) & (one.count == other.count))[:, None, None]
+    one_by_one = ((one.above == other.above).all(axis=1) & (one.count == other.count))[
+        :, None, None
+    ]
     own = np.eye(low[0].shape[1], dtype=bool)
     return np.asarray(alike & np.where(one_by_one, own, common | same))
 
 
-def _differs(
-    walls: Walls, rows: NDArray[np.intp], goes: Ints, meets: Ints, chain: _Chain
-) -> Mask:
+def _differs(walls: Walls, rows: NDArray[np.intp], goes: Ints, meets: Ints, chain: _Chain) -> Mask:
     """(R,) whether layers hang together otherwise by what joins them than by the chain."""
     count = len(rows)
     number = np.full(len(walls.a), -1)
@@ -408,7 +408,7 @@ class _Move:
 
 
 def _meeting(one: tuple[int, ...], other: tuple[int, ...]) -> tuple[Group, ...] | None:
-    """How the boundaries between layers ``one`` of a and ``other`` of b meet, if they can at once."""
+    """How boundaries between layers ``one`` of a and ``other`` of b meet, if they can at once."""
     m, n = len(one) - 1, len(other) - 1
     outer = {one[0], one[-1]}
     within = [*one[1:-1], *other[1:-1]]

@@ -20,6 +20,7 @@ _HALF_AS_THICK = 0.75  # of the way to where a surface turns round
 _CORNER = 1e-4  # of the way
 _MEETS = 20  # steps of the search for where two surfaces cross
 
+
 @dataclass(frozen=True, eq=False)
 class Ends:
     """Where boundaries meet on walls.
@@ -156,7 +157,9 @@ def _on_the_way(
             v[roots[~good]] = np.nan
         good = np.isfinite(v) & (there[turns] - t > _CORNER)
         halves.append((turns[good], np.full(int(good.sum()), k == 1), t[good], v[good]))
-    one, other = (Between(*(np.concatenate(p) for p in zip(*b, strict=True))) for b in (passes, halves))
+    one, other = (
+        Between(*(np.concatenate(p) for p in zip(*b, strict=True))) for b in (passes, halves)
+    )
     return one, other
 
 

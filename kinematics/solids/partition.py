@@ -89,7 +89,7 @@ def assembled(
             number are one piece.
         total: the error of the whole volume, where that is known better than by ``error``.
     """
-    bounds = np.array([side.bounds for side, _ in sides if side.bounds] or [[[0.0] * 3]])
+    bounds = np.array([np.zeros((2, 3)), *(side.bounds for side, _ in sides if side.bounds)])
     step = meshes.grid_step(np.maximum(np.abs(bounds).reshape(-1, 3), 1e-30))
     parts: list[TracedMesh] = []
     shells: list[Ints] = []

@@ -245,7 +245,7 @@ def _missed(
     part = replace(own, places=own.places[ends_])
     found[ends_] = _OF_ENDS * np.ptp(thick, axis=1).sum(axis=1) * _areas(tiling, part)
     found += _beyond_chords(tiling, own, columns)
-    return np.bincount(own.cell, found, len(tiling.low))
+    return np.bincount(own.cell, found, len(tiling.low)).astype(float)
 
 
 def _beyond_chords(tiling: Tiling, triangles: Triangles, columns: Layers) -> Array:

@@ -54,9 +54,9 @@ class Tiling:
         self.size: Ints = np.full_like(self.low, _UNIT)
         self.tear = None
         if solid.tear is not None:
-            self.tear = int(round((solid.tear - x0) / self._step[0]))
+            self.tear = round((solid.tear - x0) / float(self._step[0]))
 
-    def points(self, places: NDArray[np.generic]) -> Array:
+    def points(self, places: Ints) -> Array:
         """Base points of places (..., 2) on the lattice."""
         return np.asarray(self._origin + places * self._step)
 
@@ -131,7 +131,9 @@ class Tiling:
         keep = (corners[:, 1] != corners[:, 2]) & (corners[:, 0] != corners[:, 1])
         vertices = np.stack([x.ravel()[first], y.ravel()[first]], axis=-1)
         side = torn.ravel()[first]
-        pairs = np.flatnonzero((side[:-1] == -1) & (side[1:] == 1) & (known[:-1] // 3 == known[1:] // 3))
+        pairs = np.flatnonzero(
+            (side[:-1] == -1) & (side[1:] == 1) & (known[:-1] // 3 == known[1:] // 3)
+        )
         return Triangles(
             vertices,
             corners[keep],
@@ -167,7 +169,8 @@ class _Lines:
         if tiling.solid.closed:  # both ends are one line
             top = tiling.shape[1]
             begin, end = corners[corners[:, 1] == 0], corners[corners[:, 1] == top]
-            corners = np.concatenate([corners, begin + [0, top], end - [0, top]])
+            shift = np.array([0, top])
+            corners = np.concatenate([corners, begin + shift, end - shift])
         self._width, self._height = width, height
         self._up = np.unique(corners[:, 0] * height + corners[:, 1])
         self._along = np.unique(corners[:, 1] * width + corners[:, 0])

@@ -240,6 +240,7 @@ def test_pieces_say_in_which_the_platform_is() -> None:
         volume_error=1e3,
         locus_residual=1e-6,
         locus_unplaced=34,
+        note="",
     )
     placed = SimpleNamespace(placement=np.eye(4))
     built = SimpleNamespace(solid=solid, wish=placed, resolution="normal")

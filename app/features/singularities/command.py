@@ -302,7 +302,8 @@ def _surface_lines(data: dict[str, Any]) -> list[str]:
     )
     triangles = f"{data['triangles']} triangles, {'' if data['watertight'] else 'not '}watertight"
     if not data["pieces"]:
-        return ["The workspace of this mode is empty at this orientation.", triangles]
+        empty = "The workspace of this mode is empty at this orientation."
+        return [data["note"] or empty, triangles]
     table = tables.records(
         data["pieces"],
         ("piece", "#"),
@@ -323,6 +324,7 @@ def _surface_lines(data: dict[str, Any]) -> list[str]:
         locus,
         f"At {resolution} resolution: pieces thinner than a cell may be missed, and are told by a "
         "finer one.",
+        *([data["note"]] if data["note"] else []),
         "These are slices of the aspects at one orientation: pieces may be joined through others.",
         triangles,
     ]

@@ -168,7 +168,7 @@ def pieces_html(review: Review, solids: Solids) -> str:
         return ""
     solid = built.solid
     if not solid.pieces:
-        return box("The workspace of this mode is empty at this orientation.")
+        return box(esc(solid.note) or "The workspace of this mode is empty at this orientation.")
     here = None
     if ASPECTS in solids.built:
         at = required(review.machine.solids, "solids").point(ASPECTS, review.pose, review.mode)
@@ -197,6 +197,7 @@ def pieces_html(review: Review, solids: Solids) -> str:
         f"together {volume_text(solid.volume, solid.volume_error)}{exact}. "
         f"At {built.resolution} resolution; pieces thinner than a cell may be missed. "
         "Slices at this orientation: pieces may be joined through others."
+        f" {esc(solid.note)}".rstrip()
     )
     listed = f"{table(rows, ('', '', 'opacity:.75'))}{tail}{faint(told, 'div')}"
     return box(aged(listed, ASPECTS in solids.old))

@@ -20,6 +20,7 @@ from kinematics.errors import ComputationError, InputError
 
 if TYPE_CHECKING:
     from app.terminal.poses import Angles, Given
+    from kinematics.answers.coordinates import Pose
     from kinematics.answers.sections import Region
     from kinematics.facets.solids import Resolution, SurfaceKind
     from kinematics.machine import Machine
@@ -143,12 +144,18 @@ def _solid(
     volume, error = map(tables.volume_text, (built.volume, built.volume_error))
     lines = [
         f"{spec.title}{where}, {resolution}{told}",
+        *([f"branch     that of {_pose(shown.branch)}"] if shown.branch is not None else []),
         f"volume     {volume} ± {error}",
         f"pieces     {tables.pieces_text(data['piece_volumes_mm3'])}",
         f"triangles  {built.triangles}{'' if built.watertight else ', not watertight'}",
         f"surface    {tables.surface_text(built)}",
+        *([built.note] if built.note else []),
     ]
     return Answer(data, lines)
+
+
+def _pose(pose: Pose) -> str:
+    return tables.with_units([*pose.degrees.values()], pose.axes)
 
 
 def _regions(

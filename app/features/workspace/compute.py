@@ -16,6 +16,7 @@ from app.jobs.answers import Asked, Question
 from app.review.state import Review
 from app.scene import painting, palette
 from app.scene.painting import Scale
+from app.terminal.tables import outer, with_units
 from kinematics.answers.loci import LocusCurves
 from kinematics.answers.sections import Region, RegionSpec
 from kinematics.arrays import Array
@@ -72,11 +73,15 @@ class Laid:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class SolidWish:
-    """One solid to show: what to compute for it, where to put it, how to draw it."""
+    """One solid to show: what to compute for it, where to put it, how to draw it.
+
+    ``branch``: a pose that tells it from others which one might mean; "" where there are none.
+    """
 
     spec: SolidSpec
     requests: dict[Resolution, SolidRequest]
     placement: Array
+    branch: str
     opacity: float
 
     @property
@@ -155,7 +160,7 @@ def wishes(review: Review) -> tuple[SolidWish, ...]:
     machine = review.machine
     if machine.solids is None:
         return ()
-    solids = machine.solids
+    solids, axes = machine.solids, machine.coordinates
     specs = {spec.key: spec for spec in solids.specs}
     return tuple(
         SolidWish(
@@ -167,9 +172,11 @@ def wishes(review: Review) -> tuple[SolidWish, ...]:
                 for r in RESOLUTIONS
             },
             solids.placement(s.key, review.pose),
+            "" if at is None else with_units(outer(at, axes), axes),
             s.opacity,
         )
         for s in review[Workspace].solids
+        for at in [solids.branch(s.key, review.pose)]
     )
 
 

@@ -40,10 +40,14 @@ def _solid(built: Built) -> str:
             f"{head} in {plural(len(solid.pieces), 'piece')}",
             pieces + (" · …" if len(solid.pieces) > 8 else ""),
         ]
-    elif built.resolution == "fine":
+    elif built.resolution == "fine" and not solid.note:
         lines.append("At this orientation the workspace is empty.")
-    else:
+    elif built.resolution != "fine":
         lines.append("Nothing is large enough to be seen yet; a finer look is on its way.")
+    if built.wish.branch:
+        lines.append(f"The branch of {esc(built.wish.branch)}")
+    if solid.note:
+        lines.append(esc(solid.note))
     made = f"{built.resolution} solid · {spaced(solid.volume)} mm³ · {solid.triangles} triangles"
     lines.append(faint(f"{made}<br>{surface_text(solid)}"))
     return "<br>".join(lines)

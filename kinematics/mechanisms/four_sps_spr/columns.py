@@ -15,10 +15,10 @@ from functools import cached_property
 
 import numpy as np
 
+from kinematics.arrays import Array
 from kinematics.mechanisms.four_sps_spr.design import LIMBS, SPR, FourSPSSPRDesign
 from kinematics.mechanisms.four_sps_spr.inverse import rotation
 from kinematics.mechanisms.four_sps_spr.motion import angular_axes
-from kinematics.arrays import Array
 from kinematics.solids.columns import Span
 
 _LEAST = 1e-9
@@ -146,7 +146,9 @@ class FollowingAngle:
         _, (axis, _, t, w) = self._frame
         q = points - self.design.base[SPR]
         along = np.multiply.outer(q @ axis, axis)
-        back = along + (q - along) * np.cos(turn)[:, None] - np.cross(axis, q) * np.sin(turn)[:, None]
+        back = (
+            along + (q - along) * np.cos(turn)[:, None] - np.cross(axis, q) * np.sin(turn)[:, None]
+        )
         return np.stack([self.side * (back @ t), turn], axis=-1), np.asarray(back @ w)
 
 

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics.arrays import Array
 from kinematics.facets.solids import SolidRequest, SolidsFacet, SolidSpec, SurfaceKind
 from kinematics.mechanisms.four_sps_spr import constraint, workspace
 from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
-from kinematics.screws.spatial import wrap_angle
 
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
     from kinematics.solids.csg import BuiltSolid
@@ -41,13 +39,15 @@ class Solids(SolidsFacet[FourSPSSPRDesign]):
         what = workspace.request_at(self.design, tuple(pose), self._follows(spec.key))
         return self.design.limbs, self.design.revolute_axis, what
 
+    def branch(self, key: str, pose: Sequence[float]) -> tuple[float, ...]:
+        return workspace.branch_at(self.design, tuple(pose), self._follows(key))[1]
+
     def poses(self, key: str, pose: Sequence[float], mode: str, points: ArrayLike) -> Array:
-        """With the angle that follows, of both the one nearer to the present one."""
+        """With the angle that follows, on the solid's branch."""
         index = self._follows(key)
+        side, _ = workspace.branch_at(self.design, tuple(pose), index)
         poses = super().poses(key, pose, mode, points)
-        both = constraint.dependent_values(self.design, poses, index)
-        away = np.where(np.isfinite(both), np.abs(wrap_angle(both - pose[index])), np.inf)
-        poses[:, index] = both[np.arange(len(poses)), away.argmin(axis=1)]
+        poses[:, index] = constraint.dependent_values(self.design, poses, index)[:, (side + 1) // 2]
         return poses
 
     def _follows(self, key: str) -> int:

@@ -43,53 +43,48 @@ class Request:
 
 
 def request_at(design: FourSPSSPRDesign, pose: tuple[float, ...], index: int) -> Request:
-    """The solid that a pose lies in, or the branch with the angle nearest to the pose's.
-
-    ``pose``: (6,) mm and rad; NaN at ``index`` is zero, as for inverse kinematics; where no place
-    is given, or none that the angles allow, the home posture's.
-    """
-    side, _, _ = _branch(design, pose, index)
+    """The solid that `branch_at` is of."""
+    side, _ = branch_at(design, pose, index)
     angles = [float(v) for v in pose[3:]]
     angles[index - 3] = 0.0
     a, b, c = angles
     return Request((a, b, c), index, side)
 
 
-def branch_place(
+def branch_at(
     design: FourSPSSPRDesign, pose: tuple[float, ...], index: int
-) -> tuple[float, ...]:
-    """A pose (6,) on the branch of `request_at`, which tells it from the other one."""
-    _, place, angle = _branch(design, pose, index)
-    values = [*place, *pose[3:]]
-    values[index] = angle
-    return tuple(float(v) for v in values)
+) -> tuple[int, tuple[float, ...]]:
+    """The branch on which the angle is nearest to the pose's, as inverse kinematics takes it.
 
+    Args:
+        pose: (6,) mm and rad; NaN at ``index`` is zero. Where no place is given, or none that the
+            angles allow, it is the home posture's.
+        index: of the angle that follows: 3, 4 or 5.
 
-def _branch(
-    design: FourSPSSPRDesign, pose: tuple[float, ...], index: int
-) -> tuple[int, tuple[float, ...], float]:
-    """The branch, a place where it is told, and the angle there (rad)."""
+    Returns:
+        `Request.side`, and a pose (6,) on the branch, which tells it from the other one.
+    """
     start = home.home(design).pose
-    values = np.array(pose, dtype=float)
-    near = 0.0 if np.isnan(values[index]) else float(values[index])
-    places = [start[:3]] if not np.isfinite(values[:3]).all() else [tuple(values[:3]), start[:3]]
-    for place in places:
-        both = dependent_values(design, (*place, *values[3:]), index)
+    near = 0.0 if np.isnan(pose[index]) else pose[index]
+    tried = [(pose[:3], pose[3:], near), (start[:3], pose[3:], near)]
+    # With these angles neither may be possible: the home posture's branch with its own.
+    for place, angles, wanted in (*tried, (start[:3], start[3:], start[index])):
+        if not np.isfinite(place).all():
+            continue
+        found = [float(v) for v in (*place, *angles)]
+        both = dependent_values(design, found, index)
         if np.isfinite(both).all():
-            away = np.abs(wrap_angle(both - near))
-            k = 0 if away[0] <= away[1] else 1
-            return 2 * k - 1, tuple(place), float(both[k])
-    # With these angles neither is possible: the branch of the home posture with its own.
-    both = np.nan_to_num(dependent_values(design, start, index))
-    k = int(np.abs(wrap_angle(both - start[index])).argmin())
-    return 2 * k - 1, tuple(start[:3]), float(both[k])
+            k = int(np.abs(wrap_angle(both - wanted)).argmin())
+            found[index] = float(both[k])
+            return 2 * k - 1, tuple(found)
+    return 1, start
 
 
 def _quality(resolution: Resolution) -> Quality:
     from kinematics.solids.column_solids import Quality
 
     if resolution == "preview":
-        return Quality(Fineness((8, 24), 2e-2, 500), exact=1e-2, promised=0.1)
+        return Quality(Fineness((8, 24), 1.5e-2, 600), exact=5e-3, promised=0.1)
     if resolution == "normal":
         return Quality(Fineness((8, 32), 6e-4, 6000), exact=2e-4, promised=1e-3)
     return Quality(Fineness((12, 48), 1e-4, 24000), exact=4e-5, promised=2e-4)

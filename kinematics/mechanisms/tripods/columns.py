@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kinematics.arrays import Array
 from kinematics.mechanisms.tripods import polynomial
 from kinematics.mechanisms.tripods.design import AZIMUTHS, LIMBS, TripodDesign, mode_sign
 from kinematics.mechanisms.tripods.powers import Power
-from kinematics.arrays import Array
 from kinematics.solids.columns import Span
 
 _ALPHA = np.array(AZIMUTHS)

@@ -61,9 +61,7 @@ def aspects(design: TripodDesign, mode: str, resolution: Resolution = "normal") 
 
 def _bare(design: TripodDesign) -> TripodDesign:
     """Without its names, so that equal machines are one."""
-    return TripodDesign(
-        design.mechanism, design.base_radius, design.platform_radius, design.stroke
-    )
+    return TripodDesign(design.mechanism, design.base_radius, design.platform_radius, design.stroke)
 
 
 @lru_cache(maxsize=4)
