@@ -29,6 +29,9 @@ Off = Callable[[Array, NDArray[np.int16]], Array]
 """How far places (N, 3) are off the surfaces ``label`` (N,): a smooth measure that is 0 on them."""
 
 
+_UNSETTLED = "is not certain: more cells than this resolution has would be needed to tell."
+
+
 @dataclass(frozen=True)
 class Quality:
     """How fine a mesh is, how exactly its volume is known, and what it promises, as parts of it."""
@@ -40,20 +43,22 @@ class Quality:
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """A solid by columns as a mesh, and its true volume."""
+    """A solid by columns as a mesh, its true volume, and whether its pieces are certain."""
 
     mesh: ColumnMesh
     measured: Measured
     promised: float
+    settled: bool = True
 
     def error(self, volume: float) -> float:
         """mm³ between a mesh's volume and the true one at most."""
         return abs(volume - self.measured.volume) + self.measured.error
 
     def note(self, built: BuiltSolid) -> str:
-        """Why the error is larger than it should be; "" where it is not."""
+        """What is not as it should be, and why; "" where nothing is."""
+        doubt = "" if self.settled else f"How many pieces there are, {len(built.pieces)} or not, {_UNSETTLED}"
         if built.volume_error <= self.promised * built.volume:
-            return ""
+            return doubt
         if not built.pieces and self.measured.volume <= 0.0:
             return (
                 "No pose was found, but it is not proven that there is none: "
@@ -63,7 +68,7 @@ class Shape:
         return (
             f"The error is {100.0 * part:.2g} % of the volume and not "
             f"{100.0 * self.promised:g} %: the solid is too thin or too rugged for as many cells "
-            "as this resolution has."
+            f"as this resolution has. {doubt}".strip()
         )
 
 
@@ -72,7 +77,8 @@ def shaped(solid: Columned, quality: Quality) -> Shape:
     measured = measure(solid, quality.exact)
     if measured.volume <= 0.0 and measured.error <= 0.0:
         return Shape(_nothing(), measured, quality.promised)
-    return Shape(column_mesh(*refined(solid, quality.fineness)), measured, quality.promised)
+    tiling, stood, settled = refined(solid, quality.fineness)
+    return Shape(column_mesh(tiling, stood), measured, quality.promised, settled)
 
 
 def _nothing() -> ColumnMesh:

@@ -59,8 +59,8 @@ class _Known:
         return self._layers.take(np.searchsorted(self._keys, keys))
 
 
-def refined(solid: Columned, fineness: Fineness) -> tuple[Tiling, Stand]:
-    """A tiling that is fine enough, and its columns."""
+def refined(solid: Columned, fineness: Fineness) -> tuple[Tiling, Stand, bool]:
+    """A tiling that is fine enough, its columns, and whether it is clear what hangs together."""
     tiling = Tiling(solid, fineness.first)
     known = _Known(tiling)
     missed = np.full(len(tiling.low), np.nan)
@@ -87,11 +87,12 @@ def refined(solid: Columned, fineness: Fineness) -> tuple[Tiling, Stand]:
         chosen[some[np.cumsum(shown[some]) <= max(1, room // 2)]] = True
         missed = _halve(tiling, chosen, ~shown & (missed <= 0.0), missed)
     tiling.keep(shown)
-    return tiling, _settled(tiling, known, fineness.most)
+    return tiling, *_settled(tiling, known, fineness.most)
 
 
-def _settled(tiling: Tiling, known: _Known, most: int) -> Stand:
-    """The walls of the tiling, made finer where it is not clear what hangs together."""
+def _settled(tiling: Tiling, known: _Known, most: int) -> tuple[Stand, bool]:
+    """The walls of the tiling, made finer where it is not clear what hangs together; and whether
+    it is clear then."""
     limit = len(tiling.low) + max(most // 2, _AT_LEAST)
     for _ in range(_LOOKS):
         triangles = tiling.triangles()
@@ -101,7 +102,7 @@ def _settled(tiling: Tiling, known: _Known, most: int) -> Stand:
             break
         nothing = np.zeros(len(tiling.low), dtype=bool)
         _halve(tiling, doubtful, nothing, np.zeros(len(tiling.low)))
-    return stood
+    return stood, not doubtful.any()
 
 
 def _doubtful(tiling: Tiling, stood: Stand) -> NDArray[np.bool_]:
