@@ -95,7 +95,7 @@ def whole(shape: Shape) -> BuiltSolid:
     signed &= mesh.below != BOTH
     kept = ((mesh.below != 0) != (mesh.above != 0)) & ~signed
     solid, groups = _closed(mesh, np.flatnonzero(kept), mesh.below[kept] != 0)
-    built = finish(solid, lambda _, volume: shape.error(volume), together=groups)
+    built = finish(solid, lambda _, volume: shape.error(volume), together=groups, total=True)
     return _with_note(built, shape)
 
 

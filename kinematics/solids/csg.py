@@ -349,6 +349,7 @@ def finish(
     thinnest: float = 0.0,
     place: Callable[[TracedMesh, float], PlacedMesh] | None = None,
     together: Callable[[NDArray[np.float64]], NDArray[np.intp]] | None = None,
+    total: bool = False,
 ) -> BuiltSolid:
     """Slivers dropped, vertices set on a float32 grid, pieces found, creases split.
 
@@ -360,6 +361,7 @@ def finish(
             keep; where they do not the facets stay.
         together: numbers of pieces, by places (N, 3) on them: shells that have one number are one
             piece.
+        total: ``error`` is all of it, whatever was dropped or moved.
 
     Raises:
         LeakError: the surface could not be closed.
@@ -387,12 +389,13 @@ def finish(
         pieces, piece_of = meshes.merged(v, f, pieces, piece_of, together)
     if not meshes.closed_by_position(v, f):
         raise LeakError
+    # Twice what was dropped: as much again may never have been meshed.
+    lost = 0.0 if total else 2.0 * dropped + moved * area + shifted
     return BuiltSolid(
         mesh=traced.mesh,
         shaded=meshes.shaded(traced),
         volume=volume,
-        # Twice what was dropped: as much again may never have been meshed.
-        volume_error=error(traced, volume) + 2.0 * dropped + moved * area + shifted,
+        volume_error=error(traced, volume) + lost,
         area=area,
         pieces=pieces,
         watertight=True,

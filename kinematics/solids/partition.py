@@ -119,7 +119,7 @@ def assembled(
         mesh=whole.mesh,
         shaded=meshes.shaded(whole),
         volume=volume,
-        volume_error=(error(whole, volume) if total is None else total(volume)) + lost,
+        volume_error=error(whole, volume) + lost if total is None else total(volume),
         area=float(twice.sum()) / 2.0,
         pieces=pieces,
         watertight=True,
