@@ -29,7 +29,10 @@ Off = Callable[[Array, NDArray[np.int16]], Array]
 """How far places (N, 3) are off the surfaces ``label`` (N,): a smooth measure that is 0 on them."""
 
 
-_UNSETTLED = "is not certain: more cells than this resolution has would be needed to tell."
+_UNSETTLED = (
+    "How many pieces there are is not certain: some come nearer to each other than the cells that "
+    "this resolution has can tell."
+)
 
 
 @dataclass(frozen=True)
@@ -56,7 +59,7 @@ class Shape:
 
     def note(self, built: BuiltSolid) -> str:
         """What is not as it should be, and why; "" where nothing is."""
-        doubt = "" if self.settled else f"How many pieces there are, {len(built.pieces)} or not, {_UNSETTLED}"
+        doubt = "" if self.settled else _UNSETTLED
         if built.volume_error <= self.promised * built.volume:
             return doubt
         if not built.pieces and self.measured.volume <= 0.0:

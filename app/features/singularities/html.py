@@ -196,8 +196,8 @@ def pieces_html(review: Review, solids: Solids) -> str:
     told = (
         f"together {volume_text(solid.volume, solid.volume_error)}{exact}. "
         f"At {built.resolution} resolution; pieces thinner than a cell may be missed. "
-        "Slices at this orientation: pieces may be joined through others."
-        f" {esc(solid.note)}".rstrip()
+        "Slices at this orientation: pieces may be joined through others. "
+        f"{esc(solid.note)}"
     )
     listed = f"{table(rows, ('', '', 'opacity:.75'))}{tail}{faint(told, 'div')}"
     return box(aged(listed, ASPECTS in solids.old))

@@ -1,4 +1,4 @@
-"""Solids of the 4-SPS + 1-SPR that are thin beside it, and which branch of the angle they are of."""
+"""Solids of the 4-SPS + 1-SPR that are thin beside it, and the branch that they are of."""
 
 from __future__ import annotations
 

@@ -65,7 +65,11 @@ def thin(seed: int) -> tuple[TripodDesign, str]:
     base = 10.0 ** rng.uniform(1.5, 3.0)
     platform = base * 10.0 ** rng.uniform(-0.5, 0.5)
     mode = "12"[rng.integers(2)]
-    pose = [rng.uniform(0.3, 1.5) * (base + platform), rng.uniform(0.0, 0.6), rng.uniform(-3.0, 3.0)]
+    pose = [
+        rng.uniform(0.3, 1.5) * (base + platform),
+        rng.uniform(0.0, 0.6),
+        rng.uniform(-3.0, 3.0),
+    ]
     bare = TripodDesign(kind, base, platform, (1.0, 2.0))
     lengths = limb_lengths(bare, np.array([pose]), mode)[0]
     more = lengths.mean() * 10.0 ** rng.uniform(-4.0, -1.0)
