@@ -42,6 +42,10 @@ class Read(click.ParamType[Any]):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         if param is None or ctx is None or self.read is None or not isinstance(value, str):
             return value
+        if ctx.obj is None:  # what options mean is the design's to say
+            for other in ctx.command.params:
+                if other.name == "machine" and other.required:
+                    raise click.MissingParameter(ctx=ctx, param=other)
         return self.read(param.opts[0], value, ctx.obj)
 
     def shell_complete(

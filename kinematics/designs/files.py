@@ -170,7 +170,8 @@ def read_number(value: object, *, origin: str, path: KeyPath, unit: str = "mm") 
     if not (abs(value) <= MAX_MAGNITUDE):
         if isinstance(value, float) and not math.isfinite(value):
             _fail(origin, path, f"{what} must be a finite number ({unit}), got {value}")
-        _fail(origin, path, f"{what} must lie within ±{MAX_MAGNITUDE:.0f} {unit}; check its unit")
+        limit = f"±{MAX_MAGNITUDE:.0f}{' mm' if unit == 'mm' else ''}"
+        _fail(origin, path, f"{what} must lie within {limit}; check its unit")
     return float(value)
 
 

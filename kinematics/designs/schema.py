@@ -28,7 +28,7 @@ Check = Callable[[str, Any], str]
 ABOUT = ("title", "source")
 """What every design file may say besides."""
 SHORTEST = 1e-3
-"""mm; below a micrometre a length is a slip of the pen."""
+"""mm; below a picometre a length is a slip of the pen."""
 
 
 def anything(what: str, value: Any) -> str:

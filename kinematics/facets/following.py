@@ -18,7 +18,7 @@ from kinematics.answers.solutions import Fold, Followed, Posture, SelfMotion, St
 from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
 from kinematics.facets.facet import Facet
-from kinematics.homotopy.continuation import turn_ahead, walk
+from kinematics.homotopy.continuation import MOST_PIECES, turn_ahead, walk
 from kinematics.homotopy.curve import Curve
 from kinematics.homotopy.quadrics import Quadrics
 from kinematics.homotopy.self_motion import curve_of_solutions
@@ -136,7 +136,7 @@ class ClosureFollowing(FollowingFacet[D]):
         """One phrase where the posture reached is near a singularity, else ""."""
         return ""
 
-    def follow(self, posture: Posture, joints: ArrayLike) -> Followed:
+    def follow(self, posture: Posture, joints: ArrayLike, most: int = MOST_PIECES) -> Followed:
         wanted = self.wanted(joints)
         if not posture.closes:
             return Followed(posture, "stalled", not_closed_text(posture), 0.0)
@@ -149,7 +149,7 @@ class ClosureFollowing(FollowingFacet[D]):
         stop: Stop = "target"
         line = self._line(posture.mode, first, now, aim)
         if line is not None:
-            end = walk(line.curve, line.first, line.way, self.edge)
+            end = walk(line.curve, line.first, line.way, self.edge, most)
             stop = "singularity" if end.stop == "edge" else end.stop
             fraction = 1.0 if stop == "target" else float(end.point[-1]) / line.way
             if stop == "target" or len(end.visited) > 1:

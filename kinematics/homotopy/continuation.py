@@ -27,7 +27,8 @@ _EFFORT = 0.25  # of a proof, aimed at
 _WARNED = 1.1  # largest growth of a step after one that had to be shortened
 _BEFORE = 1e-6  # part of the way by which a motion stops before a fold
 _ON = 1e-9  # of an unknown that ends a motion where it is 0: as good as that
-_MOST_PIECES = 2000
+MOST_PIECES = 2000
+"""Of a way, before it is given up as stalled."""
 _MOST_ROUNDS = 60  # of a search within one piece
 
 
@@ -72,7 +73,7 @@ class Tracer:
     def until(self, level: float) -> Piece | None:
         """The piece on which λ = ``level`` is passed or λ turns back; None where the trace ends."""
         below = self.here.along < level
-        for _ in range(_MOST_PIECES):
+        for _ in range(MOST_PIECES):
             piece = self.advance(level)
             if piece is None or piece.exact or piece.turned:
                 return piece
@@ -195,11 +196,14 @@ class Walk(NamedTuple):
     undetermined: bool = False
 
 
-def walk(curve: Curve, point: Array, level: float, edge: int | None = None) -> Walk:
+def walk(
+    curve: Curve, point: Array, level: float, edge: int | None = None, most: int = MOST_PIECES
+) -> Walk:
     """From a point with λ = 0 to λ = ``level``, or to shortly before λ turns back or ends.
 
     Args:
         edge: an unknown that ends the way where it changes its sign; at the start it may be 0.
+        most: pieces, before it is given up as stalled.
     """
     here = curve.first(point)
     if here is None:
@@ -207,7 +211,7 @@ def walk(curve: Curve, point: Array, level: float, edge: int | None = None) -> W
     tracer = Tracer(curve, here)
     visited = [here.point]
     safe: tuple[int, Piece] | None = None
-    for _ in range(_MOST_PIECES):
+    for _ in range(most):
         piece = tracer.advance(level)
         if piece is None:
             if safe is not None:
@@ -268,7 +272,7 @@ def turn_ahead(curve: Curve, point: Array, level: float, edge: int | None = None
     if here is None:
         return None
     tracer = Tracer(curve, here)
-    for _ in range(_MOST_PIECES):
+    for _ in range(MOST_PIECES):
         piece = tracer.advance(level)
         if piece is None:
             return Turn(tracer.here.point, None)

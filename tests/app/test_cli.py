@@ -92,6 +92,7 @@ def test_version(bohemia: Run) -> None:
         (["ikk"], "there is no command 'ikk'; did you mean 'ik'"),
         (["qqq"], "there are serve, designs, ik, fk, workspace, vertex-space"),
         (["ik"], "required: DESIGN, --pose"),
+        (["ik", "--json", "--modes", "..", "--pose", "-"], "required: DESIGN"),
         (["ik", "rpur-table1"], "required: --pose"),
         (["ik", "rpur-table1", "--pose"], "--pose: expected one argument"),
         (["designs", "--frobnicate"], "unrecognized arguments: --frobnicate"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from itertools import product
 from typing import TYPE_CHECKING
@@ -20,11 +20,13 @@ from kinematics.mechanisms.five_rpur.design import MODES, FiveRPURDesign
 from kinematics.screws.spatial import common_box
 
 if TYPE_CHECKING:  # loaded only where it follows
-    from kinematics.facets.following import FollowingFacet
+    from kinematics.facets.following import ClosureFollowing
 
 GRID = 15  # positions tried along each axis
 ROUNDS = 12  # halvings of the step while the best position of a mode is improved
 TRAVEL = 0.3  # of the stroke
+DRIVES = 48  # of single actuators that are tried; beyond, the best so far has to do
+PIECES = 200  # of proven way that a drive may take; one that takes more runs beside a singularity
 ORIENTATIONS = ((0.0, 0.0), (0.3, 0.3), (-0.3, 0.3), (0.3, -0.3), (-0.3, -0.3))
 
 _SIGNS = np.array([inverse.signs(mode) for mode in MODES])
@@ -54,13 +56,14 @@ def home(design: FiveRPURDesign) -> Posture:
     tied: tuple[tuple[PairKind, ...], ...] = (("A1",),)
     tied = (("A1", "A2", "A3"), *tied) if simplified else tied
     fallback: tuple[float, Posture] | None = None
+    drives = iter(range(DRIVES))
     # Below its base a machine would stand in its own floor: only where there is nothing above.
     for above, (phi, theta) in product((True, False), ORIENTATIONS):
         positions, room = _roomiest(design, phi, theta, above=above)
         room[~np.isin(MODES, design.modes)] = -np.inf
         for kinds in tied:
             margins = np.where(_together(design, kinds), room, -np.inf)
-            found = _most_travel(design, positions, margins, phi, theta)
+            found = _most_travel(design, positions, margins, phi, theta, drives)
             if found is not None:
                 return found
         n = int(margins.argmax())
@@ -72,7 +75,12 @@ def home(design: FiveRPURDesign) -> Posture:
 
 
 def _most_travel(
-    design: FiveRPURDesign, positions: Array, margins: Array, phi: float, theta: float
+    design: FiveRPURDesign,
+    positions: Array,
+    margins: Array,
+    phi: float,
+    theta: float,
+    drives: Iterator[int],
 ) -> Posture | None:
     """Of the modes' positions the one from which every actuator can be moved furthest."""
     best, found = 0.0, None
@@ -81,7 +89,7 @@ def _most_travel(
             break  # no actuator can be moved further than the nearest stroke end
         pose = (*(float(v) for v in positions[n]), phi, theta)
         posture = posture_at(design, pose, MODES[n])
-        travel = _least_travel(design, posture, best)
+        travel = _least_travel(design, posture, best, drives)
         if travel > best:
             best, found = travel, posture
     return found
@@ -98,19 +106,24 @@ def _together(design: FiveRPURDesign, kinds: Sequence[PairKind]) -> NDArray[np.b
     return like
 
 
-def _least_travel(design: FiveRPURDesign, posture: Posture, enough: float) -> float:
+def _least_travel(
+    design: FiveRPURDesign, posture: Posture, enough: float, drives: Iterator[int]
+) -> float:
     """How far the least movable actuator can be driven alone, mm; stops looking below ``enough``.
 
-    Looked at up to `TRAVEL` of the stroke, since more makes no better start.
+    0 when no more ``drives`` may be tried. Looked at up to `TRAVEL` of the stroke, since more makes
+    no better start.
     """
-    following: FollowingFacet[FiveRPURDesign] = mechanism_of(design).facet("following")
+    following: ClosureFollowing[FiveRPURDesign] = mechanism_of(design).facet("following")
     least = np.inf
     for i, (low, high) in enumerate(design.stroke):
         for direction in (-1.0, 1.0):
+            if next(drives, None) is None:
+                return 0.0
             goal = posture.joints[i] + direction * TRAVEL * (high - low)
             joints = list(posture.joints)
             joints[i] = float(np.clip(goal, low, high))
-            reached = following.follow(posture, joints).posture.joints[i]
+            reached = following.follow(posture, joints, PIECES).posture.joints[i]
             least = min(least, abs(reached - posture.joints[i]))
             if least <= enough:
                 return least

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from kinematics.answers.solutions import ForwardSolutions, SelfMotion
@@ -15,13 +17,20 @@ from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
 from kinematics.mechanisms.four_sps_spr.following import Following, state_of, unknowns_of
 from kinematics.mechanisms.four_sps_spr.forward.equations import Frame, normal_form, to_transforms
 from kinematics.mechanisms.four_sps_spr.forward.roots import GENERAL_COUNT, own_start_set, roots_at
+from kinematics.mechanisms.four_sps_spr.inverse import transform
 from kinematics.mechanisms.four_sps_spr.states import State, pose_of, poses_of
+from kinematics.mechanisms.four_sps_spr.statics import condition, wrenches
 
 REAL = 1e-7
 """Largest imaginary part of a real solution, relative to its size; of a double one its root."""
 _DOUBLE_REAL = 1e-4  # as REAL, of solutions where several coincide
 _CURVES_FAR = 1e2  # units, of singular solutions that are looked at
 _MOST = 16  # of these
+_DEPENDENT_FROM = 1e6  # condition at any pose; of usual designs at most poses below 1e3
+_DEPENDENT = (
+    "The design is architecturally singular, or nearly: its wrenches are dependent in every pose. "
+    "Its solutions are not single ones where there are any, and no set of them is complete."
+)
 _FAR = 500.0  # units: with longer legs the platform is a point to them, and digits are lost
 
 
@@ -66,6 +75,8 @@ def _real(design: FourSPSSPRDesign, joints: Array, roots: Roots) -> Found:
     if joints.max() > _FAR * frame.unit:
         text = "The legs are so much longer than the machine that digits are lost."
         doubts = (*doubts, text)
+    if _is_dependent(design):
+        doubts = (*doubts, _DEPENDENT)
     family = "the general 4-SPS + 1-SPR"
     return Found(
         joints=joints,
@@ -109,3 +120,16 @@ def _nearly_real(
         4.0 * design.length * np.sqrt((form[:4].imag ** 2).sum(axis=0)),
     )
     return int(np.count_nonzero((apart < NEAR) & (away > limit))) // 2
+
+
+@lru_cache(maxsize=64)
+def _is_dependent(design: FourSPSSPRDesign) -> bool:
+    """Whether it is singular wherever it stands, or so nearly that roots cannot be told apart.
+
+    Its own start set then lacks what is no single solution: limbs that are alike have no lengths
+    in common but equal ones.
+    """
+    rng = np.random.default_rng(5)
+    poses = np.hstack([rng.normal(size=(6, 3)) * design.length, rng.uniform(-1, 1, (6, 3))])
+    rows = wrenches(design, transform(poses)).rows
+    return bool((condition(rows, design.length) > _DEPENDENT_FROM).all())

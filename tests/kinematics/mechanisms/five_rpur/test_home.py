@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from kinematics.designs.files import load_design, presets
+from kinematics.homotopy.continuation import Tracer
 from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur.arrangements import arrangements
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
-from kinematics.mechanisms.five_rpur.home import home, reach
+from kinematics.mechanisms.five_rpur.home import DRIVES, PIECES, home, reach
 from kinematics.mechanisms.five_rpur.inverse import inside
 
 NAMES = [p.name for p in presets() if p.mechanism == "five_rpur"]
@@ -59,3 +62,25 @@ def test_a_machine_that_reaches_nothing_still_has_a_place_to_start() -> None:
     start = home(design)
     assert not start.reachable
     assert np.isfinite(start.pose).all()
+
+
+def test_a_machine_that_is_nearly_singular_everywhere_has_a_home_soon(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Every drive of such a machine takes thousands of proven pieces, and there are thousands."""
+    design = load_design("rpur-mpa2")
+    one, two, three, four, five = (
+        replace(limb, base=tuple(np.array(design.limbs[0].base) + 1e-4 * n), stroke=(250.0, 400.0))
+        for n, limb in enumerate(design.limbs)
+    )
+    nearly = replace(design, limbs=(one, two, three, four, five), merged_joints=())
+    taken = []
+
+    def counted(self, level):
+        taken.append(level)
+        return advance(self, level)
+
+    advance = Tracer.advance
+    monkeypatch.setattr(Tracer, "advance", counted)
+    assert home(nearly).reachable
+    assert len(taken) <= DRIVES * (PIECES + 1)

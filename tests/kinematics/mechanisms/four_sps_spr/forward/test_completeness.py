@@ -170,3 +170,24 @@ def test_short_legs_are_solved_to_their_own_size_or_the_set_is_not_complete(shor
     assert off < max(short, 1e-6) or not found.complete
     if found.complete:
         assert found.residual.max() <= CLOSES * lengths.min()
+
+
+@pytest.mark.parametrize("apart", [0.0, 1e-9])
+@pytest.mark.parametrize("count", [4, 5])
+def test_limbs_that_are_alike_leave_no_set_that_is_complete(count: int, apart: float) -> None:
+    """Equal lengths of equal limbs have a whole motion, other lengths have nothing."""
+    first = preset().limbs[0]
+    rng = np.random.default_rng(3)
+
+    def near(point):
+        return tuple((np.array(point) * (1.0 + apart * rng.normal(size=3))).tolist())
+
+    alike = [
+        replace(first, base=near(first.base), platform=near(first.platform)) for _ in range(count)
+    ]
+    design = replace(preset(), limbs=(*alike, *preset().limbs[count:]))
+    home = machine_of(design).home
+    found = machine_of(design).forward(home.joints)
+    assert home.reachable
+    assert not found.complete
+    assert "architecturally singular" in " ".join(found.notes)
