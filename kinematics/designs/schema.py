@@ -27,7 +27,7 @@ Check = Callable[[str, Any], str]
 
 ABOUT = ("title", "source")
 """What every design file may say besides."""
-SHORTEST = 1e-3
+SHORTEST = 1e-9
 """mm; below a picometre a length is a slip of the pen."""
 
 

@@ -2,22 +2,34 @@
 
 from __future__ import annotations
 
+from math import floor, log10
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics.arrays import Array
 
 
-def common_box(centers: Array, radius: Array, step: float) -> tuple[tuple[float, ...], ...]:
-    """What boxes (N, 3) ± (N,) have in common, rounded outwards to steps: lows and highs.
+def decimals(size: float) -> int:
+    """Decimals in which a machine of this size is easy to talk about, for ``np.round``.
 
-    Where they have nothing in common: a box about all of them.
+    Whole millimetres for some hundred millimetres.
+    """
+    return 2 - floor(log10(size))
+
+
+def common_box(centers: Array, radius: Array) -> tuple[tuple[float, ...], ...]:
+    """What boxes (N, D) ± (N,) have in common, rounded outwards to 10 mm: lows and highs.
+
+    To ten of the units that are `decimals` of the largest radius. Where they have nothing in
+    common: a box about all of them.
     """
     low = (centers - radius[:, None]).max(axis=0)
     high = (centers + radius[:, None]).min(axis=0)
     apart = low >= high
     low = np.where(apart, (centers - radius[:, None]).min(axis=0), low)
     high = np.where(apart, (centers + radius[:, None]).max(axis=0), high)
+    step = 10.0 ** (1 - decimals(float(radius.max())))
     return (
         tuple(float(v) for v in np.floor(low / step) * step),
         tuple(float(v) for v in np.ceil(high / step) * step),

@@ -12,6 +12,7 @@ from kinematics.facets.inverse import posture
 from kinematics.mechanisms.five_bar.design import FiveBarDesign
 from kinematics.mechanisms.five_bar.inverse import MODES, in_range, joints_of
 from kinematics.mechanisms.five_bar.statics import condition, sines
+from kinematics.screws.spatial import common_box, decimals
 
 GRID = 81
 _ORDER = ("+-", "-+", "++", "--")  # elbows outwards first, as in Fig. 1 of the paper
@@ -20,13 +21,8 @@ _ORDER = ("+-", "-+", "++", "--")  # elbows outwards first, as in Fig. 1 of the 
 def reach(design: FiveBarDesign) -> tuple[tuple[float, float], tuple[float, float]]:
     """A box that holds P, rounded outwards to 10 mm: lows and highs of x and y."""
     radius = design.proximal + design.distal
-    low = (design.base - radius[:, None]).max(axis=0)
-    high = (design.base + radius[:, None]).min(axis=0)
-    if (low >= high).any():  # limbs too far apart to meet: offer what one of them reaches
-        low = (design.base - radius[:, None]).min(axis=0)
-        high = (design.base + radius[:, None]).max(axis=0)
-    low, high = np.floor(low / 10.0) * 10.0, np.ceil(high / 10.0) * 10.0
-    return (float(low[0]), float(low[1])), (float(high[0]), float(high[1]))
+    low, high = common_box(design.base, radius)  # limbs apart: what one of them reaches
+    return (low[0], low[1]), (high[0], high[1])
 
 
 @lru_cache(maxsize=64)
@@ -43,7 +39,8 @@ def home(design: FiveBarDesign) -> Posture:
             joints = joints_of(design, grid, mode)
             score = _score(design, grid, joints)
             if score.max() > 0.0:
-                place = np.round(grid[int(score.argmax())])  # whole mm are easier to talk about
+                digits = decimals(float((design.proximal + design.distal).max()))
+                place = np.round(grid[int(score.argmax())], digits)
                 found = posture(design, (float(place[0]), float(place[1])), mode)
                 if found.reachable:
                     return found

@@ -17,7 +17,7 @@ from kinematics.mechanism import mechanism_of
 from kinematics.mechanisms.five_rpur import inverse
 from kinematics.mechanisms.five_rpur.arrangements import CLASSES, PairKind, arrangements
 from kinematics.mechanisms.five_rpur.design import MODES, FiveRPURDesign
-from kinematics.screws.spatial import common_box
+from kinematics.screws.spatial import common_box, decimals
 
 if TYPE_CHECKING:  # loaded only where it follows
     from kinematics.facets.following import ClosureFollowing
@@ -37,7 +37,7 @@ _NEIGHBOURS = np.array(list(product((-1.0, 0.0, 1.0), repeat=3)))
 def reach(design: FiveRPURDesign) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """A box that holds O' whatever the orientation, rounded outwards to 10 mm: lows and highs."""
     radius = design.stroke[:, 1] + design.link + np.linalg.norm(design.platform, axis=1)
-    low, high = common_box(design.base, radius, 10.0)  # limbs apart: what one of them reaches
+    low, high = common_box(design.base, radius)  # limbs apart: what one of them reaches
     return low, high
 
 
@@ -148,7 +148,7 @@ def _roomiest(
         tried = _margins(design, around, phi, theta)[modes, :, modes]  # (32, 27)
         positions = np.maximum(around[modes, tried.argmax(axis=1)], low)
         step = 0.7 * step
-    positions = np.round(positions)  # a home in whole millimetres is easier to talk about
+    positions = np.round(positions, decimals(float(design.stroke.max())))
     return positions, _margins(design, positions, phi, theta)[modes, modes]
 
 

@@ -13,9 +13,10 @@ from kinematics.mechanisms.four_sps_spr import inverse
 from kinematics.mechanisms.four_sps_spr.constraint import complete_pose
 from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
 from kinematics.mechanisms.four_sps_spr.inverse import rotation, violation
-from kinematics.screws.spatial import common_box
+from kinematics.screws.spatial import common_box, decimals
 
 GRID = 25  # positions tried along each axis of the plane
+_EXACT = 1e-12  # of the size
 ROUNDS = 14  # halvings of the step while the best position is improved
 TILTS = ((0.0, 0.0, 0.0), *((0.0, b, c) for b in (0.2, -0.2) for c in (0.2, -0.2)))
 """Orientations tried in turn, (α, β, γ): level first."""
@@ -25,7 +26,7 @@ TILTS = ((0.0, 0.0, 0.0), *((0.0, b, c) for b in (0.2, -0.2) for c in (0.2, -0.2
 def reach(design: FourSPSSPRDesign) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """A box that holds p whatever the orientation, rounded outwards to 10 mm: lows and highs."""
     radius = design.stroke[:, 1] + np.linalg.norm(design.platform, axis=1)
-    low, high = common_box(design.base, radius, 10.0)  # limbs apart: what one of them reaches
+    low, high = common_box(design.base, radius)  # limbs apart: what one of them reaches
     return low, high
 
 
@@ -56,11 +57,15 @@ def home(design: FourSPSSPRDesign) -> Posture:
 
 def _on_axis(design: FourSPSSPRDesign) -> Posture | None:
     """Level on the z axis above the base where the margin is largest; None if none is reachable."""
-    top = reach(design)[1][2]
-    heights = np.arange(max(np.ceil(design.base[:, 2].max()), 0.0), top + 1.0)[:4000]
+    digits = decimals(float(design.stroke.max()))
+    bottom, top = (
+        max(design.base[:, 2].max(), 0.0) * 10.0**digits,
+        reach(design)[1][2] * 10.0**digits,
+    )
+    heights = np.round(np.arange(np.ceil(bottom), top + 1.0)[:4000] / 10.0**digits, digits)
     poses = np.zeros((len(heights), 6))
     poses[:, 2] = heights
-    held = np.abs(violation(design, poses)) <= 1e-9
+    held = np.abs(violation(design, poses)) <= _EXACT * design.size
     if not held.any():
         return None
     margin = np.where(held, _margins(design, poses[:, :3], (0.0, 0.0, 0.0)), -np.inf)
@@ -70,10 +75,11 @@ def _on_axis(design: FourSPSSPRDesign) -> Posture | None:
 
 def _made_exact(design: FourSPSSPRDesign, pose: tuple[float, ...]) -> tuple[float, ...]:
     """In whole millimetres, which are easier to talk about, where the constraint lets it be so."""
-    rounded = (*(float(np.round(v)) + 0.0 for v in pose[:3]), *pose[3:])
+    digits = decimals(float(design.stroke.max()))
+    rounded = (*(float(np.round(v, digits)) + 0.0 for v in pose[:3]), *pose[3:])
     exact = complete_pose(design, rounded)
-    tidy = tuple(float(np.round(v, 9)) + 0.0 for v in exact)
-    return tidy if abs(float(violation(design, tidy))) <= 1e-9 else exact
+    tidy = tuple(float(np.round(v, digits + 9)) + 0.0 for v in exact)
+    return tidy if abs(float(violation(design, tidy))) <= _EXACT * design.size else exact
 
 
 def _widest(
@@ -99,7 +105,7 @@ def _widest(
     for _ in range(ROUNDS):
         tried = best + span * (grid @ axes)
         margin = _margins(design, tried, angles)
-        margin = np.where(tried[:, 2] >= low[2] - 1e-9, margin, margin - 1e6)
+        margin = np.where(tried[:, 2] >= low[2] - 1e-12 * span, margin, margin - 1e3 * design.size)
         best = tried[int(margin.argmax())]
         span *= 0.4
     return best, float(margin.max())

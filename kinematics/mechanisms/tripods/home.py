@@ -13,9 +13,9 @@ from kinematics.mechanisms.tripods import posing
 from kinematics.mechanisms.tripods.design import MODES, TripodDesign, mode_sign
 from kinematics.mechanisms.tripods.limbs import limb_lengths
 from kinematics.mechanisms.tripods.micr import micr
+from kinematics.screws.spatial import decimals
 
 _LEVELS, _TILTS, _AZIMUTHS = 41, 19, 24  # of the grid that is searched where level is out of reach
-_STEP = 10.0  # mm
 
 
 def reach(design: TripodDesign) -> float:
@@ -27,7 +27,8 @@ def reach(design: TripodDesign) -> float:
     longest = design.stroke[1]
     if not design.revolute_on_base:
         longest = float(np.hypot(longest, design.base_radius))
-    return float(np.ceil(longest / _STEP) * _STEP)
+    step = 10.0 ** (1 - decimals(longest))
+    return float(np.ceil(longest / step) * step)
 
 
 def level_span(design: TripodDesign, mode: str) -> tuple[float, float] | None:
@@ -55,7 +56,7 @@ def home(design: TripodDesign) -> Posture:
         middle = 0.5 * sum(design.stroke)
         z = float(np.sqrt(max(middle**2 - aside**2, 0.0)))
         z = z if span[0] < z < span[1] else 0.5 * (span[0] + span[1])
-        whole = float(np.round(z))  # whole millimetres are easier to talk about
+        whole = float(np.round(z, decimals(z)))
         found = posture(design, (whole if span[0] < whole < span[1] else z, 0.0, 0.0), mode)
         if found.reachable:
             return found

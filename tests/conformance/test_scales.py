@@ -1,0 +1,113 @@
+"""Nothing absolute decides: a machine of any size gives the answers of the usual one, scaled."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+import kinematics as kin
+from kinematics.designs import files
+from kinematics.machine import machine_of
+from kinematics.mechanism import mechanism_class
+from tests.conformance.machines import ONE_EACH, held, machine
+
+FACTORS = (1e-6, 1e-3, 1e3, 1e6)
+
+each = pytest.mark.parametrize("name", ONE_EACH)
+by_factor = pytest.mark.parametrize("factor", FACTORS)
+
+
+@pytest.fixture(autouse=True)
+def larger_than_files_may_say(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(files, "MAX_MAGNITUDE", 1e12)
+
+
+@cache
+def scaled(name: str, factor: float) -> kin.Machine[Any]:
+    """A preset with every length times a factor."""
+    table = dict(machine(name).table)
+    for field in sorted(machine(name).fields, key=lambda f: len(f.path)):
+        if field.unit == "mm":
+            table = _changed(table, field.path, factor)
+    kind = mechanism_class(machine(name).kind)
+    return machine_of(kind.read_design(table, origin="the scaled one", name=""))
+
+
+def _changed(value: Any, path: Any, factor: float) -> Any:
+    if not path:
+        return value * factor
+    if isinstance(value, dict):
+        return {k: _changed(v, path[1:], factor) if k == path[0] else v for k, v in value.items()}
+    return [_changed(v, path[1:], factor) if k == path[0] else v for k, v in enumerate(value)]
+
+
+def lengths(axes: Any, factor: float) -> np.ndarray:
+    return np.array([factor if axis.unit == "mm" else 1.0 for axis in axes])
+
+
+@each
+@by_factor
+def test_it_starts_where_the_usual_one_does(name: str, factor: float) -> None:
+    usual, other = machine(name), scaled(name, factor)
+    by = lengths(usual.coordinates, factor)
+    size = np.where(by == 1.0, 1.0, usual.length * factor)
+    assert other.home.reachable
+    assert other.home.mode == usual.home.mode
+    assert np.abs((np.array(other.home.pose) - by * usual.home.pose) / size).max() < 0.02
+
+
+@each
+@by_factor
+def test_postures_margins_and_singularities(name: str, factor: float) -> None:
+    usual, other = machine(name), scaled(name, factor)
+    by, joints_by = lengths(usual.coordinates, factor), lengths(usual.joints, factor)
+    for one in held(name):
+        there = other.posture(by * one.pose, one.mode)
+        assert there.reachable
+        np.testing.assert_allclose(there.joints, joints_by * one.joints, rtol=1e-9)
+        singular = [m.singularities.at(p, 1e-3) for m, p in ((usual, one), (other, there))]
+        assert [each.kind for each in singular[1]] == [each.kind for each in singular[0]]
+
+
+@each
+@by_factor
+def test_assembly_modes(name: str, factor: float) -> None:
+    usual, other = machine(name), scaled(name, factor)
+    by, joints_by = lengths(usual.coordinates, factor), lengths(usual.joints, factor)
+    before, after = usual.forward(usual.home.joints), other.forward(joints_by * usual.home.joints)
+    assert (after.complete, len(after)) == (before.complete, len(before))
+    size = np.where(by == 1.0, 1.0, usual.length * factor)
+    for pose in before.poses:
+        assert (np.abs((after.poses - by * pose) / size).max(axis=1) < 1e-6).any()
+
+
+@each
+@by_factor
+def test_workspaces(name: str, factor: float) -> None:
+    usual, other = machine(name), scaled(name, factor)
+    if usual.regions is not None:
+        one, two = (m.workspace(usual.home.mode or None).section().area for m in (usual, other))
+        assert two == pytest.approx(one * factor**2, rel=1e-9)
+    for spec in usual.solid_specs:
+        if not spec.key.startswith("workspace"):
+            continue
+        one, two = (
+            m.workspace((usual.home.mode or None) if spec.of_present_mode else None)
+            .solid("preview", key=spec.key)
+            .built
+            for m in (usual, other)
+        )
+        assert two.volume > 0.0
+        assert two.watertight
+        assert len(two.pieces) == len(one.pieces)
+        power = round(np.log(two.volume / one.volume) / np.log(factor))
+        expected, error = one.volume * factor**power, one.volume_error * factor**power
+        assert abs(two.volume - expected) <= 0.2 * error
+        assert two.volume_error == pytest.approx(error, rel=0.1)
+    if usual.sections is not None:
+        one, two = (m.workspace().volume(1e-4) for m in (usual, other))
+        assert two.value == pytest.approx(one.value * factor**3, rel=1e-6)
+        assert len(two.pieces) == len(one.pieces)
