@@ -76,12 +76,17 @@ def test_postures_margins_and_singularities(name: str, factor: float) -> None:
 @by_factor
 def test_assembly_modes(name: str, factor: float) -> None:
     usual, other = machine(name), scaled(name, factor)
-    by, joints_by = lengths(usual.coordinates, factor), lengths(usual.joints, factor)
+    joints_by = lengths(usual.joints, factor)
     before, after = usual.forward(usual.home.joints), other.forward(joints_by * usual.home.joints)
     assert (after.complete, len(after)) == (before.complete, len(before))
-    size = np.where(by == 1.0, 1.0, usual.length * factor)
-    for pose in before.poses:
-        assert (np.abs((after.poses - by * pose) / size).max(axis=1) < 1e-6).any()
+    placed = [
+        np.array([m.transform(pose, mode)[:3] for pose, mode in zip(f.poses, f.modes, strict=True)])
+        for m, f in ((usual, before), (other, after))
+    ]
+    for at, length in zip(placed, (usual.length, usual.length * factor), strict=True):
+        at[..., 3] /= length
+    apart = np.abs(placed[0][:, None] - placed[1]).max(axis=(-1, -2))
+    assert (apart.min(axis=1, initial=np.inf) < 1e-5).all()
 
 
 @each
