@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.features.move.command import wrench_entries
-from app.features.trajectory.files import LOST, polynomial
 from app.terminal import tables, values
 from app.terminal.command import Answer, Output, command, progress
 from app.terminal.options import DESIGN, argument, choice, mode, option, output
@@ -298,6 +297,8 @@ def _at(value: float, time: float, unit: str = "") -> str:
 
 
 def _fit_lines(fits: Fits, axes: Sequence[Coordinate], joints: Sequence[Coordinate]) -> list[str]:
+    from app.features.trajectory.files import LOST, polynomial
+
     lines = ["", f"polynomials of degree {fits.degree}, t in s"]
     for joint, row in zip(joints, fits.coefficients.tolist(), strict=True):
         lines.append(f"{joint.symbol}(t) = {polynomial(row, fits.digits)} {joint.unit}")
