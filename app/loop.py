@@ -89,11 +89,11 @@ class Page:
     def ask(self, act: Callable[A, object], *arguments: A.args, **options: A.kwargs) -> None:
         self._inbox.put(partial(act, *arguments, **options))
 
-    def undo(self) -> None:
-        self._inbox.put(lambda: self._travel(self._history.undo()))
+    def undo(self, looks: bool = False, times: int = 1) -> None:
+        self._inbox.put(lambda: self._undo(looks, times))
 
-    def redo(self) -> None:
-        self._inbox.put(lambda: self._travel(self._history.redo()))
+    def redo(self, looks: bool = False) -> None:
+        self._inbox.put(lambda: self._redo(looks))
 
     def fit_view(self) -> None:
         self._inbox.put(self._fit)
@@ -246,8 +246,17 @@ class Page:
             part.applied(change, before, note)
         return True
 
-    def _travel(self, history: History) -> bool:
-        self._history, self._notes = history, ()
+    def _undo(self, looks: bool, times: int) -> bool:
+        undone = self._history.titles(looks, times)
+        for _ in undone:
+            self._history = self._history.undo(looks)
+        self._notes = (f"Taken back: {'; '.join(undone)}",) if undone else ()
+        return True
+
+    def _redo(self, looks: bool) -> bool:
+        before, self._history = self._history, self._history.redo(looks)
+        done = self._history.titles(looks, 1)
+        self._notes = (f"Done again: {done[0]}",) if self._history is not before else ()
         return True
 
     # --- showing
@@ -275,8 +284,7 @@ class Page:
         self.server.flush()
 
     def sheet(self) -> Sheet:
-        history = self._history
-        return Sheet(self._view, self._notes, bool(history.past), bool(history.future))
+        return Sheet(self._view, self._notes, self._history)
 
     def _assemble(self, review: Review) -> None:
         """Make the panel and the scene's fixed parts for the mechanism of a review."""

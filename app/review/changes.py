@@ -5,11 +5,12 @@ Each feature has its own, in its file `state`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from typing import Any
 
 from app.review.state import Options, Review, Slice
+from app.review.units import number, page_unit
 
 Taken = tuple[Review, str]
 """The review after a change, and a sentence about it for the user ("" when all went well)."""
@@ -31,6 +32,10 @@ class Change:
     @property
     def held(self) -> int:
         return 0
+
+    def title(self, before: Review, after: Review) -> str:
+        """What it did, in a few words: "φ 0 → 20 °"."""
+        return difference(before, after)
 
     def apply(self, review: Review) -> Taken:
         """The review after it.
@@ -77,5 +82,50 @@ class Restore(Change):
 
     review: Review
 
+    def title(self, before: Review, after: Review) -> str:
+        return f"session of {after.design.name}"
+
     def apply(self, review: Review) -> Taken:
         return self.review, ""
+
+
+def difference(before: Review, after: Review) -> str:
+    """What is other in a review than in another one, in a few words."""
+    words = [
+        f"{old.group}: {_change(old.label, number(old.value), number(new.value), old.unit)}"
+        for old, new in zip(before.machine.fields, after.machine.fields, strict=False)
+        if old.value != new.value
+    ]
+    edited = before.design.mechanism == after.design.mechanism and len(words) in (1, 2, 3)
+    if before.design != after.design and not edited:
+        return f"design {before.design.name} → {after.design.name}"
+    if before.mode != after.mode:
+        words.append(_change("mode", before.mode, after.mode).replace("-", "−"))
+    for c, *values in zip(after.machine.coordinates, before.pose, after.pose, strict=True):
+        old, new = (number(round(c.outer(v), 1)) for v in values)
+        if old != new:
+            words.append(_change(c.symbol, old, new, page_unit(c)))
+    for piece in before.slices:
+        other = after[type(piece)]
+        words += [
+            _told(piece.filed_as, f.name, getattr(piece, f.name), getattr(other, f.name))
+            for f in fields(piece)
+            if getattr(piece, f.name) != getattr(other, f.name)
+        ]
+    return ", ".join(words[:2]) + (", …" if len(words) > 2 else "") if words else "a little"
+
+
+def _told(slice_: str, name: str, old: object, new: object) -> str:
+    words = f"{slice_} {name.replace('_', ' ')}"
+    if isinstance(new, bool):
+        words = slice_ if name == "on" else words
+        return f"{words} {'on' if new else 'off'}"
+    if isinstance(old, float) and isinstance(new, float):
+        return _change(words, number(old), number(new))
+    if isinstance(old, str) and isinstance(new, str):
+        return _change(words, old or "none", new or "none")
+    return words
+
+
+def _change(what: str, old: str, new: str, unit: str = "") -> str:
+    return f"{what} {old} → {new} {unit}".rstrip()

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from app.review import content as read
 from app.review.state import Review, new_review
+from app.review.units import within
 from kinematics.designs.files import read_design, write_design
 from kinematics.errors import InputError
 from kinematics.storage import read_text, write_file
@@ -60,7 +61,7 @@ def from_text(text: str, *, origin: str) -> Review:
         if key not in given:
             raise InputError(f"{origin}: pose has no {key}")
         value = c.inner(read.number(given[key], f"{origin}: pose: {key}"))
-        pose.append(min(max(value, c.lower), c.upper))
+        pose.append(within(c, value, beyond=1.0)[0])
     mode = read.typed(content, "working_mode", str, origin)
     read.checked_modes((mode,), fresh.machine, origin)
     gives_way = content.get("gives_way", "")

@@ -26,9 +26,11 @@ class Slice:
 
     Attributes:
         filed_as: what it is called in a session file.
+        LOOKS: the names of those fields that only say how something is shown.
     """
 
     filed_as: ClassVar[str]
+    LOOKS: ClassVar[frozenset[str]] = frozenset()
 
     @classmethod
     def fresh(cls, review: Review) -> Self:
@@ -109,6 +111,9 @@ class Options(Slice):
     """What is drawn beside the solids, and how."""
 
     filed_as: ClassVar[str] = "options"
+    LOOKS: ClassVar[frozenset[str]] = frozenset(
+        ("machine", "labels", "frames", "axes", "grid", "handle", "dark")
+    )
     machine: bool = True
     labels: bool = False
     frames: bool = True
@@ -143,6 +148,18 @@ class Review:
         """The same with these slices instead of those of their kinds."""
         others = {type(piece): piece for piece in pieces}
         return replace(self, slices=tuple(others.get(type(s), s) for s in self.slices))
+
+    def shown_as(self, other: Review) -> Review:
+        """The same, shown as the other review shows it; as it is where that has another kind of
+        machine.
+        """
+        if other.design.mechanism != self.design.mechanism:
+            return self
+        pieces = [
+            replace(piece, **{name: getattr(other[type(piece)], name) for name in piece.LOOKS})
+            for piece in self.slices
+        ]
+        return replace(self, slices=tuple(pieces))
 
     @property
     def machine(self) -> Machine[Any]:

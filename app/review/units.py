@@ -15,14 +15,22 @@ def page_unit(coordinate: Coordinate) -> str:
     return "mm" if coordinate.unit == "mm" else "°"
 
 
-def within(coordinate: Coordinate, value: float) -> tuple[float, str]:
+def within(coordinate: Coordinate, value: float, beyond: float = 0.0) -> tuple[float, str]:
     """A typed number kept in the range that is offered, and a sentence if it had to be kept.
+
+    Args:
+        beyond: so many times its width on either side is taken as it is, too.
 
     Raises:
         InputError: it is not finite.
     """
     if not math.isfinite(value):
         raise InputError(f"{coordinate.symbol} must be a finite number")
+    if coordinate.free:
+        return (value if abs(value) <= 4.0 * math.pi else math.remainder(value, 2.0 * math.pi)), ""
+    further = beyond * (coordinate.upper - coordinate.lower)
+    if further and coordinate.lower - further <= value <= coordinate.upper + further:
+        return value, ""
     kept = min(max(value, coordinate.lower), coordinate.upper)
     # A round trip through degrees may leave the range by an ulp; that is not worth a sentence.
     if abs(kept - value) <= 1e-9 * max(1.0, abs(value)):

@@ -130,7 +130,7 @@ def joint_rows(machine: Machine[Any], posture: Posture) -> tuple[JointRow, ...]:
                 if reason.bound == "link"
                 else f"{amount_text(reason.amount, reason.unit)} beyond"
             )
-        elif margin < NEAR * (c.upper - c.lower):
+        elif not c.free and margin < NEAR * (c.upper - c.lower):
             level, note = "near", "near its end"
         rows.append(
             JointRow(

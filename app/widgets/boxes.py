@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from app.review.changes import Change
@@ -15,28 +16,17 @@ from kinematics.answers.modes import matching
 from kinematics.errors import InputError
 from kinematics.mechanism import Coordinate
 
-# A number box that is left without a number goes back to its last one: viser does not even report
-# what is none. Once for a page, in the browser.
-_BACK = """
-if(!window.boxesGoBack){window.boxesGoBack=1;
-const ok=(i)=>i.value.trim()!==''&&isFinite(+i.value),
-box=(e)=>e.target.closest&&e.target.closest('.mantine-NumberInput-root')?e.target:null,
-keep=(e)=>{const i=box(e);if(i&&ok(i))i.good=i.value;},
-back=(e)=>{const i=box(e);if(!i||ok(i)||i.good===undefined||e.key&&e.key!=='Enter')return;
-Object.getOwnPropertyDescriptor(HTMLInputElement.prototype,'value').set.call(i,i.good);
-i.dispatchEvent(new Event('input',{bubbles:true}));};
-for(const t of ['focusin','input'])document.addEventListener(t,keep,true);
-for(const t of ['focusout','keydown'])document.addEventListener(t,back,true);}
-"""
-NUMBERS_GO_BACK = (
+TYPED_WHEN_LEFT = (  # once for a page, in the browser
     '<img alt="" style="display:none" src="data:image/gif;base64,'
     'R0lGODlhAQABAIAAAAAAAP///yH5BAEAAAAALAAAAAABAAEAAAIBRAA7" '
-    f'onload="{esc(_BACK.replace(chr(10), " ").strip())}">'
+    f'onload="{esc(Path(__file__).with_name("typing.js").read_text(encoding="utf-8"))}">'
 )
 
 
 class Slider:
-    """A slider with its number box; a value outside its range stands at its end."""
+    """A slider with its number box; a value outside its range stands at its end. If it is ``free``
+    such a value can be typed, and the slider reaches as far from then on.
+    """
 
     def __init__(
         self,
@@ -48,15 +38,23 @@ class Slider:
         value: float,
         act: Callable[[float, Client], None],
         digits: int = DIGITS,
+        free: bool = False,
     ) -> None:
         self._desk = desk
         self._digits = digits
+        self._free = free
+        self._range = self._reach = low, high
         value = round(min(max(value, low), high), digits)
         self._handle = desk.gui.add_slider(label, low, high, step, value)
         put_prop(self._handle, "precision", max(digits, TYPED))
         answer(desk, self._handle, act)
 
     def draw(self, low: float, high: float, value: float) -> None:
+        if (low, high) != self._range:
+            self._range = self._reach = low, high
+        if self._free and math.isfinite(value):
+            self._reach = min(self._reach[0], value), max(self._reach[1], value)
+        low, high = self._reach
         put_prop(self._handle, "min", low)
         put_prop(self._handle, "max", high)
         if not math.isfinite(value):

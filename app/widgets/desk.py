@@ -15,6 +15,7 @@ import viser
 from app.jobs.parts import Client as Client
 from app.jobs.parts import Room
 from app.review.changes import Change
+from app.review.history import History
 from app.review.state import Review, Slice
 from app.review.view import View
 from app.scene import palette
@@ -74,8 +75,10 @@ class Desk(Room, Protocol):
     @property
     def hands(self) -> Hands: ...
     def send(self, change: Change, client: Client = None) -> None: ...
-    def undo(self) -> None: ...
-    def redo(self) -> None: ...
+    def undo(self, looks: bool = False, times: int = 1) -> None:
+        """Take back the newest changes, of how the review is shown or of the rest of it."""
+
+    def redo(self, looks: bool = False) -> None: ...
     def cancel(self) -> None: ...
 
 
@@ -85,8 +88,11 @@ class Sheet:
 
     view: View
     notes: tuple[str, ...]
-    can_undo: bool
-    can_redo: bool
+    history: History
+
+    @property
+    def can_undo(self) -> bool:
+        return bool(self.history.titles(False, 1))
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,9 +11,9 @@ from app.review.state import Review
 from app.review.units import sentence
 from app.review.view import Clear, Legend, Moment
 from app.scene import palette
-from app.widgets.boxes import NUMBERS_GO_BACK
+from app.widgets.boxes import TYPED_WHEN_LEFT
 from app.widgets.desk import Group, Sheet
-from app.widgets.texts import AGED_STYLE, aged, bar, box, chip, edged, esc, styled, tone
+from app.widgets.texts import AGED_STYLE, aged, bar, box, chip, esc, styled, tone
 
 PATIENCE = 0.6  # s; work that ends sooner is not worth a progress bar
 
@@ -22,7 +22,7 @@ class Header(Group):
     """A line that is always true, what the colours mean, and what is being computed."""
 
     def build(self, review: Review) -> None:
-        self.gui.add_html(NUMBERS_GO_BACK + AGED_STYLE)
+        self.gui.add_html(TYPED_WHEN_LEFT + AGED_STYLE)
         self._status = self.gui.add_html("")
         self._legend = self.gui.add_html("")
         self._doing = self.gui.add_html(_doing("", 0.0))
@@ -88,32 +88,44 @@ def _doing(title: str, waited: float) -> str:
     )
 
 
+# Of one height whatever is told, and in sight while the panel scrolls; what is too long is whole
+# under the pointer. viser's containers between it and the scroll area must not clip it. Nothing
+# lies under the scroll bar.
+_STATUS = """<style>.status{height:5.8em;overflow:hidden;padding-left:.6em;border-left:4px solid}
+.status>div{display:-webkit-box;-webkit-box-orient:vertical;-webkit-line-clamp:2;overflow:hidden;
+overflow-wrap:anywhere}
+.legend{height:2.9em;overflow:hidden}
+.mantine-ScrollArea-content{padding-right:5px}
+.mantine-ScrollArea-content div:has(.status),.mantine-ScrollArea-content [data-dock-group],
+.mantine-ScrollArea-content div:has(>[data-dock-group]){overflow:visible!important}
+div:has(>div>.status),div:has(>div>div>.status){position:sticky;top:0;z-index:20;
+background:var(--mantine-color-body)}</style>"""
+
+
 def _status(sheet: Sheet, clear: Clear) -> str:
     """The sentence; what of it is still that of a pose before is faint."""
     status = sheet.view.status
-    text = esc(status.text)
+    text, whole = esc(status.text), status.text
     if clear.text and sheet.view.posture.closes:
         text += aged(f" · {esc(clear.text)}", clear.stale, "span")
-    indent = "padding-left:calc(0.6em + 4px)"
-    lines = [edged(text, tone(status.level), "font-weight:600")]
-    if status.remedy:
-        lines.append(styled(esc(status.remedy), indent, "div"))
-    near = f"{indent};color:{tone('near')}"
-    lines += [styled(esc(sentence(note)), near, "div") for note in sheet.notes]
-    # The height is kept so that the tabs below do not jump as the sentence changes.
-    return box(styled("".join(lines), "min-height:4.2em", "div"))
+        whole += f" · {clear.text}"
+    notes = " ".join(filter(None, (status.remedy, *map(sentence, sheet.notes))))
+    return box(
+        f'{_STATUS}<div class="status" style="border-color:{tone(status.level)}" '
+        f'title="{esc(f"{whole} {notes}".strip())}"><div style="font-weight:600">{text}</div>'
+        f'<div style="color:{tone("near")}">{esc(notes)}</div></div>'
+    )
 
 
 def _legend(sheet: Sheet, more: tuple[tuple[str, str], ...]) -> str:
     limbs = sorted({row.limb for row in sheet.view.joints})
-    entries = [(palette.limb_color(n), f"limb {n}") for n in limbs]
-    entries += [
+    entries = (
         (palette.NEAR, "near its end"),
         (palette.BEYOND, "singular, beyond a limit"),
         (palette.WORKSPACE, "workspace"),
-    ]
-    spans = "".join(
-        styled(chip(color) + esc(text), "white-space:nowrap;margin-right:0.9em")
-        for color, text in (*entries, *more)
+        *more,
     )
-    return box(styled(spans, "opacity:0.85", "div"))
+    chips = "".join(f"{chip(palette.limb_color(n))}{n} " for n in limbs)
+    words = [f"limbs {chips}", *(chip(color) + esc(text) for color, text in entries)]
+    spans = " ".join(styled(each, "white-space:nowrap;margin-right:0.9em") for each in words)
+    return box(f'<div class="legend" style="opacity:0.85">{spans}</div>')

@@ -18,6 +18,7 @@ class Coordinate:
     """One pose or joint coordinate: how it is called, its unit and the range worth offering.
 
     ``signed``: it may be negative, as an angle or the place of a slider, and not a leg's length.
+    ``free``: it turns round and round; the range is one turn, and no stroke.
     """
 
     key: str
@@ -27,6 +28,7 @@ class Coordinate:
     upper: float
     limb: int | None = None
     signed: bool = False
+    free: bool = False
 
     @property
     def json_key(self) -> str:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import io
+import json
+import math
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -11,6 +13,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from app.features.move.state import Drive, Visit
+from app.review import view
+from app.review.changes import change
+from app.review.state import new_review
+from kinematics.designs.files import load_design
 from kinematics.machine import machine_of
 from tests.conftest import Finished, answered, refused
 
@@ -362,3 +369,24 @@ def test_how_far_a_machine_gets_that_is_driven_along_a_path(here: Run, tmp_path:
     assert "A machine driven along it stops at" in here("trajectory", "five-bar", "down.csv").stdout
     (tmp_path / "fine.csv").write_text("x,y\n0,804\n100,700\n")
     assert answered(here("trajectory", "five-bar", "fine.csv", "--json"))["driven"] is None
+
+
+def test_a_crank_without_a_range_has_no_stroke_to_be_outside_of(
+    here: Run, tmp_path: Path, root: Path
+) -> None:
+    turned = answered(here("fk", "five-bar", "--joints", "190,-370", "--json"))
+    assert turned["warnings"] == []
+    assert "stroke" not in here("fk", "five-bar", "--joints", "190,-10").stderr
+    text = (root / "assets/designs/five-bar.toml").read_text()
+    (tmp_path / "ranged.toml").write_text(f"joint_range_deg = [[-179, 180], [0, 175]]\n{text}")
+    ranged = json.loads(here("fk", "ranged.toml", "--joints", "190,176", "--json").stdout)
+    assert ["θ₁ = 190°" in each for each in ranged["warnings"]] == [True, False]
+    home = new_review(load_design("five-bar"))
+    (found,) = home.machine.forward([(math.radians(178.0), math.radians(140.0))])
+    there, _ = change(home, Visit(tuple(found.poses[0].tolist()), found.modes[0]))
+    on, note = change(there, Drive(0, math.radians(185.0)))
+    assert note == ""
+    for review in (there, on):
+        row = view.joint_rows(home.machine, review.posture)[0]
+        assert abs(row.value) > 174.0
+        assert (row.level, row.note) == ("good", "")

@@ -121,6 +121,26 @@ def test_an_export_reloads_watertight_with_the_stated_volume(tab: Tab, tmp_path:
     assert solid.volume == pytest.approx(24_501_399, rel=1e-4)
 
 
+def test_a_picture_of_the_view_shows_the_machine(tab: Tab, tmp_path: Path) -> None:
+    _wait_for_solid(tab)
+    tab.open_tab("Review")
+    with tab.page.expect_download(timeout=60_000) as started:
+        tab.page.get_by_role("button", name="Picture of the view (PNG)").click()
+    assert started.value.suggested_filename == "rpur-table1_view.png"
+    started.value.save_as(tmp_path / "view.png")
+    picture = np.asarray(Image.open(tmp_path / "view.png").convert("RGBA")).astype(int)
+    assert picture.shape[1] >= 1600 - 2
+    assert (picture[..., 3] == 255).all()
+    drawn = (picture[..., :3].min(axis=2) < 250).mean()
+    assert drawn > 0.1, "nothing but its ground"
+    orange = (picture[..., 0] > 190) & (picture[..., 1] > 100) & (picture[..., 2] < 60)
+    assert orange.sum() > 200, "limb 2"
+    seen = np.asarray(Image.open(tab.shot("seen")).convert("RGB")).astype(int)
+    seen = seen[:, : SIZE["width"] - 410]
+    ratio = (seen.min(axis=2) < 250).mean() / drawn
+    assert 0.3 < ratio < 3.0
+
+
 def test_a_broken_design_file_is_told_and_nothing_is_lost(tab: Tab, tmp_path: Path) -> None:
     volume = _wait_for_solid(tab)
     broken = tmp_path / "mine.toml"

@@ -42,7 +42,9 @@ class EditDesign(Change):
         for path, value in self.edits:
             machine = machine.edited(path, value)
         coordinates = review.machine.coordinates
-        pose = tuple(within(c, v)[0] for c, v in zip(coordinates, review.pose, strict=True))
+        pose = tuple(
+            within(c, v, beyond=1.0)[0] for c, v in zip(coordinates, review.pose, strict=True)
+        )
         edited = replace(review, design=machine.design, pose=pose)
         try:
             return replace(edited, pose=completed(edited, pose)), ""

@@ -85,7 +85,8 @@ class MovePanel(Panel):
 
         low, high, shown = (c.outer(v) for v in (c.lower, c.upper, value))
         shown = shown if math.isfinite(shown) else low
-        return Slider(self.desk, f"{c.symbol} ({page_unit(c)})", low, high, STEP, shown, send)
+        label, free = f"{c.symbol} ({page_unit(c)})", change is Move
+        return Slider(self.desk, label, low, high, STEP, shown, send, free=free)
 
     def _offer_modes(self, review: Review) -> None:
         """A list of operation modes, a switch for each limb that has a sign, or both."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from app.review.changes import Change, Taken
 from app.review.state import Review
-from app.review.units import within
+from app.review.units import joint_text, place_text, within
 from kinematics.errors import InputError
 from kinematics.mechanism import Coordinate
 
@@ -24,7 +24,8 @@ class Move(Change):
         return f"move {self.index}"
 
     def apply(self, review: Review) -> Taken:
-        value, note = within(_nth(review.machine.coordinates, self.index), self.value)
+        axis = _nth(review.machine.coordinates, self.index)
+        value, note = within(axis, self.value, beyond=1.0)  # out of reach, and told why
         pose = (*review.pose[: self.index], value, *review.pose[self.index + 1 :])
         return replace(review, pose=completed(review, pose, self.index)), note
 
@@ -57,6 +58,10 @@ class Drive(Change):
     @property
     def gesture(self) -> str:
         return f"drive {self.index}"
+
+    def title(self, before: Review, after: Review) -> str:
+        joint = after.machine.joints[self.index]
+        return f"{joint.symbol} driven to {joint_text(joint, self.value)}"
 
     def apply(self, review: Review) -> Taken:
         value, note = within(_nth(review.machine.joints, self.index), self.value)
@@ -101,6 +106,9 @@ class Visit(Change):
     pose: tuple[float, ...]
     mode: str
 
+    def title(self, before: Review, after: Review) -> str:
+        return f"to another solution, {place_text(after.machine.coordinates, after.pose)}"
+
     def apply(self, review: Review) -> Taken:
         # Not kept within the sliders' range: a solution next to it would be none.
         known = self.mode in review.machine.modes and len(self.pose) == len(review.pose)
@@ -112,6 +120,9 @@ class Visit(Change):
 @dataclass(frozen=True)
 class GoHome(Change):
     """Back to the design's home posture."""
+
+    def title(self, before: Review, after: Review) -> str:
+        return "home position"
 
     def apply(self, review: Review) -> Taken:
         home = review.machine.home

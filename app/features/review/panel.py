@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import viser
@@ -13,8 +14,9 @@ from app.features.workspace.part import SolidsPart
 from app.review import session
 from app.review.changes import Restore, SetOption
 from app.review.state import Options, Review
+from app.review.units import sentence
 from app.terminal.tables import LOCUS
-from app.widgets.desk import Client, Panel, Said, Sheet, explain
+from app.widgets.desk import Client, Group, Panel, Said, Sheet, explain
 from app.widgets.texts import box, esc
 from kinematics.errors import InputError
 from kinematics.facets.solids import RESOLUTIONS
@@ -46,6 +48,48 @@ Whoever opens this page's address sees and steers the same review; a reload lose
 """
 
 
+class StepsFolder(Group):
+    """What was done, the newest first: pressing one takes it and all after it back."""
+
+    LOOKS = False
+    TITLES = ("Changes", "Undo", "Redo")
+    MOST = 10
+
+    def build(self, review: Review) -> None:
+        icon, (title, undo, redo) = viser.Icon, self.TITLES
+        with self.gui.add_folder(title):
+            self._undo = self.button(undo, partial(self._take_back, 0), icon=icon.ARROW_BACK_UP)
+            self._redo = self.button(
+                redo, lambda _: self.desk.redo(self.LOOKS), icon=icon.ARROW_FORWARD_UP
+            )
+            self._steps = [
+                self.button("", partial(self._take_back, n), visible=False)
+                for n in range(self.MOST)
+            ]
+
+    def draw(self, sheet: Sheet) -> None:
+        super().draw(sheet)
+        titles = sheet.history.titles(self.LOOKS, self.MOST)
+        self.set(self._undo, disabled=not titles)
+        redoable = any(step.looks == self.LOOKS for step in sheet.history.future)
+        self.set(self._redo, disabled=not redoable)
+        for n, button in enumerate(self._steps):
+            self.set(button, visible=n < len(titles))
+            if n < len(titles):
+                self.set(button, label=sentence(titles[n]))
+
+    def _take_back(self, n: int, _: Client) -> None:
+        self.desk.undo(self.LOOKS, n + 1)
+
+
+class LooksFolder(StepsFolder):
+    """The same of what is shown, and how."""
+
+    LOOKS = True
+    TITLES = ("Changes of the display", "Display as before", "Display as after")
+    MOST = 5
+
+
 class ReviewPanel(Panel):
     """Exports, the session file, undo and redo, and what is drawn."""
 
@@ -54,8 +98,7 @@ class ReviewPanel(Panel):
     def build(self, review: Review) -> None:
         gui, desk, icon = self.gui, self.desk, viser.Icon
         part = desk.part(ReviewPart)
-        self._undo = self.button("Undo", lambda _: desk.undo(), icon=icon.ARROW_BACK_UP)
-        self._redo = self.button("Redo", lambda _: desk.redo(), icon=icon.ARROW_FORWARD_UP)
+        self.groups.append(StepsFolder(desk, self.sheet))
         with gui.add_folder("Save a solid"):
             self._solid = gui.add_dropdown("Solid", (NONE,))
             self._format = gui.add_dropdown("Format", tuple(f.upper() for f in FORMATS))
@@ -70,14 +113,10 @@ class ReviewPanel(Panel):
             for name, (title, command) in OPTIONS.items():
                 self.switch(title, Options, name, SetOption, command=command)
             self.button("Fit the view", lambda _: desk.fit_view(), icon=icon.MAXIMIZE)
+            self.groups.append(LooksFolder(desk, self.sheet))
         gui.add_html(box(f"This page: <b>{esc(desk.address)}</b>"))
         explain(gui, HELP)
         self._keys: dict[str, tuple[str, str]] = {}  # the solid's, and which part of it
-
-    def draw(self, sheet: Sheet) -> None:
-        super().draw(sheet)
-        self.set(self._undo, disabled=not sheet.can_undo)
-        self.set(self._redo, disabled=not sheet.can_redo)
 
     def told(self, sheet: Sheet, news: Any) -> None:
         if not isinstance(news, Solids):

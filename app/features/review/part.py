@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+import json
+from pathlib import Path
+
+import viser._messages
 
 from app.features.review.files import ExportedFile, solid_name
 from app.jobs.parts import Client, Part, Stage
-from app.review.state import Review
+from app.review.state import Options, Review
 from kinematics.mechanism import Design
+
+PICTURE = Path(__file__).with_name("picture.js")
 
 
 class ReviewPart(Part):
@@ -36,20 +41,21 @@ class ReviewPart(Part):
         self.stage.put(told)
 
     def picture(self, client: Client) -> None:
-        """A picture of one browser's view."""
-
-        def make(client: Any) -> ExportedFile:
-            import imageio.v3 as iio
-
-            camera = client.camera
-            scale = max(1.0, 1600.0 / max(camera.image_width, 1))
-            height, width = int(camera.image_height * scale), int(camera.image_width * scale)
-            image = client.get_render(height, width, transport_format="png")
-            name = f"{solid_name(self.stage.review.design, 'view', ())}.png"
-            return ExportedFile(name, iio.imwrite("<bytes>", image, extension=".png"))
-
-        missing = "a picture is taken of one browser's view; press the button there"
-        self.save(client, make, client, missing)
+        """Have one browser save a picture of its view."""
+        if client is None:
+            self.stage.complain("a picture is taken of one browser's view; press the button there")
+            return
+        review = self.stage.review
+        given = {
+            "WIDTH": 1600,
+            "GROUND": "#141414" if review[Options].dark else "#FFFFFF",
+            "NAME": f"{solid_name(review.design, 'view', ())}.png",
+        }
+        source = PICTURE.read_text(encoding="utf-8")
+        for name, value in given.items():
+            source = source.replace(name, json.dumps(value))
+        connection = client._websock_connection  # no public way to run what the page needs
+        connection.queue_message(viser._messages.RunJavascriptMessage(source=source))
 
     def scene_page(self, client: Client) -> None:
         """The scene as one file that anyone can open and turn."""

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from app.terminal.poses import Given
     from kinematics.answers.sections import Box, Sphere
     from kinematics.facets.sections import SectionsFacet
+    from kinematics.facets.spaces import Space
     from kinematics.machine import Machine
 
 
@@ -55,12 +56,28 @@ def volume(
         f"sections  {found.sections}, in {tables.seconds_text(seconds)}",
     ]
     if usable or around is not None:
+        together, home = modes is None and len(machine.modes) > 1, machine.home.mode
         with progress("Largest sphere and box"):
-            sphere, box = space.largest_ball(around), space.largest_box(around)
-        data["sphere"] = sphere and tables.record(sphere, "center_mm", "radius_mm", "error_mm")
-        data["box"] = box and tables.record(box, "low_mm", "high_mm", "volume_mm3", "error_mm")
-        lines += [f"sphere    {_sphere(sphere)}", f"box       {_box(box)}"]
+            if together:
+                told, own = _usable(angles.space((home,)), around)
+                data["home_mode"] = {"mode": home, **own}
+                named = tables.modes_text((home,), machine.mode_noun)
+                lines += ["", f"{named}, which a machine keeps on its way", *told, ""]
+                lines += [f"{tables.modes_text(None, machine.mode_noun)} together"]
+            told, own = _usable(space, around)
+        data |= own
+        lines += told
     return Answer(data, lines)
+
+
+def _usable(space: Space[Any], around: list[float] | None) -> tuple[list[str], dict[str, Any]]:
+    """The largest sphere and box in a workspace, in lines and for JSON."""
+    sphere, box = space.largest_ball(around), space.largest_box(around)
+    data = {
+        "sphere": sphere and tables.record(sphere, "center_mm", "radius_mm", "error_mm"),
+        "box": box and tables.record(box, "low_mm", "high_mm", "volume_mm3", "error_mm"),
+    }
+    return [f"sphere    {_sphere(sphere)}", f"box       {_box(box)}"], data
 
 
 def _sphere(found: Sphere | None) -> str:

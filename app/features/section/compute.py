@@ -96,6 +96,10 @@ class Extent:
     across: Bounds | None
 
 
+Modes = tuple[str, ...] | None
+"""Working modes; None for all of them together."""
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Drawn:
     """A section as the page shows it.
@@ -125,7 +129,8 @@ class Sections:
     Attributes:
         drawn: the section, or while ``stale`` the one before.
         volume: of the present workspace; while it is not known ``old_volume`` is of one before.
-        ball, box: the largest ones in the present workspace, if a person asked for them.
+        ball, box: the largest ones in the present workspace, if a person asked for them, and of
+            which modes that is.
         trouble: what could not be computed.
     """
 
@@ -133,14 +138,15 @@ class Sections:
     stale: bool
     volume: Volume | None
     old_volume: Volume | None
-    ball: Sphere | None
-    box: Box | None
+    ball: tuple[Sphere, Modes] | None
+    box: tuple[Box, Modes] | None
     trouble: str
 
 
-def region(review: Review) -> Region:
-    """What is cut in a review whose mechanism has sections."""
-    machine, design, modes = review.machine, review.design, solver_modes(review)
+def region(review: Review, *, present: bool = False) -> Region:
+    """What is cut in a review whose mechanism has sections; that of its ``present`` mode alone."""
+    machine, design = review.machine, review.design
+    modes = (review.mode,) if present else solver_modes(review)
     request = required(machine.solids, "solids").request("workspace", review.pose, modes, "fine")
     what = (request.mechanism, *request.arguments)
     return Region(what, design, review.pose, modes)

@@ -65,10 +65,12 @@ class SectionPart(Part):
         region = compute.region(review) if has else None
         if region != self._region:
             self._region = region
-            self._asked.clear()
             self._going = None
         if region is None:
+            self._asked.clear()
             return
+        of = region, compute.region(review, present=True)
+        self._asked = {what: asked for what, asked in self._asked.items() if asked[0] in of}
         if review[Cut].on:
             yield compute.SECTION(compute.wish(review))
         yield compute.VOLUME(region)
@@ -101,14 +103,19 @@ class SectionPart(Part):
             return False
         return self.stage.apply(MoveCut(round(at, DIGITS), held=self._grip.number), None)
 
-    def inscribe(self, what: str, here: bool) -> None:
-        """Find the largest ball or box in the workspace, about the platform or anywhere."""
+    def inscribe(self, what: str, here: bool, together: bool = False) -> None:
+        """Find the largest ball or box in the workspace, about the platform or anywhere.
+
+        In that of the present mode, which a machine cannot change on the way; or ``together`` in
+        that of all the modes that are shown.
+        """
         if self._region is None:
             return
         position = self.stage.view.platform[:3, 3]
         center = tuple(float(v) for v in position) if here else None
         self.answers.forget(QUESTIONS[what])
-        self._asked[what] = self._region, center
+        region = compute.region(self.stage.review, present=not together)
+        self._asked[what] = region, center
         self.follow()
 
     def forget_inscribed(self) -> None:
@@ -124,7 +131,7 @@ class SectionPart(Part):
         self._going = (client,)
         if self.answers[compute.BALL].now is not None:
             return self._go()
-        self.inscribe("ball", here=False)
+        self.inscribe("ball", here=False, together=True)
         return False
 
     def _go(self) -> bool:
@@ -162,16 +169,21 @@ class SectionPart(Part):
             section.stale,
             volume.now,
             volume.old,
-            next(iter(self.answers[compute.BALL].now or ()), None),
-            next(iter(self.answers[compute.BOX].now or ()), None),
+            self._found("ball"),
+            self._found("box"),
             section.trouble or volume.trouble,
         )
         if found.drawn is not None:
             self._plane.fill(found.drawn)
         self._place()
-        self._inside.show(found.ball, found.box)
+        self._inside.show(found.ball and found.ball[0], found.box and found.box[0])
         if self._region is not None:
             self.stage.tell(found)
+
+    def _found(self, what: str) -> Any:
+        """The largest ball or box with the modes that it is of."""
+        found = self.answers[QUESTIONS[what]].now
+        return (found[0], self._asked[what][0].modes) if found and what in self._asked else None
 
     def save_section(self, kind: str, client: Client) -> None:
         """Save the section as a file of this kind."""

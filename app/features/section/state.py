@@ -22,6 +22,7 @@ class Cut(Slice):
     """The plane: whether it is on display, and where, mm."""
 
     filed_as: ClassVar[str] = "section"
+    LOOKS: ClassVar[frozenset[str]] = frozenset(("on",))
     on: bool = False
     at: float = 0.0
 

@@ -37,6 +37,9 @@ class Control(Slice):
     """
 
     filed_as: ClassVar[str] = "control"
+    LOOKS: ClassVar[frozenset[str]] = frozenset(
+        ("wrenches", "clearances", "locus", "chart", "shade", "compare", "forces", "arrow")
+    )
     wrenches: bool = False
     clearances: bool = False
     locus: bool = True

@@ -206,7 +206,7 @@ def fk(
         "warnings": [
             _beyond_stroke(value, axis)
             for value, axis in zip(inner, actuators, strict=True)
-            if not axis.lower <= value <= axis.upper
+            if not (axis.free or axis.lower <= value <= axis.upper)
         ],
         "self_motions": [
             {

@@ -34,9 +34,9 @@ button:has(.sol) .mantine-Button-section,button:has(.sol) .mantine-Button-sectio
 width:100%;height:auto;margin:0;position:static}}
 div:has(>button .sol){{margin:0 4px!important;padding-bottom:3px!important}}
 div:has(>div>button .sol){{max-height:19.5rem;overflow-y:auto;scrollbar-width:thin;
-padding-top:0!important}}
+padding-top:8px!important}}
 .sol{{display:flex;align-items:center;gap:4px;text-align:left;line-height:1.35;font-size:10.5px;
-white-space:nowrap;font-variant-numeric:tabular-nums}}
+white-space:normal;font-variant-numeric:tabular-nums}}
 .sol svg{{position:static!important;transform:none!important;flex:none;
 height:{HEIGHT}px!important;width:auto!important;fill:none;stroke:currentColor;stroke-width:1}}
 .sol .t{{stroke-width:3.5}}.sol .a{{opacity:.35}}.sol .h{{stroke-width:2}}
@@ -58,9 +58,9 @@ def row_html(row: Row, axes: Sequence[Coordinate]) -> str:
     where = [c for c in axes if c.unit == "mm"]
     turned = [c for c in axes if c.unit == "rad"]
     value = {c.key: c.outer(v) for c, v in zip(axes, row.pose, strict=True)}
-    first = " ".join(f"<q>{esc(c.symbol)}</q> {tenths(value[c.key])}" for c in where)
-    first += " <q>mm</q> " if where else ""
-    first += " ".join(f"<q>{esc(c.symbol)}</q> {tenths(value[c.key])}°" for c in turned)
+    first = " ".join(f"<q>{esc(c.symbol)}</q>\xa0{tenths(value[c.key])}" for c in where)
+    first += "\xa0<q>mm</q> " if where else ""
+    first += " ".join(f"<q>{esc(c.symbol)}</q>\xa0{tenths(value[c.key])}°" for c in turned)
     marks = "<u>here</u> " if row.here else f"{tenths(row.distance)} <q>mm away</q> "
     marks += "<u>new</u> " if row.new else ""
     second = (

@@ -25,6 +25,7 @@ class Atlas(Slice):
     """
 
     filed_as: ClassVar[str] = "solutions"
+    LOOKS: ClassVar[frozenset[str]] = frozenset(("ghosts", "sort", "within_stroke", "modes"))
     ghosts: bool = False
     sort: Sort = "distance"
     within_stroke: bool = False

@@ -66,6 +66,7 @@ class Plan(Slice):
     """
 
     filed_as: ClassVar[str] = "trajectory"
+    LOOKS: ClassVar[frozenset[str]] = frozenset(("on",))
     on: bool = False
     way: str = STRAIGHT
     start: Pose = ()

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from app.features.section.compute import Sections
+from typing import Any
+
+from app.features.section.compute import Modes, Sections
 from app.features.workspace.compute import Built, Laying, Solids, inside, region_colors
 from app.features.workspace.state import ASPECTS
 from app.review.state import Review
 from app.review.units import area_text, minus, plural, spaced, tenths, volume_text
+from app.review.view import mode_text
 from app.scene import palette
 from app.terminal.tables import surface_text
 from app.widgets.texts import NUMERIC, aged, box, chip, esc, faint, red, styled, table, tone
 from kinematics.answers.sections import Volume
+from kinematics.machine import Machine
 
 
 def report_html(review: Review, solids: Solids) -> str:
@@ -96,19 +100,28 @@ def _exact(volume: Volume) -> str:
     return f"Exact: <b>{volume_text(volume.value, volume.error)}</b> {faint(f'({exact})')}"
 
 
-def inscribed_html(sections: Sections) -> str:
-    """The largest ball and box."""
+def inscribed_html(machine: Machine[Any], sections: Sections) -> str:
+    """The largest ball and box, and of which modes they are."""
     lines = []
     if sections.ball is not None:
-        center = ", ".join(map(tenths, sections.ball.center))
-        lines.append(f"Ball: radius <b>{sections.ball.radius:.2f} mm</b> about {center} mm")
+        ball, modes = sections.ball
+        center = ", ".join(map(tenths, ball.center))
+        text = f"Ball: radius <b>{ball.radius:.2f} mm</b> about {center} mm"
+        lines.append(f"{text}, {_of_modes(machine, modes)}")
     if sections.box is not None:
-        sides = " × ".join(f"{v:.1f}" for v in sections.box.high - sections.box.low)
-        center = ", ".join(map(tenths, 0.5 * (sections.box.low + sections.box.high)))
-        lines.append(
-            f"Box: <b>{sides} mm</b> about {center} mm, {volume_text(sections.box.volume)}"
-        )
+        box_, modes = sections.box
+        sides = " × ".join(f"{v:.1f}" for v in box_.high - box_.low)
+        center = ", ".join(map(tenths, 0.5 * (box_.low + box_.high)))
+        text = f"Box: <b>{sides} mm</b> about {center} mm, {volume_text(box_.volume)}"
+        lines.append(f"{text}, {_of_modes(machine, modes)}")
     return box("<br>".join(lines)) if lines else ""
+
+
+def _of_modes(machine: Machine[Any], modes: Modes) -> str:
+    if modes is not None and len(modes) == 1:
+        return mode_text(machine, modes[0])
+    count = "all" if modes is None else f"{len(modes)}"
+    return f"{count} {machine.mode_noun}s together: no machine goes from one to another in it"
 
 
 def regions_html(laying: Laying) -> str:

@@ -170,8 +170,19 @@ class UsableFolder(Group):
                 False,
                 hint="Centred where the platform is; otherwise wherever the most room is",
             )
-            self.button("Largest ball", lambda _: desk.ask(part.inscribe, "ball", here.value))
-            self.button("Largest box", lambda _: desk.ask(part.inscribe, "box", here.value))
+            together = gui.add_checkbox(
+                "Modes together",
+                False,
+                hint="In all the modes that are shown; otherwise in the present one, as a machine "
+                "cannot change its mode on the way",
+                visible=len(review.machine.modes) > 1,
+            )
+
+            def find(what: str, _: Client) -> None:
+                desk.ask(part.inscribe, what, here.value, together.value)
+
+            self.button("Largest ball", partial(find, "ball"))
+            self.button("Largest box", partial(find, "box"))
             self._told = gui.add_html("")
             self._go = self.button(
                 "Platform to the ball's centre",
@@ -184,7 +195,7 @@ class UsableFolder(Group):
 
     def told(self, sheet: Sheet, news: Any) -> None:
         if isinstance(news, Sections):
-            self.say(self._told, html.inscribed_html(news))
+            self.say(self._told, html.inscribed_html(self.review.machine, news))
             self.set(self._hide, visible=news.ball is not None or news.box is not None)
             self.set(self._go, visible=news.ball is not None)
 

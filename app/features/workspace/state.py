@@ -34,6 +34,8 @@ class Workspace(Slice):
     ``surface`` what its solid is made of.
     """
 
+    filed_as: ClassVar[str] = "workspace"
+    LOOKS: ClassVar[frozenset[str]] = frozenset(("solids",))
     modes: ModeChoice | tuple[str, ...] = "all"
     solids: tuple[Shown, ...] = (Shown("workspace", _OPACITY["workspace"]),)
     surface: SurfaceKind = SURFACES[0]
@@ -98,6 +100,7 @@ class Flat(Slice):
     """Regions of a workspace that lies in a plane: whether they are on display, and which."""
 
     filed_as: ClassVar[str] = "regions"
+    LOOKS: ClassVar[frozenset[str]] = frozenset(("on", "key", "locus"))
     on: bool = True
     key: str = "workspace"
     locus: bool = True
@@ -124,6 +127,10 @@ class Show(Change):
     key: str
     on: bool
 
+    def title(self, before: Review, after: Review) -> str:
+        spec = next(spec for spec in after.machine.solid_specs if spec.key == self.key)
+        return f"{spec.title} {'shown' if self.on else 'hidden'}"
+
     def apply(self, review: Review) -> Taken:
         specs = {spec.key: n for n, spec in enumerate(review.machine.solid_specs)}
         if self.key not in specs:
@@ -147,6 +154,9 @@ class Fade(Change):
     @property
     def gesture(self) -> str:
         return f"fade {self.keys}"
+
+    def title(self, before: Review, after: Review) -> str:
+        return f"opacity {self.opacity:g}"
 
     def apply(self, review: Review) -> Taken:
         if not 0.0 <= self.opacity <= 1.0:

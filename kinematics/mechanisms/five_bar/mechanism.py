@@ -61,10 +61,11 @@ class FiveBar(Mechanism[FiveBarDesign]):
     def joint_coordinates(self) -> tuple[Coordinate, ...]:
         found = []
         for i, (low, high) in enumerate(self.design.joint_range.tolist()):
-            if bool(np.isinf(low)):
+            free = bool(np.isinf(low))
+            if free:
                 low, high = -float(np.pi), float(np.pi)
-            symbol = f"θ{designs.SUBSCRIPTS[i]}"
-            found.append(Coordinate(f"theta{i + 1}", symbol, "rad", low, high, limb=i + 1))
+            key, symbol = f"theta{i + 1}", f"θ{designs.SUBSCRIPTS[i]}"
+            found.append(Coordinate(key, symbol, "rad", low, high, limb=i + 1, free=free))
         return tuple(found)
 
     def joints(self, poses: Array, mode: str) -> Array:
