@@ -18,6 +18,7 @@ from functools import partial
 from typing import Any, ParamSpec, TypeVar
 
 import viser
+import viser._messages
 
 from app.features import each
 from app.features.review.files import ExportedFile
@@ -121,6 +122,10 @@ class Page:
             each_one.send_file_download(file.name, file.data, save_immediately=True)
 
     # --- what parts ask for (Stage)
+
+    def run_script(self, source: str, client: viser.ClientHandle) -> None:
+        connection = client._websock_connection
+        connection.queue_message(viser._messages.RunJavascriptMessage(source=source))
 
     @property
     def view(self) -> compute.View:

@@ -86,6 +86,9 @@ class Stage(Room, Protocol):
         """The present one, be it not on the page yet."""
 
     def sheet(self) -> Sheet: ...
+    def run_script(self, source: str, client: Client) -> None:
+        """Have one browser run a script."""
+
     def tell(self, news: object, view: View | None = None) -> None:
         """Hand something to the panels that show it, with the view that it is of."""
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-import viser._messages
-
 from app.features.review.files import ExportedFile, solid_name
 from app.jobs.parts import Client, Part, Stage
 from app.review.state import Options, Review
@@ -54,8 +52,7 @@ class ReviewPart(Part):
         source = PICTURE.read_text(encoding="utf-8")
         for name, value in given.items():
             source = source.replace(name, json.dumps(value))
-        connection = client._websock_connection  # no public way to run what the page needs
-        connection.queue_message(viser._messages.RunJavascriptMessage(source=source))
+        self.stage.run_script(source, client)
 
     def scene_page(self, client: Client) -> None:
         """The scene as one file that anyone can open and turn."""
