@@ -106,10 +106,14 @@ def read(text: str, *, origin: str = "the text", name: str = "") -> Machine[Desi
 
 
 def write(machine: Machine[Any]) -> str:
-    """The design of a machine as TOML text, which `read` reads back equal."""
-    from kinematics.designs.files import write_design
+    """The design of a machine as TOML text, which `read` reads back equal.
 
-    return write_design(machine.design)
+    Only that a preset with other numbers no longer says that it is the preset, but edited from it.
+    """
+    from kinematics.designs.files import write_design
+    from kinematics.designs.origins import as_written
+
+    return write_design(as_written(machine.design))
 
 
 def __getattr__(name: str) -> Any:

@@ -11,9 +11,11 @@ import pytest
 from app.features.design.state import EditDesign, UseDesign
 from app.features.map.state import Chart, SetChart, Span
 from app.features.move.state import Drive, Flip, GoHome, Move, Place, Visit
+from app.features.review.files import design_file
 from app.features.section.state import Cut, MoveCut, SetCut, point_in_section
 from app.features.solutions.state import Atlas, SetAtlas
 from app.features.workspace.state import ChooseModes, Fade, Show, Workspace, solver_modes
+from app.review import session
 from app.review.changes import SetOption, change
 from app.review.history import History
 from app.review.state import Review, new_review
@@ -319,3 +321,17 @@ def test_another_design_keeps_section_and_map(review: Review) -> None:
     assert other[Cut].on
     assert other[Cut].at == pytest.approx(point_in_section(other)[0])
     assert other[Chart] == shown[Chart]
+
+
+def test_what_is_saved_of_an_edited_preset_says_that_it_was_edited(review: Review) -> None:
+    name, link = review.design.name, review.design.limbs[0].link  # type: ignore[attr-defined]
+    edited, _ = change(review, EditDesign(((("limb", 0, "link"), 175.0),)))
+    file = design_file(edited.design)
+    assert file.name == f"{name}-edited.toml"
+    text = file.data.decode()
+    assert "(edited)" in text
+    assert f'source = "edited from {name};' in text
+    assert session.from_text(session.to_text(edited), origin="x").design == edited.design
+    back, _ = change(edited, EditDesign(((("limb", 0, "link"), link),)))
+    assert back.design == review.design
+    assert design_file(back.design).name == f"{name}.toml"

@@ -8,6 +8,7 @@ from app.features.move.state import completed
 from app.review.changes import Change, Taken
 from app.review.state import Review, new_review
 from app.review.units import within
+from kinematics.designs.origins import as_edited
 from kinematics.errors import InputError
 from kinematics.mechanism import Design
 
@@ -45,7 +46,7 @@ class EditDesign(Change):
         pose = tuple(
             within(c, v, beyond=1.0)[0] for c, v in zip(coordinates, review.pose, strict=True)
         )
-        edited = replace(review, design=machine.design, pose=pose)
+        edited = replace(review, design=as_edited(machine.design), pose=pose)
         try:
             return replace(edited, pose=completed(edited, pose)), ""
         except InputError:  # what the new numbers ask of the pose nothing can give; told there

@@ -151,9 +151,11 @@ def solid_name(
 
 
 def design_file(design: Design) -> ExportedFile:
-    """A design as a design file (TOML) that reads back equal."""
+    """A design as a design file (TOML) that reads back equal, but for what `as_written` changes."""
     from kinematics.designs.files import write_design
+    from kinematics.designs.origins import as_written
 
+    design = as_written(design)
     text = write_design(design)
     return ExportedFile(f"{sanitized(design.name)}.toml", text.encode())
 
