@@ -209,32 +209,6 @@ def _gaps(design: FiveBarDesign, k: float) -> tuple[float, float]:
     return far * (most + longest), near * (shortest + least)
 
 
-# --- the implicit equation -----------------------------------------------------------------
-
-
-def sextic(design: FiveBarDesign, points: ArrayLike, side: int) -> tuple[Array, Array]:
-    """The sextic's value (...) mm⁴/mm² and gradient (..., 2), made dimensionless but for mm².
-
-    Zero where P (..., 2) mm can stand in a parallel singularity of this side, in some working mode.
-    """
-    p = np.asarray(points, dtype=float)
-    x, y = p[..., 0], p[..., 1]
-    w = 2.0 * design.half_base
-    away = p[..., None, :] - design.base
-    r1, r2 = design.proximal, design.distal
-    n = ((away**2).sum(axis=-1) + r2**2 - r1**2) / (2.0 * r2)
-    dn = away / r2[:, None]
-    u = (n[..., 0] + side * n[..., 1]) / w
-    du = (dn[..., 0, :] + side * dn[..., 1, :]) / w
-    m = n[..., 0] - away[..., 0, 0] * u
-    dm = dn[..., 0, :] - away[..., 0, 0, None] * du
-    dm = dm - np.stack([u, np.zeros_like(u)], axis=-1)
-    value = m**2 - y**2 * (1.0 - u**2)
-    gradient = 2.0 * m[..., None] * dm + (2.0 * y**2 * u)[..., None] * du
-    gradient = gradient - np.stack([np.zeros_like(x), 2.0 * y * (1.0 - u**2)], axis=-1)
-    return value, gradient
-
-
 def closure(design: FiveBarDesign, points: Array, joints: Array, side: int) -> Array:
     """How far configurations (N, 2), (N, 2) are from a parallel singularity of this side, mm.
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from kinematics.errors import InputError
 from kinematics.machine import machine_of
@@ -15,7 +16,7 @@ from kinematics.mechanisms.four_sps_spr.forward import monodromy
 from kinematics.mechanisms.four_sps_spr.forward.equations import (
     Frame,
     conjugate,
-    from_transforms,
+    on_patch,
     parameters,
     placed,
     polish,
@@ -202,6 +203,16 @@ def test_who_merges_is_named_and_who_appears_is_new() -> None:
 
 
 # --- equations and start set ---------------------------------------------------------------
+
+
+def from_transforms(frame: Frame, r: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """The unknowns, on the patch, of poses (n, 3, 3) and (n, 3) mm."""
+    vector = Rotation.from_matrix(r).as_quat(scalar_first=True)
+    x = vector.T
+    a = 0.5 * ((p + r @ frame.platform - frame.base) / frame.unit).T
+    # The product of the quaternions (0, a) and x.
+    y = np.concatenate([-(a * x[1:]).sum(axis=0)[None], x[0] * a + np.cross(a.T, x[1:].T).T])
+    return on_patch(np.concatenate([x, y]).astype(complex))
 
 
 @pytest.mark.parametrize("design", [preset(), general()])
