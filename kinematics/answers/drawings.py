@@ -94,8 +94,7 @@ def prismatic(
 def direction(along: Array, short: float) -> Array:
     """The unit vector along (3,); that of z where it is no longer than ``short``, mm."""
     length = float(np.linalg.norm(along))
-    unit: Array = along / length if length > short else np.array([0.0, 0.0, 1.0])
-    return unit
+    return np.asarray(along / length if length > short else np.array([0.0, 0.0, 1.0]))
 
 
 def spot(point: Array) -> Point:

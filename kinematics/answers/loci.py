@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
+
+import numpy as np
 
 from kinematics.answers.singularities import SingularityKind
 from kinematics.arrays import Array, Frozen, Ints
@@ -23,6 +26,15 @@ class LocusSpec:
     units: tuple[Literal["mm", "rad"], Literal["mm", "rad"]]
     polar: bool = False
     figure: str = ""
+
+
+class LocusCurve(NamedTuple):
+    """One curve, see `LocusCurves`."""
+
+    points: Array
+    residual: Array
+    kind: SingularityKind = "parallel"
+    limb: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +59,21 @@ class LocusCurves(Frozen):
     residual: Array
     bounds: Array
     barriers: tuple[float, ...] = ()
+
+    @classmethod
+    def of(
+        cls, curves: Sequence[LocusCurve], bounds: Array, barriers: tuple[float, ...] = ()
+    ) -> LocusCurves:
+        """The curves of a chart."""
+        return cls(
+            points=np.concatenate([np.empty((0, 2)), *(curve.points for curve in curves)]),
+            start=np.cumsum([0, *(len(curve.points) for curve in curves)]).astype(np.int64),
+            kinds=tuple(curve.kind for curve in curves),
+            limb=np.array([curve.limb for curve in curves], dtype=np.int64),
+            residual=np.concatenate([np.empty(0), *(curve.residual for curve in curves)]),
+            bounds=bounds,
+            barriers=barriers,
+        )
 
     def lost(self) -> list[Array]:
         """The curves (K, 2) each where the platform is not held: all but serial singularities."""

@@ -164,8 +164,7 @@ class MoveEvents:
         mechanism, mode = self.paths.mechanism, self.move.mode
         poses = self.move.poses(np.array([s]))
         margins = mechanism.margins(poses, mode, mechanism.joints(poses, mode))[0]
-        ranged: Array = margins[[b.end in ("min", "max") for b in mechanism.bounds]]
-        return ranged
+        return np.asarray(margins[[b.end in ("min", "max") for b in mechanism.bounds]])
 
     def _parallel(self, part: Part) -> list[Event]:
         def values_of(t: Array) -> Array:

@@ -347,8 +347,7 @@ class _Line(NamedTuple):
     way: float
 
     def joints(self, point: Array) -> Array:
-        joints: Array = self.now + float(point[-1]) * self.direction
-        return joints
+        return np.asarray(self.now + float(point[-1]) * self.direction)
 
 
 # --- what is said --------------------------------------------------------------------------

@@ -125,8 +125,7 @@ class InverseFacet(Facet[D]):
         ranged = [bound.end != "link" for bound in self.mechanism.bounds]
         with np.errstate(invalid="ignore"):
             beyond = np.asarray((amounts[..., ranged] < -SLACK).any(axis=-1))
-        answer: NDArray[np.bool_] = np.isfinite(joints).all(axis=-1) & ~beyond
-        return answer
+        return np.asarray(np.isfinite(joints).all(axis=-1) & ~beyond)
 
     def _poses(self, poses: object) -> Array:
         return finite(poses, name="a pose", last=len(self.mechanism.coordinates))

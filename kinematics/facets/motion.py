@@ -191,8 +191,7 @@ class MotionFacet(Facet[D]):
 
 
 def _times(matrix: Array, vector: Array) -> Array:
-    product: Array = (matrix @ vector[..., None])[..., 0]
-    return product
+    return np.asarray((matrix @ vector[..., None])[..., 0])
 
 
 def _motion(

@@ -129,8 +129,7 @@ class SolidsFacet(Facet[D]):
 
     def point(self, key: str, pose: Sequence[float], mode: str) -> Array:
         """Where a pose is in a solid as placed, (3,) mm: the place of O′, unless overridden."""
-        at: Array = self.mechanism.transform(pose, mode)[:3, 3]
-        return at
+        return np.asarray(self.mechanism.transform(pose, mode)[:3, 3])
 
     def poses(self, key: str, pose: Sequence[float], mode: str, points: ArrayLike) -> Array:
         """The poses (N, P) that points (N, 3) mm of a solid as placed stand for, all else held.

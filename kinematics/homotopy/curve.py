@@ -76,8 +76,7 @@ class Piece:
     @property
     def chord(self) -> Array:
         """(n + 1,) from one end to the other."""
-        chord: Array = self.there.point - self.here.point
-        return chord
+        return np.asarray(self.there.point - self.here.point)
 
     @property
     def length(self) -> float:
@@ -87,8 +86,7 @@ class Piece:
     @property
     def border(self) -> Array:
         """(n + 1,) of length one; every plane across it, from end to end, holds one point."""
-        border: Array = self.chord / self.length
-        return border
+        return np.asarray(self.chord / self.length)
 
     @property
     def turned(self) -> bool:
@@ -129,8 +127,7 @@ class _Bounds(NamedTuple):
         once = self.spread @ vector
         twice = self.spread @ once
         tail = float((twice / self.radius).max()) * self.effort / (1.0 - self.effort)
-        answer: Array = vector + once + twice + tail * self.radius
-        return answer
+        return np.asarray(vector + once + twice + tail * self.radius)
 
 
 # --- the curve -----------------------------------------------------------------------------
@@ -253,8 +250,7 @@ class Curve:
 
 def _lengths(slopes: Array) -> Array:
     """(n,) of the gradients."""
-    lengths: Array = np.maximum(np.sqrt(np.einsum("ij,ij->i", slopes, slopes)), _FLAT)
-    return lengths
+    return np.asarray(np.maximum(np.sqrt(np.einsum("ij,ij->i", slopes, slopes)), _FLAT))
 
 
 @cache

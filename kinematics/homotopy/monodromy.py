@@ -80,8 +80,7 @@ def counted(found: StartSet[P], title: str, count: int) -> StartSet[P]:
 
 def random_complex(rng: np.random.Generator, *shape: int) -> Complex:
     """Complex numbers of size about one."""
-    values: Complex = (rng.normal(size=shape) + 1j * rng.normal(size=shape)) / np.sqrt(2.0)
-    return values
+    return np.asarray((rng.normal(size=shape) + 1j * rng.normal(size=shape)) / np.sqrt(2.0))
 
 
 def run(make: Callable[[Path, Report], None], arguments: Sequence[str]) -> int:

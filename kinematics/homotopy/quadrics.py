@@ -140,20 +140,17 @@ class Quadrics:
     def values(self, v: Array) -> Array:
         """F at v (N,), (M,)."""
         left, right = self.left @ v + self.left_at, self.right @ v + self.right_at
-        values: Array = self.constant + self.sums @ (left * right)
-        return values
+        return np.asarray(self.constant + self.sums @ (left * right))
 
     def slopes(self, v: Array) -> Array:
         """dF at v (N,), (M, N)."""
-        slopes: Array = self._level + self.bends @ v
-        return slopes
+        return np.asarray(self._level + self.bends @ v)
 
     @cached_property
     def bends(self) -> Array:
         """d²F, (M, N, N)."""
         half = np.einsum("mk,ki,kj->mij", self.sums, self.left, self.right)
-        bends: Array = half + half.swapaxes(1, 2)
-        return bends
+        return np.asarray(half + half.swapaxes(1, 2))
 
     @cached_property
     def _level(self) -> Array:

@@ -312,8 +312,7 @@ def _settle(
 
 def _rounding(values: Complex) -> Real:
     """The largest last correction of a regular solution, (n,): larger far out."""
-    allowed: Real = _REGULAR * np.maximum(np.abs(values).max(axis=0), 1.0)
-    return allowed
+    return np.asarray(_REGULAR * np.maximum(np.abs(values).max(axis=0), 1.0))
 
 
 def _doubtful(

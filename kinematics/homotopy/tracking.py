@@ -124,8 +124,7 @@ def determinant_columns(matrix: Complex) -> Complex:
     """det A (N,) for A (K, K, N), in the same way; NaN where a pivot vanishes."""
     rows = [row.copy() for row in matrix]
     inverses = _eliminate(rows)
-    determinant: Complex = 1.0 / np.prod(inverses, axis=0)
-    return determinant
+    return np.asarray(1.0 / np.prod(inverses, axis=0))
 
 
 def _eliminate(rows: list[Complex]) -> list[Complex]:
@@ -141,8 +140,7 @@ def _eliminate(rows: list[Complex]) -> list[Complex]:
 
 def relative_size(du: Complex, u: Complex) -> Real:
     """The size of steps relative to max(1, |u|), the largest over the unknowns: (N,)."""
-    ratio: Real = (_modulus(du) / np.maximum(_modulus(u), 1.0)).max(axis=0)
-    return ratio
+    return np.asarray((_modulus(du) / np.maximum(_modulus(u), 1.0)).max(axis=0))
 
 
 def _modulus(u: Complex) -> Real:
@@ -344,8 +342,7 @@ class _Tracker:
 
 def _rounding(extent: Real) -> Real:
     """A correction below this may be rounding: digits are lost with the square of the size."""
-    allowed: Real = np.clip(_FAR_ROUNDING * (extent / _DIGITS) ** 2, _ROUNDING, _FAR_ROUNDING)
-    return allowed
+    return np.asarray(np.clip(_FAR_ROUNDING * (extent / _DIGITS) ** 2, _ROUNDING, _FAR_ROUNDING))
 
 
 def _predict(p: _Paths, h: Real) -> Complex:
@@ -354,5 +351,4 @@ def _predict(p: _Paths, h: Real) -> Complex:
     s = np.where(p.fresh, 0.0, h / p.back_h)
     square = 2.0 * p.tangent + p.back_tangent - 3.0 * chord
     cube = p.tangent + p.back_tangent - 2.0 * chord
-    guess: Complex = p.u + h * (p.tangent + s * (square + s * cube))
-    return guess
+    return np.asarray(p.u + h * (p.tangent + s * (square + s * cube)))

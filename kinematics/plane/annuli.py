@@ -179,8 +179,7 @@ def _kept_arcs(c: _Circles) -> Arcs:
 
 
 def _directions(angle: Array) -> Array:
-    answer: Array = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    return answer
+    return np.asarray(np.stack([np.cos(angle), np.sin(angle)], axis=-1))
 
 
 def _crossings(c: _Circles, k: int) -> Array:

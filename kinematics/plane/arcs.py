@@ -45,8 +45,7 @@ class Arcs(NamedTuple):
         """Points (N, 2) at a share of each arc, 0 to 1."""
         angle = self.start + self.sweep * share
         ray = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-        points: Array = self.center + self.radius[:, None] * ray
-        return points
+        return np.asarray(self.center + self.radius[:, None] * ray)
 
     def take(self, rows: Any) -> Arcs:
         """Some of them."""

@@ -28,8 +28,7 @@ class Factors(NamedTuple):
     @property
     def least(self) -> Array:
         """By how much the circles overlap, mm; negative: by how much they miss one another."""
-        least: Array = np.minimum(np.minimum(self.apart, self.beyond_first), self.beyond_second)
-        return least
+        return np.asarray(np.minimum(np.minimum(self.apart, self.beyond_first), self.beyond_second))
 
 
 def factors(d: Array, r: Array, s: Array) -> Factors:
@@ -49,11 +48,9 @@ def half_angle(f: Factors) -> Array:
 def half_chord(f: Factors, d: Array) -> Array:
     """Half the chord that the circles have in common, mm; 0 where they do not cross."""
     product = np.maximum(f.apart, 0.0) * np.maximum(f.beyond_first, 0.0)
-    half: Array = np.sqrt(product * np.maximum(f.beyond_second, 0.0) * f.whole) / (2.0 * d)
-    return half
+    return np.asarray(np.sqrt(product * np.maximum(f.beyond_second, 0.0) * f.whole) / (2.0 * d))
 
 
 def _less(y: Array, z: Array, x: Array) -> Array:
     """y + z − x without the rounding of y + z where x is nearly as large."""
-    result: Array = np.minimum(y, z) + (np.maximum(y, z) - x)
-    return result
+    return np.asarray(np.minimum(y, z) + (np.maximum(y, z) - x))

@@ -103,8 +103,7 @@ def contains(polygon: Array, points: Array) -> NDArray[np.bool_]:
     crosses = (a[..., 1] > p[..., 1]) != (b[..., 1] > p[..., 1])
     with np.errstate(divide="ignore", invalid="ignore"):
         x = a[..., 0] + (p[..., 1] - a[..., 1]) * (b[..., 0] - a[..., 0]) / (b[..., 1] - a[..., 1])
-    result: NDArray[np.bool_] = ((crosses & (p[..., 0] < x)).sum(axis=1) % 2).astype(bool)
-    return result
+    return np.asarray(((crosses & (p[..., 0] < x)).sum(axis=1) % 2).astype(bool))
 
 
 def point_inside(loops: Sequence[Sequence[Edge]]) -> Array:
@@ -124,13 +123,11 @@ def point_inside(loops: Sequence[Sequence[Edge]]) -> Array:
         edge = max((e for loop in loops for e in loop), key=_length)
         k = len(edge.nodes) // 2
         along = edge.steps[k] / np.hypot(*edge.steps[k])
-        beside: Array = edge.nodes[k] + 1e-6 * step * np.array([-along[1], along[0]])
-        return beside
+        return np.asarray(edge.nodes[k] + 1e-6 * step * np.array([-along[1], along[0]]))
     inner = grid[held]
     rim = np.concatenate(polygons)
     distance = np.array([np.hypot(*(rim - point).T).min() for point in inner])
-    best: Array = inner[int(distance.argmax())]
-    return best
+    return np.asarray(inner[int(distance.argmax())])
 
 
 def _moments(nodes: Array, steps: Array, about: Array) -> Array:

@@ -149,8 +149,7 @@ def _weakest(unit: Array, kept: list[int], count: int, tolerance: float) -> Arra
     allowed = right[int((values >= tolerance).sum()) :]
     others = np.delete(unit, kept, axis=0)
     _, weak = np.linalg.svd(others @ allowed.T, full_matrices=True)[1:]
-    answer: Array = weak[max(len(weak) - count, 0) :] @ allowed
-    return answer
+    return np.asarray(weak[max(len(weak) - count, 0) :] @ allowed)
 
 
 def _telling(null: Array) -> Array:

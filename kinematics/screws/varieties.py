@@ -330,8 +330,7 @@ def _couple_of(basis: Array) -> Array:
     """The couple in a span of parallel lines: the normal of their plane, unit."""
     left, _, _ = np.linalg.svd(basis[:, :3], full_matrices=True)
     couple = (left[:, -1] @ basis)[3:]
-    unit: Array = couple / np.linalg.norm(couple)
-    return unit
+    return np.asarray(couple / np.linalg.norm(couple))
 
 
 def _last_normal(vectors: Array) -> Vector:

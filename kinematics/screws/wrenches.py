@@ -32,8 +32,7 @@ def singular_values(rows: ArrayLike, length: float) -> Array:
     unit = normalised(rows, length)
     good = np.asarray(np.isfinite(unit).all(axis=(-1, -2)))
     values = np.linalg.svd(np.where(good[..., None, None], unit, 0.0), compute_uv=False)
-    answer: Array = np.where(good[..., None], values, np.nan)
-    return answer
+    return np.asarray(np.where(good[..., None], values, np.nan))
 
 
 def determinant(rows: ArrayLike, length: float) -> Array:
@@ -95,8 +94,7 @@ def equilibrium(
 
 def independent(rows: ArrayLike, length: float) -> np.ndarray:
     """(...) whether six wrenches hold the platform; False where they are not known."""
-    answer: np.ndarray = singular_values(rows, length)[..., -1] > RANK
-    return answer
+    return np.asarray(singular_values(rows, length)[..., -1] > RANK)
 
 
 def unit_motions(rows: Array, length: float) -> Array:

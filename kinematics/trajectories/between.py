@@ -71,8 +71,7 @@ def crossings(
 
     def excess(times: Array, rows: NDArray[np.intp]) -> Array:
         values = _asked(along, times, load)[0]
-        found: Array = np.abs(values[np.arange(len(rows)), columns[rows]]) - limits[rows]
-        return found
+        return np.asarray(np.abs(values[np.arange(len(rows)), columns[rows]]) - limits[rows])
 
     every = np.arange(len(good))
     above, below = excess(good, every), excess(bad, every)
@@ -189,8 +188,7 @@ def _followed(
 def _largest(values: Array) -> Array:
     """(Q,) of the sizes; 0 where there are none."""
     sizes = np.where(np.isfinite(values), np.abs(values), 0.0)
-    found: Array = sizes.max(axis=0, initial=0.0)
-    return found
+    return np.asarray(sizes.max(axis=0, initial=0.0))
 
 
 def _climbed(

@@ -78,8 +78,7 @@ class Law:
             half = 0.5 * (low + high)
             before = self.at(half)[0] < s
             low, high = np.where(before, half, low), np.where(before, high, half)
-        found: Array = 0.5 * (low + high)
-        return found
+        return np.asarray(0.5 * (low + high))
 
 
 def law(kind: str, duration: float, *, ramp: float = RAMP) -> Law:

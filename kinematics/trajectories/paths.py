@@ -75,8 +75,7 @@ class Polyline:
     def knots(self) -> Array:
         """See `Path`: where a straight part or a rounded corner ends."""
         ends = _polyline(self).ends
-        shares: Array = ends[:-1] / ends[-1]
-        return shares
+        return np.asarray(ends[:-1] / ends[-1])
 
     def at(self, share: ArrayLike) -> Derivatives:
         """See `Path`."""
@@ -335,8 +334,7 @@ def _length(path: Spline | Drawn, marks: ArrayLike) -> float:
 
 
 def _scaled(scale: Pose, start: Pose, end: Pose) -> Array:
-    difference: Array = (np.array(end) - np.array(start)) * np.array(scale)
-    return difference
+    return np.asarray((np.array(end) - np.array(start)) * np.array(scale))
 
 
 def _checked(

@@ -99,21 +99,18 @@ def _bend(loop: Loop, tau: Array) -> Array:
     design = loop.design
     e = np.stack([np.cos(joints), np.sin(joints)], axis=-1)
     b = point[..., None, :] - design.base - design.proximal[:, None] * e
-    sine: Array = (e[..., 0] * b[..., 1] - e[..., 1] * b[..., 0]) / design.distal
-    return sine
+    return np.asarray((e[..., 0] * b[..., 1] - e[..., 1] * b[..., 0]) / design.distal)
 
 
 def _bend_of(loop: Loop, i: int, tau: Array) -> Array:
     """(N,): the same of limb i."""
-    bend: Array = _bend(loop, tau)[..., i]
-    return bend
+    return np.asarray(_bend(loop, tau)[..., i])
 
 
 def _past(loop: Loop, i: int, end: float, tau: Array) -> Array:
     """(N,): the sine of what joint i is past the end of its range, and continuous."""
     _, joints = loop.points(tau)
-    sine: Array = np.sin(joints[..., i] - end)
-    return sine
+    return np.asarray(np.sin(joints[..., i] - end))
 
 
 def _at_end(loop: Loop, i: int, end: float, tau: Array) -> Array:

@@ -219,5 +219,4 @@ def closure(design: FiveBarDesign, points: Array, joints: Array, side: int) -> A
     off = np.abs(np.linalg.norm(points[:, None, :] - b, axis=-1) - design.distal).max(axis=-1)
     between = np.linalg.norm(b[:, 1] - b[:, 0], axis=-1)
     wanted = abs(float(design.distal[0] + side * design.distal[1]))
-    result: Array = np.maximum(off, np.abs(between - wanted))
-    return result
+    return np.asarray(np.maximum(off, np.abs(between - wanted)))

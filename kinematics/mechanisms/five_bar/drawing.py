@@ -95,8 +95,7 @@ def _short(design: FiveBarDesign, i: int, b: Array, p: Array) -> Array:
     away = p - b
     length = float(np.hypot(*away))
     unit = away / length if length > 0.0 else np.array([1.0, 0.0])
-    tip: Array = b + design.distal[i] * unit
-    return tip
+    return np.asarray(b + design.distal[i] * unit)
 
 
 def _stops(design: FiveBarDesign, i: int, z: float, size: float, thick: float) -> Iterator[Bar]:

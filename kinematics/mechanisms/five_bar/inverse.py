@@ -86,8 +86,7 @@ def elbows(design: FiveBarDesign, joints: ArrayLike) -> Array:
     """B_i (..., 2, 2) mm from angles (..., 2) rad (eq. 2)."""
     q = np.asarray(joints, dtype=float)
     e = np.stack([np.cos(q), np.sin(q)], axis=-1)
-    found: Array = design.base + design.proximal[:, None] * e
-    return found
+    return np.asarray(design.base + design.proximal[:, None] * e)
 
 
 def mode_of(design: FiveBarDesign, poses: ArrayLike, joints: ArrayLike) -> list[str]:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from kinematics.answers.loci import LocusCurves, LocusSpec
+from kinematics.answers.loci import LocusCurve, LocusCurves, LocusSpec
 from kinematics.answers.modes import one_of
 from kinematics.answers.sections import BOUNDS
 from kinematics.answers.singularities import SingularityKind
@@ -34,8 +34,6 @@ SPECS = (
     ),
     LocusSpec("joints", "Singularities over the driven angles", ("θ₁", "θ₂"), ("rad", "rad")),
 )
-
-_Curve = tuple[Array, SingularityKind, int, Array]
 
 
 class Loci(SingularitiesFacet[FiveBarDesign]):
@@ -69,15 +67,7 @@ class Loci(SingularitiesFacet[FiveBarDesign]):
         else:
             known = ", ".join(spec.key for spec in SPECS)
             raise InputError(f"a five-bar has no loci {key!r}; known are {known}")
-        counts = [len(points) for points, *_ in curves]
-        return LocusCurves(
-            points=np.concatenate([np.zeros((0, 2)), *(points for points, *_ in curves)]),
-            start=np.concatenate([[0], np.cumsum(counts)]).astype(int),
-            kinds=tuple(kind for _, kind, _, _ in curves),
-            limb=np.array([limb for _, _, limb, _ in curves], dtype=int),
-            residual=np.concatenate([np.zeros(0), *(left for *_, left in curves)]),
-            bounds=bounds,
-        )
+        return LocusCurves.of(curves, bounds)
 
 
 def base_points(design: FiveBarDesign) -> list[int]:
@@ -86,9 +76,9 @@ def base_points(design: FiveBarDesign) -> list[int]:
     return [int(i) for i in np.flatnonzero(equal)]
 
 
-def _serial_plane(design: FiveBarDesign, modes: Sequence[str]) -> list[_Curve]:
+def _serial_plane(design: FiveBarDesign, modes: Sequence[str]) -> list[LocusCurve]:
     """Circles where a limb is stretched or folded, as far as the other limb reaches."""
-    found: list[_Curve] = []
+    found: list[LocusCurve] = []
     step = design.size / FINE
     seen: set[tuple[float, ...]] = set()
     for mode in modes:
@@ -103,11 +93,11 @@ def _serial_plane(design: FiveBarDesign, modes: Sequence[str]) -> list[_Curve]:
     for i in base_points(design):
         point = design.base[i]
         if np.isfinite(limb_angles(design, point)).all():
-            found.append((point[None, :], "serial", i + 1, np.zeros(1)))
+            found.append(LocusCurve(point[None, :], np.zeros(1), "serial", i + 1))
     return found
 
 
-def _along(design: FiveBarDesign, edge: Edge, step: float) -> _Curve:
+def _along(design: FiveBarDesign, edge: Edge, step: float) -> LocusCurve:
     one = edge.shown
     length = abs(float(one.sweep[0])) * float(one.radius[0])
     share = np.linspace(0.0, 1.0, max(2, int(np.ceil(length / step)) + 1))
@@ -115,36 +105,36 @@ def _along(design: FiveBarDesign, edge: Edge, step: float) -> _Curve:
     points = one.center[0] + one.radius[0] * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
     points[0], points[-1] = edge.first, edge.last
     off = np.abs(np.hypot(*(points - one.center[0]).T) - one.radius[0])
-    return points, "serial", int(one.limb[0]), off
+    return LocusCurve(points, off, "serial", int(one.limb[0]))
 
 
-def _parallel_plane(design: FiveBarDesign, modes: Sequence[str]) -> list[_Curve]:
-    found: list[_Curve] = []
+def _parallel_plane(design: FiveBarDesign, modes: Sequence[str]) -> list[LocusCurve]:
+    found: list[LocusCurve] = []
     for piece in pieces(design):
         if piece.mode in modes:
             points, joints = sampled(piece, design.size / FINE)
             if piece.whole:
                 points[-1] = points[0]
             left = closure(design, points, joints, piece.loop.side)
-            found.append((points, "parallel", 0, left))
+            found.append(LocusCurve(points, left))
     return found
 
 
-def _parallel_joints(design: FiveBarDesign) -> list[_Curve]:
-    found: list[_Curve] = []
+def _parallel_joints(design: FiveBarDesign) -> list[LocusCurve]:
+    found: list[LocusCurve] = []
     for piece in pieces(design):
         points, joints = sampled(piece, design.size / FINE)
         left = closure(design, points, joints, piece.loop.side) / design.proximal.mean()
         if piece.loop.kind == "circle":  # one point over the angles
-            found.append((joints[:1], "parallel", 0, left[:1]))
+            found.append(LocusCurve(joints[:1], left[:1]))
             continue
         found += _unbroken(joints, left, "parallel", 0)
     return found
 
 
-def _serial_joints(design: FiveBarDesign) -> list[_Curve]:
+def _serial_joints(design: FiveBarDesign) -> list[LocusCurve]:
     """θ of the other limb, both ways, while one is stretched or folded and turns."""
-    found: list[_Curve] = []
+    found: list[LocusCurve] = []
     for i in range(LIMBS):
         low, high = design.joint_range[i].tolist()
         if np.isinf(low):
@@ -163,16 +153,16 @@ def _serial_joints(design: FiveBarDesign) -> list[_Curve]:
                 left = np.abs(off).max(axis=-1) / design.proximal.mean()
                 joints = np.where(in_range(design, joints), joints, np.nan)
                 found += _unbroken(joints, left, "serial", i + 1)
-    return [curve for curve in found if len(curve[0]) > 1]
+    return [curve for curve in found if len(curve.points) > 1]
 
 
-def _unbroken(joints: Array, left: Array, kind: SingularityKind, limb: int) -> list[_Curve]:
+def _unbroken(joints: Array, left: Array, kind: SingularityKind, limb: int) -> list[LocusCurve]:
     """Curves over the angles, cut where an angle leaps by a whole turn or there is none."""
     leap = np.abs(np.diff(joints, axis=0)).max(axis=-1)
     breaks = np.flatnonzero(~(leap < np.pi)) + 1
-    found: list[_Curve] = []
+    found: list[LocusCurve] = []
     for part, rest in zip(np.split(joints, breaks), np.split(left, breaks), strict=True):
         ok = np.isfinite(part).all(axis=-1)
         if ok.all() and len(part):
-            found.append((part, kind, limb, rest))
+            found.append(LocusCurve(part, rest, kind, limb))
     return found

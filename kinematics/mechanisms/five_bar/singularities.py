@@ -151,8 +151,7 @@ def _places(design: FiveBarDesign, mode: str, i: int, p: Array) -> list[Array]:
 
 def _short(p: Array, point: Array) -> Array:
     """Just before a point, so that what happens at the point itself is not on the way."""
-    before: Array = p + (1.0 - 1e-6) * (point - p)
-    return before
+    return np.asarray(p + (1.0 - 1e-6) * (point - p))
 
 
 def _held(

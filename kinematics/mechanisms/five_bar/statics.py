@@ -99,5 +99,4 @@ class Statics(StaticsFacet[FiveBarDesign]):
 
 
 def _cross(u: Array, v: Array) -> Array:
-    result: Array = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
-    return result
+    return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])

@@ -163,5 +163,4 @@ def _margins(design: FiveRPURDesign, positions: Array, phi: float, theta: float)
     both = np.where(np.isfinite(stroke), np.minimum(stroke, link[..., None]), -np.inf)
     plus, minus = both[..., 0], both[..., 1]
     each = np.where(_SIGNS > 0, plus[..., None, :], minus[..., None, :])  # (..., 32, 5)
-    least: Array = each.min(axis=-1)
-    return least
+    return np.asarray(each.min(axis=-1))

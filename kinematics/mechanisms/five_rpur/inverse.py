@@ -353,8 +353,7 @@ def _both_lengths(design: FiveRPURDesign, offsets: _Components) -> Array:
 
 def _within(design: FiveRPURDesign, lengths: Array) -> NDArray[np.bool_]:
     low, high = design.stroke[:, :1] - STROKE_SLACK, design.stroke[:, 1:] + STROKE_SLACK
-    answer: NDArray[np.bool_] = (lengths >= low) & (lengths <= high)  # False for NaN
-    return answer
+    return np.asarray((lengths >= low) & (lengths <= high))
 
 
 def _broadcast(
@@ -421,8 +420,7 @@ def _worst_residual(
         ).max(axis=0)
         for k, sign in enumerate((1.0, -1.0))
     )
-    worst: Array = np.maximum(plus, minus)
-    return worst
+    return np.asarray(np.maximum(plus, minus))
 
 
 def _all_modes(within: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -434,5 +432,4 @@ def _all_modes(within: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _platform_rotation(poses: Array) -> Array:
-    rotation: Array = rotation_y(poses[..., 4]) @ rotation_x(poses[..., 3])
-    return rotation
+    return np.asarray(rotation_y(poses[..., 4]) @ rotation_x(poses[..., 3]))

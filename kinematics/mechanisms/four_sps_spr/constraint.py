@@ -145,5 +145,4 @@ def _none_text(design: FourSPSSPRDesign, values: Array, index: int) -> str:
 
 
 def _turn(r: Array, vectors: Array) -> Array:
-    turned: Array = (r @ vectors[..., None])[..., 0]
-    return turned
+    return np.asarray((r @ vectors[..., None])[..., 0])

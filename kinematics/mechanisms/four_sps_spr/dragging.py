@@ -66,5 +66,4 @@ def _left_jacobian(omega: Array) -> Array:
     else:
         first = (1.0 - np.cos(angle)) / angle**2
         second = (angle - np.sin(angle)) / angle**3
-    jacobian: Array = np.eye(3) + first * k + second * (k @ k)
-    return jacobian
+    return np.asarray(np.eye(3) + first * k + second * (k @ k))

@@ -84,8 +84,7 @@ def _leg(design: FourSPSSPRDesign, i: int, end: Array, size: float) -> Iterator[
 
 def _nearest_tip(design: FourSPSSPRDesign, tip: Array, axis: Array) -> Array:
     """Where limb 5 ends that cannot reach: B_5 moved along the axis into the limb's plane."""
-    end: Array = tip + ((design.base[SPR] - tip) @ axis) * axis
-    return end
+    return np.asarray(tip + ((design.base[SPR] - tip) @ axis) * axis)
 
 
 def _plate(design: FourSPSSPRDesign, floor: float, size: float) -> tuple[Point, ...]:

@@ -134,8 +134,7 @@ def _sampled(design: FourSPSSPRDesign, *, level: bool) -> Array:
 
 def _ratio(design: FourSPSSPRDesign, poses: Array) -> Array:
     values = sizes(matrix(legs(design, poses)), design.length)
-    ratio: Array = values[:, -1] / np.maximum(values[:, 0], 1e-300)
-    return ratio
+    return np.asarray(values[:, -1] / np.maximum(values[:, 0], 1e-300))
 
 
 def _ranks(design: FourSPSSPRDesign, poses: Array) -> np.ndarray:
@@ -143,5 +142,4 @@ def _ranks(design: FourSPSSPRDesign, poses: Array) -> np.ndarray:
     if not len(poses):
         return np.zeros(0, dtype=int)
     values = sizes(matrix(legs(design, poses)), design.length)
-    ranks: np.ndarray = (values > SINGULAR * values[:, :1]).sum(axis=1)
-    return ranks
+    return np.asarray((values > SINGULAR * values[:, :1]).sum(axis=1))

@@ -37,8 +37,7 @@ SNAP = 1e-10
 def rotation(poses: ArrayLike) -> Array:
     """R of poses (..., 6), (..., 3, 3)."""
     p = np.asarray(poses, dtype=float)
-    turned: Array = rotation_z(p[..., 3]) @ rotation_y(p[..., 4]) @ rotation_x(p[..., 5])
-    return turned
+    return np.asarray(rotation_z(p[..., 3]) @ rotation_y(p[..., 4]) @ rotation_x(p[..., 5]))
 
 
 def transform(poses: ArrayLike) -> Array:

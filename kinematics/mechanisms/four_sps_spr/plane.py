@@ -35,13 +35,11 @@ class Plane(NamedTuple):
 
     def place(self, uv: Array) -> Array:
         """Points (..., 2) of the plane in the base frame, (..., 3) mm."""
-        placed: Array = self.at * self.frame[0] + uv @ self.frame[1:]
-        return placed
+        return np.asarray(self.at * self.frame[0] + uv @ self.frame[1:])
 
     def coordinates(self, points: Array) -> Array:
         """(u, v) of points (..., 3) of the base frame, projected on the plane."""
-        uv: Array = points @ self.frame[1:].T
-        return uv
+        return np.asarray(points @ self.frame[1:].T)
 
 
 def plane(design: FourSPSSPRDesign, angles: Sequence[float]) -> Plane:

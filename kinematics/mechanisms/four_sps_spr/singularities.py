@@ -9,8 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from kinematics.answers.loci import LocusCurves, LocusSpec
-from kinematics.answers.singularities import SingularityKind
+from kinematics.answers.loci import LocusCurve, LocusCurves, LocusSpec
 from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.facets.singularities import SingularitiesFacet
@@ -50,16 +49,9 @@ class Singularities(SingularitiesFacet[FourSPSSPRDesign]):
         curve = cubic(design, (a, b, c))
         low, high = bounds(design, here)
         found = traced(curve, low, high)
-        count = len(found.start) - 1
-        kinds: tuple[SingularityKind, ...] = tuple("parallel" for _ in range(count))
-        return LocusCurves(
-            points=found.points,
-            start=found.start,
-            kinds=kinds,
-            limb=np.zeros(count, dtype=np.int64),
-            residual=curve.distance(found.points),
-            bounds=np.stack([low, high], axis=1),
-        )
+        parts = np.split(found.points, found.start[1:-1])
+        curves = [LocusCurve(part, curve.distance(part)) for part in parts if len(part)]
+        return LocusCurves.of(curves, np.stack([low, high], axis=1))
 
 
 def bounds(design: FourSPSSPRDesign, here: Plane) -> tuple[Array, Array]:

@@ -53,5 +53,4 @@ def turned(r: Array, omega: Array) -> Array:
         first, second = np.sin(angle) / angle, (1.0 - np.cos(angle)) / angle**2
     moved: Array = r + (first * k + second * (k @ k)) @ r
     # Rounding away from a rotation does not add up: one step of Newton's iteration for it.
-    corrected: Array = moved @ (1.5 * np.eye(3) - 0.5 * moved.T @ moved)
-    return corrected
+    return np.asarray(moved @ (1.5 * np.eye(3) - 0.5 * moved.T @ moved))

@@ -63,8 +63,7 @@ def _legs(design: FourSPSSPRDesign, placement: Array) -> Legs:
 
 def matrix(at: Legs) -> Array:
     """G, (..., 6, 6): rows [n, r × n], which are forces of length one and moments about p, mm."""
-    g: Array = np.concatenate([at.unit, np.cross(at.arm, at.unit)], axis=-1)
-    return g
+    return np.asarray(np.concatenate([at.unit, np.cross(at.arm, at.unit)], axis=-1))
 
 
 def sizes(g: Array, length: float) -> Array:

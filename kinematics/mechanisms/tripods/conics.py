@@ -150,8 +150,7 @@ def _plane(c: float, d: Complex) -> Array:
     """Orthonormal coordinates of C a = Re(D1 ζ), (B, 4, 3), turned at random."""
     row = np.stack([d.real, -d.imag, np.zeros(len(d)), np.full(len(d), -c)], axis=-1)
     _, _, axes = np.linalg.svd(row[:, None, :])
-    plane: Array = axes[:, 1:].swapaxes(-1, -2) @ _TURN
-    return plane
+    return np.asarray(axes[:, 1:].swapaxes(-1, -2) @ _TURN)
 
 
 def _conics(forms: Array, constants: Array) -> tuple[Array, Array, Array, Array]:

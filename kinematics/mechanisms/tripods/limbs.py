@@ -53,8 +53,7 @@ def revolute_axes(design: TripodDesign, poses: Array, mode: str) -> Array:
     """s_i in the base frame, (..., 3, 3): at rest (3-RPS), or turned with the platform (3-SPR)."""
     if design.revolute_on_base:
         return np.broadcast_to(TANGENT, (*poses.shape[:-1], LIMBS, 3))
-    turned: Array = TANGENT @ study.rotation(quaternion(poses, mode)).swapaxes(-1, -2)
-    return turned
+    return np.asarray(TANGENT @ study.rotation(quaternion(poses, mode)).swapaxes(-1, -2))
 
 
 def placed(matrix: Array, points: Array) -> Array:

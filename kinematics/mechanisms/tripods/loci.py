@@ -14,8 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from kinematics.answers.loci import LocusCurves, LocusSpec
-from kinematics.answers.singularities import SingularityKind
+from kinematics.answers.loci import LocusCurve, LocusCurves, LocusSpec
 from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.facets.singularities import SingularitiesFacet
@@ -68,23 +67,16 @@ class Loci(SingularitiesFacet[TripodDesign]):
             raise InputError("the altitude must be a finite number")
         k = mode_sign(mode) * design.platform_radius / design.base_radius
         z = altitude / design.base_radius
-        curves = singular_curves(design.mechanism, k, z)
+        curves = [
+            LocusCurve(points, _residual(design.mechanism, k, z, points))
+            for points in singular_curves(design.mechanism, k, z)
+        ]
         rim = np.stack([np.full(_RIM, np.pi), np.linspace(-np.pi, np.pi, _RIM)], axis=-1)
         rim[-1] = rim[0]
-        points = np.concatenate([*curves, rim])
-        residual = np.concatenate(
-            [_residual(design.mechanism, k, z, points[:-_RIM]), np.zeros(_RIM)]
-        )
-        kinds: list[SingularityKind] = ["parallel"] * len(curves)
-        kinds.append("constraint")
-        return LocusCurves(
-            points=points,
-            start=np.cumsum([0, *(len(curve) for curve in curves), _RIM]).astype(np.int64),
-            kinds=tuple(kinds),
-            limb=np.zeros(len(kinds), dtype=np.int64),
-            residual=residual,
-            bounds=np.array([[0.0, np.pi], [-np.pi, np.pi]]),
-            barriers=() if design.revolute_on_base else (RING,),
+        return LocusCurves.of(
+            [*curves, LocusCurve(rim, np.zeros(_RIM), "constraint")],
+            np.array([[0.0, np.pi], [-np.pi, np.pi]]),
+            () if design.revolute_on_base else (RING,),
         )
 
 

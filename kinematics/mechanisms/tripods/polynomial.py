@@ -85,8 +85,7 @@ def value(
     """P itself, mm³; tilt and w may be complex."""
     a = in_w(kind, h1, k, z, tilt)
     w = np.asarray(w)
-    found: Values = a[..., 0] + w * (a[..., 1] + w * (a[..., 2] + w * a[..., 3]))
-    return found
+    return np.asarray(a[..., 0] + w * (a[..., 1] + w * (a[..., 2] + w * a[..., 3])))
 
 
 def roots_in_w(kind: Kind, h1: float, k: float, z: float, tilt: Values) -> Values:

@@ -56,8 +56,7 @@ def _rows(x: Values) -> tuple[Values, Values, Values]:
 
 def inverse(study: Values) -> Values:
     """The inverse displacement: the conjugate of the dual quaternion, (..., 8) → (..., 8)."""
-    turned: Values = study * np.array([1.0, -1.0, -1.0, -1.0] * 2)
-    return turned
+    return np.asarray(study * np.array([1.0, -1.0, -1.0, -1.0] * 2))
 
 
 def from_rotation(matrix: ArrayLike) -> Array:
@@ -81,5 +80,4 @@ def from_rotation(matrix: ArrayLike) -> Array:
         outer[..., i, j] = outer[..., j, i] = value
     largest = np.argmax(np.stack(diagonal, axis=-1), axis=-1)
     row = np.take_along_axis(outer, largest[..., None, None], axis=-2)[..., 0, :]
-    unit: Array = row / np.linalg.norm(row, axis=-1, keepdims=True)
-    return unit
+    return np.asarray(row / np.linalg.norm(row, axis=-1, keepdims=True))

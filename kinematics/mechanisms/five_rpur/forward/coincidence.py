@@ -38,8 +38,7 @@ def nearly_real(frame: Frame, roots: Complex, length: float) -> NDArray[np.intp]
     mm2 = (linear**2).sum(axis=0) + (angular**2).sum(axis=0)
     near = np.flatnonzero(mm2 < NEAR * NEAR)
     relative = (away[:, near] / np.maximum(np.abs(roots[:, near]), 1.0)).max(axis=0)
-    found: NDArray[np.intp] = near[relative > REAL]
-    return found
+    return np.asarray(near[relative > REAL])
 
 
 def self_motions(

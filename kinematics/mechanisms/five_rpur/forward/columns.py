@@ -54,8 +54,7 @@ _Three = Complex | tuple[Complex, Complex, Complex]
 
 
 def _dot(u: _Three, v: _Three) -> Complex:
-    answer: Complex = u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
-    return answer
+    return np.asarray(u[0] * v[0] + u[1] * v[1] + u[2] * v[2])
 
 
 def _cross(u: Complex, v: Complex) -> tuple[Complex, Complex, Complex]:
@@ -91,8 +90,7 @@ def told_apart(both: Complex, guess: Complex, root: Complex, problem: Index) -> 
 
 def square_root(square: Complex | Array) -> Complex:
     """The principal square root, complex."""
-    answer: Complex = np.sqrt(square.astype(complex))
-    return answer
+    return np.asarray(np.sqrt(square.astype(complex)))
 
 
 def both_roots(square: Complex | Array) -> Complex:

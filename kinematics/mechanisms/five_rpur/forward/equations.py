@@ -241,8 +241,7 @@ def _solve_pivoting(rows: Complex, right: Complex) -> Complex:
         x = np.linalg.solve(a, b)
     except np.linalg.LinAlgError:
         x = np.linalg.pinv(a) @ b  # one of many is singular to the last digit
-    answer: Complex = x.transpose(1, 2, 0).astype(complex, copy=False)
-    return answer
+    return np.asarray(x.transpose(1, 2, 0).astype(complex, copy=False))
 
 
 class Deformation:

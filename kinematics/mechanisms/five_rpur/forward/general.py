@@ -66,8 +66,7 @@ def _complex_lengths(g: Parameters) -> Complex:
     turns = np.array([0.9, -1.3, 0.5, 1.7, -0.7])[:, None]
     size = 1.0 + float(np.mean(np.abs(g.rx) ** 2 + np.abs(g.rz) ** 2))
     sizes = size * np.array([1.1, 0.8, 1.3, 0.9, 1.0])[:, None]
-    lengths: Complex = (sizes * np.exp(1j * turns)).astype(complex)
-    return lengths
+    return np.asarray((sizes * np.exp(1j * turns)).astype(complex))
 
 
 # --- solving --------------------------------------------------------------------------------

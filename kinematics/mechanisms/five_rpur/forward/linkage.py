@@ -269,8 +269,7 @@ class _Plane:
         if len(flat):  # A_iA_j is parallel to e2: p and −p, so a double root
             both = both_roots(self.rho2[i][flat] - big_p[flat] ** 2)
             p[flat] = told_apart(both, p[flat], t[flat], problem[flat])
-        height: Complex = p + self.b[i]
-        return height
+        return np.asarray(p + self.b[i])
 
 
 # --- its solutions ---------------------------------------------------------------------------

@@ -100,8 +100,7 @@ def _step(c: Complex, z: Complex) -> Complex:
     table = np.zeros((degree, *z.shape), dtype=complex)
     table[i, j] = inverse
     table[j, i] = -inverse
-    correction: Complex = value / (slope - value * table.sum(axis=1))
-    return correction
+    return np.asarray(value / (slope - value * table.sum(axis=1)))
 
 
 def _starts(c: Complex) -> Complex:
@@ -115,8 +114,7 @@ def _starts(c: Complex) -> Complex:
     # min over i ≤ k of max over j > k of that from i to j; here slopes have the other sign.
     edge = np.stack([slope[: k + 1, k + 1 :].min(axis=1).max(axis=0) for k in range(degree)])
     turn = np.exp(1j * (2.0 * np.pi * np.arange(degree) / degree + 0.4))
-    points: Complex = np.exp(edge) * turn[:, None]
-    return points
+    return np.asarray(np.exp(edge) * turn[:, None])
 
 
 @lru_cache(maxsize=32)
@@ -127,5 +125,4 @@ def _pairs(count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
 
 def modulus(z: Complex | Array) -> Array:
     """|z|, several times as quick as np.abs, for numbers whose squares are in range."""
-    answer: Array = np.sqrt(z.real * z.real + z.imag * z.imag)
-    return answer
+    return np.asarray(np.sqrt(z.real * z.real + z.imag * z.imag))

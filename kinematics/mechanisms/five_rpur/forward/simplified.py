@@ -196,8 +196,7 @@ def _singular(g: Parameters, u: Complex) -> NDArray[np.bool_]:
     """Where the equations' linear parts are dependent, (M,)."""
     rows = matrix(terms(g, u)).transpose(2, 0, 1)
     values = np.linalg.svd(rows, compute_uv=False)
-    answer: NDArray[np.bool_] = values[:, -1] <= _SINGULAR * values[:, 0]
-    return answer
+    return np.asarray(values[:, -1] <= _SINGULAR * values[:, 0])
 
 
 def _misfit(g: Parameters, u: Complex) -> Array:
@@ -211,8 +210,7 @@ def _misfit(g: Parameters, u: Complex) -> Array:
 def _extent(u: Complex) -> Array:
     """The largest of all moduli and of 1/|e^{iφ}|, 1/|e^{iθ}|, (M,)."""
     size = modulus(u)
-    answer: Array = np.maximum(size.max(axis=0), 1.0 / size[PHI : THETA + 1].min(axis=0))
-    return answer
+    return np.asarray(np.maximum(size.max(axis=0), 1.0 / size[PHI : THETA + 1].min(axis=0)))
 
 
 def _without_copies(u: Complex, owner: Index) -> tuple[Complex, Index]:

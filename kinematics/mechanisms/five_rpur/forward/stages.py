@@ -107,8 +107,7 @@ class _Legs:
         minus, plus = -tip_c * n, -tip * nc
 
         def minor(u: Complex, v: Complex) -> Complex:
-            value: Complex = u[0] * v[1] - u[1] * v[0]
-            return value
+            return np.asarray(u[0] * v[1] - u[1] * v[0])
 
         # e_2 d_3 − e_3 d_2 of powers −1 … 2 and −2 … 1; the cross product of powers −1 … 1.
         one = [

@@ -331,8 +331,7 @@ class Curves:
 
     def _height(self, k: Ints, y: Array) -> Array:
         link, dy = self.region.link[LIMB[k]], y - self.region.offset[LIMB[k], 1]
-        signed: Array = SIGN[k] * np.sqrt(np.maximum((link - dy) * (link + dy), 0.0))
-        return signed
+        return np.asarray(SIGN[k] * np.sqrt(np.maximum((link - dy) * (link + dy), 0.0)))
 
     def at(self, which: Ints, s: Array) -> Array:
         """Points (..., 3) of pieces at s in [0, π]."""

@@ -9,13 +9,12 @@ Lengths mm, angles rad.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
-from kinematics.answers.loci import LocusCurves, LocusSpec
-from kinematics.answers.singularities import SingularityKind
+from kinematics.answers.loci import LocusCurve, LocusCurves, LocusSpec
 from kinematics.arrays import Array, finite
 from kinematics.errors import ComputationError, InputError
 from kinematics.facets.singularities import SingularitiesFacet
@@ -71,33 +70,6 @@ class Loci(SingularitiesFacet[FiveRPURDesign]):
         raise InputError(f"there is no chart {key!r}; use {known}")
 
 
-@dataclass(eq=False)
-class _Curves:
-    """Curves that are being collected."""
-
-    points: list[Array] = field(default_factory=list)
-    residual: list[Array] = field(default_factory=list)
-    kinds: list[SingularityKind] = field(default_factory=list)
-    limbs: list[int] = field(default_factory=list)
-
-    def add(self, points: Array, residual: Array, kind: SingularityKind, limb: int = 0) -> None:
-        self.points.append(points)
-        self.residual.append(residual)
-        self.kinds.append(kind)
-        self.limbs.append(limb)
-
-    def result(self, bounds: Array) -> LocusCurves:
-        lengths = [len(points) for points in self.points]
-        return LocusCurves(
-            points=np.concatenate([np.empty((0, 2)), *self.points]),
-            start=np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64),
-            kinds=tuple(self.kinds),
-            limb=np.array(self.limbs, dtype=np.int64),
-            residual=np.concatenate([np.empty(0), *self.residual]),
-            bounds=bounds,
-        )
-
-
 @dataclass(frozen=True, eq=False)
 class _Strip:
     """A range of the first coordinate v between ends at which links are at their reach.
@@ -128,7 +100,7 @@ Value = Callable[[Array, Array], tuple[Array, Array]]
 
 
 def _trace(
-    curves: _Curves,
+    curves: list[LocusCurve],
     strip: _Strip,
     count: int,
     across: Array,
@@ -155,18 +127,19 @@ def _trace(
         return found[0], gradient
 
     lines = zero_curves(u, across, nodes, steep)
-    for first, last in zip(lines.start[:-1], lines.start[1:], strict=True):
-        points, residual = lines.points[first:last].copy(), lines.residual[first:last]
-        points[:, 0] = strip.place(points[:, 0])
-        curves.add(points, residual, "parallel")
+    points = np.column_stack([strip.place(lines.points[:, 0]), lines.points[:, 1]])
+    curves += [
+        LocusCurve(points[first:last], lines.residual[first:last])
+        for first, last in pairwise(lines.start)
+    ]
     return False
 
 
-def _lines(curves: _Curves, at: float, across: Array, limbs: Sequence[int]) -> None:
+def _lines(curves: list[LocusCurve], at: float, across: Array, limbs: Sequence[int]) -> None:
     """Adds the line at a first coordinate where links are at their reach."""
     for limb in limbs:
         points = np.array([[at, across[0]], [at, across[-1]]])
-        curves.add(points, np.zeros(2), "serial", limb)
+        curves.append(LocusCurve(points, np.zeros(2), "serial", limb))
 
 
 def _all_singular(where: str) -> ComputationError:
@@ -187,9 +160,9 @@ def _section(design: FiveRPURDesign, pose: Array, mode: str, at: float | None) -
     if low >= high:  # out of reach of some limb; the chart is of poses that close all the same
         low, high = float((wz - reach).min()), float((wz + reach).max())
     bounds = np.array([determinant.span, (low, high)])
-    curves = _Curves()
+    curves: list[LocusCurve] = []
     if not determinant.closes:
-        return curves.result(np.sort(bounds, axis=1))
+        return LocusCurves.of(curves, np.sort(bounds, axis=1))
     strip = _Strip(*determinant.span)
     across = np.linspace(low, high, _ACROSS)
 
@@ -207,7 +180,7 @@ def _section(design: FiveRPURDesign, pose: Array, mode: str, at: float | None) -
     for end, ends in zip(determinant.span, (wy - link, wy + link), strict=True):
         close = np.abs(ends - end) <= _SAME * determinant.size
         _lines(curves, end, across, (np.flatnonzero(close) + 1).tolist())
-    return curves.result(bounds)
+    return LocusCurves.of(curves, bounds)
 
 
 # --- orientations --------------------------------------------------------------------------------
@@ -216,7 +189,7 @@ def _section(design: FiveRPURDesign, pose: Array, mode: str, at: float | None) -
 def _orientation(design: FiveRPURDesign, pose: Array, mode: str) -> LocusCurves:
     sign = inverse.signs(mode, design)
     across = np.linspace(-np.pi, np.pi, _ACROSS + 1)
-    curves = _Curves()
+    curves: list[LocusCurve] = []
 
     def value(phi: Array, theta: Array) -> tuple[Array, Array]:
         angles = np.stack(np.broadcast_arrays(phi, theta), axis=-1)
@@ -233,7 +206,7 @@ def _orientation(design: FiveRPURDesign, pose: Array, mode: str) -> LocusCurves:
             raise _all_singular("at this position")
         _lines(curves, low, across, at_low)
         _lines(curves, high, across, at_high)
-    return curves.result(np.array([[-np.pi, np.pi], [-np.pi, np.pi]]))
+    return LocusCurves.of(curves, np.array([[-np.pi, np.pi], [-np.pi, np.pi]]))
 
 
 def _closing(design: FiveRPURDesign, y: float) -> list[tuple[float, float, list[int], list[int]]]:

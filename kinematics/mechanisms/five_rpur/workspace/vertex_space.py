@@ -67,8 +67,7 @@ class Surface:
 
 def shear(y: Array, link: float | Array) -> Array:
     """h(y) = sqrt(l² − y²), mm, 0 beyond |y| = l."""
-    h: Array = np.sqrt(np.maximum((link - y) * (link + y), 0.0))
-    return h
+    return np.asarray(np.sqrt(np.maximum((link - y) * (link + y), 0.0)))
 
 
 def limb_solid(

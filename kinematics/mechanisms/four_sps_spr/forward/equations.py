@@ -117,8 +117,7 @@ def _symmetric_forms() -> Array:
         o(a, a) - o(b, b) - o(c, c) + o(d, d),
     ]
     forms = np.stack([norm, square, *w, *t, *turned])
-    symmetric: Array = 0.5 * (forms + forms.swapaxes(1, 2))
-    return symmetric
+    return np.asarray(0.5 * (forms + forms.swapaxes(1, 2)))
 
 
 _FORMS = _symmetric_forms()
@@ -129,8 +128,7 @@ PATCH = np.exp(1j * np.array([0.3, 2.1, -1.7, 0.9])) * np.array([1.0, 0.8, 1.1, 
 
 def _halves(u: Complex) -> Complex:
     """S_m u, (n, 17, 8): half of the monomials' derivatives."""
-    product: Complex = (u.T @ _FLAT).reshape(-1, _MONOMIALS, UNKNOWNS)
-    return product
+    return np.asarray((u.T @ _FLAT).reshape(-1, _MONOMIALS, UNKNOWNS))
 
 
 def coefficients(g: Parameters) -> Complex:
@@ -226,8 +224,7 @@ between = Deformation
 def extent(u: Complex) -> Real:
     """|u|² / |N|, (n,): about the square of how far out a pose is, in units."""
     norm = np.abs((u[:4] * u[:4]).sum(axis=0))
-    size: Real = (np.abs(u) ** 2).sum(axis=0) / np.maximum(norm, 1e-300)
-    return size
+    return np.asarray((np.abs(u) ** 2).sum(axis=0) / np.maximum(norm, 1e-300))
 
 
 def polish(g: Parameters, u: Complex, rounds: int = 3) -> tuple[Complex, Real]:
@@ -250,8 +247,7 @@ def regularity(g: Parameters, u: Complex) -> Real:
     _, by_u, _ = _system(coefficients(g), u)
     sound = np.asarray(np.isfinite(by_u).all(axis=(1, 2)))
     sizes = np.linalg.svd(np.where(sound[:, None, None], by_u, 0.0), compute_uv=False)
-    ratio: Real = sizes[:, -1] / np.maximum(sizes[:, 0], 1e-300)
-    return ratio
+    return np.asarray(sizes[:, -1] / np.maximum(sizes[:, 0], 1e-300))
 
 
 # --- between unknowns and poses ------------------------------------------------------------
@@ -264,14 +260,12 @@ def normal_form(u: Complex) -> Complex:
         scaled = u / norm
     largest = np.abs(scaled[:4]).argmax(axis=0)
     sign = np.where(scaled[largest, np.arange(u.shape[1])].real < 0.0, -1.0, 1.0)
-    form: Complex = scaled * sign
-    return form
+    return np.asarray(scaled * sign)
 
 
 def on_patch(u: Complex) -> Complex:
     """The same poses with c·x = 1."""
-    moved: Complex = u / (PATCH @ u[:4])
-    return moved
+    return np.asarray(u / (PATCH @ u[:4]))
 
 
 def conjugate(u: Complex) -> Complex:
