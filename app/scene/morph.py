@@ -12,6 +12,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
 from app.review.view import View
+from app.scene.nodes import triple
 from kinematics.answers.drawings import Drawing
 from kinematics.arrays import Array
 
@@ -50,7 +51,7 @@ def between(before: View, after: View, share: float) -> tuple[Drawing, Array]:
     ).reshape(-1, 2, 2, 3)
     points = _between(pairs, ends, platform, share)
     moved = tuple(
-        replace(bar, start=_triple(start), end=_triple(end))
+        replace(bar, start=triple(start), end=triple(end))
         for bar, (start, end) in zip(bars, points, strict=True)
     )
     return replace(after.drawing, bars=moved), platform
@@ -65,7 +66,3 @@ def _between(pairs: Array, ends: Array, platform: Array, share: float) -> Array:
     straight = (1.0 - share) * pairs[..., 0, :] + share * pairs[..., 1, :]
     placed: Array = np.where(rigid[..., None], carried, straight)
     return placed
-
-
-def _triple(point: Array) -> tuple[float, float, float]:
-    return float(point[0]), float(point[1]), float(point[2])

@@ -82,11 +82,6 @@ def bar_color(bar: Bar, level: str) -> str:
             return BASE
 
 
-def ghost_color(*, stale: bool, dark: bool) -> str:
-    """The platform in another assembly mode; fainter while that belongs to other actuators."""
-    return mixed(GHOST, (-0.55 if dark else 0.6) if stale else 0.0)
-
-
 def solid_color(spec: SolidSpec) -> str:
     """The colour of a solid: its limb's, shaded by the part it is."""
     if spec.limb is None:

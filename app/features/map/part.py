@@ -107,10 +107,8 @@ class MapPart(Part):
 
     def give_up(self) -> None:
         """Give up the map that is being computed."""
-        if self._running is not None:
-            self._run += 1
-            self._running, self._trouble = None, ""
-            self.late, self._from = True, 0.0
+        self._ended(self._run, "")
+        self._run += 1
 
     # --- showing
 

@@ -145,7 +145,7 @@ def solid_name(
 
     As "rpur-table1_workspace_phi0_theta-17.2" or "rpur-table1_limb1-H2_phi0_theta0".
     """
-    angles = (f"{axis.key}{_number(degrees(value))}" for axis, value in orientation)
+    angles = (f"{axis.key}{round(degrees(value), 4) + 0.0:.10g}" for axis, value in orientation)
     chosen = () if modes is None else (modes[0] if len(modes) == 1 else f"{len(modes)}modes",)
     return "_".join([sanitized(part) for part in (design.name, key, *angles, *chosen)])
 
@@ -166,9 +166,3 @@ def sanitized(text: str) -> str:
     if not re.fullmatch(r"[+-]+", plain):  # a working mode: all its minus signs carry meaning
         plain = re.sub(r"[^A-Za-z0-9.+-]+", "-", plain).strip("-.")
     return plain or "unnamed"
-
-
-def _number(value: float) -> str:
-    """Up to four decimals, no trailing zeros, never "-0"."""
-    text = f"{value:.4f}".rstrip("0").rstrip(".")
-    return "0" if text == "-0" else text

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any
@@ -16,17 +17,6 @@ from kinematics.arrays import Array
 from kinematics.storage import csv_text
 
 FORMATS: tuple[str, ...] = ("csv", "svg")
-_GREEK = {
-    "α": "alpha",
-    "β": "beta",
-    "γ": "gamma",
-    "θ": "theta",
-    "λ": "lambda",
-    "ρ": "rho",
-    "σ": "sigma",
-    "φ": "phi",
-    "ψ": "psi",
-}
 
 
 def locus_bytes(
@@ -98,4 +88,9 @@ def _residuals(found: LocusCurves, spec: LocusSpec) -> Array:
 
 def _plain(symbol: str) -> str:
     """Letters that every program reads: "φ" → "phi", "x′" → "x"."""
-    return "".join(_GREEK.get(c, c) for c in symbol.lower() if c.isalnum())
+    return "".join(_latin(c) if "α" <= c <= "ω" else c for c in symbol.lower() if c.isalnum())
+
+
+def _latin(letter: str) -> str:
+    """ "phi" of "φ"; Unicode alone writes lambda without its b."""
+    return unicodedata.name(letter).rpartition(" ")[2].lower().replace("lamda", "lambda")

@@ -8,12 +8,13 @@ sentences above them, the platforms that stand in the scene as ghosts.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from app.features.solutions.state import SAME_MODE, Atlas
+from app.features.solutions.state import SAME_MODE, Atlas, Sort
 from app.jobs.answers import Question
 from app.review.state import Review
 from app.review.units import place_text
@@ -214,16 +215,14 @@ def _filtered(review: Review, rows: list[Row]) -> list[Row]:
 
 
 def _sorted(review: Review, rows: list[Row]) -> list[Row]:
-    match review[Atlas].sort:
-        case "distance":
-            return sorted(rows, key=lambda r: r.distance)
-        case "condition":
-            return sorted(rows, key=lambda r: r.condition)
-        case "height":
-            return sorted(rows, key=lambda r: -r.height)
-        case "mode":
-            order: dict[str, int] = {mode: n for n, mode in enumerate(review.machine.modes)}
-            return sorted(rows, key=lambda r: (order[r.mode], r.distance))
+    order: dict[str, int] = {mode: n for n, mode in enumerate(review.machine.modes)}
+    keys: dict[Sort, Callable[[Row], Any]] = {
+        "distance": lambda r: r.distance,
+        "condition": lambda r: r.condition,
+        "height": lambda r: -r.height,
+        "mode": lambda r: (order[r.mode], r.distance),
+    }
+    return sorted(rows, key=keys[review[Atlas].sort])
 
 
 # --- sentences -----------------------------------------------------------------------------

@@ -56,7 +56,9 @@ class Ghosts:
         edges = outline([b for b in view.drawing.bodies if b.frame == "platform"])
         owners = [atlas.rows[n].identity for n in others]
         new = np.array([atlas.rows[n].new for n in others], dtype=bool)
-        shade = palette.ghost_color(stale=atlas.stale, dark=view.review[Options].dark)
+        # Fainter while they belong to other actuators.
+        tint = -0.55 if view.review[Options].dark else 0.6
+        shade = palette.mixed(palette.GHOST, tint if atlas.stale else 0.0)
         colors = np.where(
             new[:, None], palette.linear(palette.PLATFORM), palette.linear(shade)
         ).astype(np.uint8)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal, Self, get_args
 
 from app.review import content as session
 from app.review.changes import SetOne
@@ -12,7 +12,6 @@ from app.review.state import Review, Slice
 from kinematics.answers.modes import matching
 
 Sort = Literal["distance", "condition", "height", "mode"]
-SORTS: tuple[Sort, ...] = ("distance", "condition", "height", "mode")
 SAME_MODE = "same"
 
 
@@ -36,7 +35,7 @@ class Atlas(Slice):
         return f"atlas {name}" if isinstance(value, str) else ""
 
     def checked(self, review: Review) -> Self:
-        session.listed(self.sort, SORTS, "solutions are sorted by")
+        session.listed(self.sort, get_args(Sort), "solutions are sorted by")
         if self.modes not in ("", SAME_MODE):
             matching(self.modes, review.machine.modes)
         return self

@@ -293,14 +293,9 @@ def parts(samples: int) -> list[tuple[int, ...]]:
     return [tuple(order[n : n + PART]) for n in range(0, samples, PART)]
 
 
-def drawn_axes(review: Review) -> tuple[int, int]:
-    """The two coordinates in whose plane a stroke is drawn."""
-    return plane_of(review[Plan], review.machine.coordinates)
-
-
 def reach_key(review: Review) -> ReachKey:
     """All that the reach in the plane of a stroke depends on."""
-    plane = drawn_axes(review)
+    plane = plane_of(review[Plan], review.machine.coordinates)
     held = tuple(0.0 if n in plane else v for n, v in enumerate(review.pose))
     return review.design, held, review.mode, plane, review.dependent
 
