@@ -12,10 +12,10 @@ import queue
 import sys
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar, cast
 
 import viser
 import viser._messages
@@ -31,7 +31,7 @@ from app.review.keeping import Keeper
 from app.review.state import Options, Review
 from app.scene.camera import fit
 from app.scene.machine import Scene
-from app.widgets.desk import Group, Hands, Panel, Sheet, add_hotkeys, safely
+from app.widgets.desk import Command, Desk, Group, Hands, Panel, Sheet, safely
 from app.widgets.header import Header
 from kinematics.errors import InputError
 
@@ -346,3 +346,20 @@ def _superseded(item: _Asked, later: Sequence[Any]) -> bool:
         and other.change.gesture == gesture
         for other in later
     )
+
+
+def add_hotkeys(desk: Desk, commands: Iterable[Command]) -> None:
+    """Put commands into the palette, with their keys."""
+    for command in commands:
+        *control, key = command.key.split("+")
+        made = desk.gui.add_command(
+            command.label,
+            description=command.description,
+            hotkey=cast(Any, key),
+            modifier="cmd/ctrl" if control else None,
+        )
+
+        def triggered(_: object, act: Callable[[], None] = command.act) -> None:
+            safely(desk, None, act)
+
+        made.on_trigger(triggered)

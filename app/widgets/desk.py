@@ -8,13 +8,13 @@ import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, ClassVar, ParamSpec, Protocol, TypeVar, cast
+from typing import Any, ClassVar, ParamSpec, Protocol, TypeVar
 
 import viser
 
 from app.jobs.parts import Client as Client
 from app.jobs.parts import Room
-from app.review.changes import Change
+from app.review.changes import Change, SetOne
 from app.review.history import History
 from app.review.state import Review, Slice
 from app.review.view import View
@@ -105,23 +105,6 @@ class Command:
     act: Callable[[], None]
 
 
-def add_hotkeys(desk: Desk, commands: Iterable[Command]) -> None:
-    """Put commands into the palette, with their keys."""
-    for each in commands:
-        *control, key = each.key.split("+")
-        made = desk.gui.add_command(
-            each.label,
-            description=each.description,
-            hotkey=cast(Any, key),
-            modifier="cmd/ctrl" if control else None,
-        )
-
-        def triggered(_: object, act: Callable[[], None] = each.act) -> None:
-            safely(desk, None, act)
-
-        made.on_trigger(triggered)
-
-
 class Group:
     """Widgets that show a review: a tab, or a folder of one; made once for a mechanism."""
 
@@ -182,28 +165,53 @@ class Group:
         return handle
 
     def field(
-        self, handle: Any, kind: type[Slice], name: str, setter: Setter, taken: Any = None
+        self,
+        handle: Any,
+        kind: type[Slice],
+        name: str,
+        setter: Setter | None = None,
+        taken: Callable[[Any], Any] = lambda value: value,
     ) -> Any:
-        """A widget whose value is a field of a slice, as it is or as ``taken`` makes it."""
+        """A widget whose value is a field of a slice, as ``taken`` makes it.
 
-        def change(value: Any) -> Change:
-            return setter(name, value if taken is None else taken(value))
-
-        return self.bind(handle, lambda review: getattr(review[kind], name), change)
+        ``setter`` makes the change; left out it sets the field.
+        """
+        change = setter or partial(SetOne, kind)
+        return self.bind(
+            handle, lambda review: getattr(review[kind], name), lambda v: change(name, taken(v))
+        )
 
     def switch(
         self,
         label: str,
         kind: type[Slice],
         name: str,
-        setter: Setter,
         hint: str | None = None,
         command: Said | None = None,
     ) -> Any:
         """A checkbox for a field of a slice; with a ``command`` a key does it, too."""
         if command is not None:
-            self.toggle(command, lambda review: getattr(review[kind], name), partial(setter, name))
-        return self.field(self.gui.add_checkbox(label, False, hint=hint), kind, name, setter)
+            change = partial(SetOne, kind, name)
+            self.toggle(command, lambda review: getattr(review[kind], name), change)
+        return self.field(self.gui.add_checkbox(label, False, hint=hint), kind, name)
+
+    def number(self, label: str, kind: type[Slice], name: str, setter: Setter, **look: Any) -> Any:
+        """A number box for a field of a slice."""
+        made = self.gui.add_number(label, getattr(self.review[kind], name), **look)
+        return self.field(made, kind, name, setter)
+
+    def menu(
+        self,
+        label: str,
+        options: Mapping[str, Any],
+        kind: type[Slice],
+        name: str,
+        setter: Setter | None = None,
+        **look: Any,
+    ) -> Any:
+        """A menu for a field of a slice: titles with what each of them stands for."""
+        change = partial(setter or partial(SetOne, kind), name)
+        return self.choice(label, options, lambda r: getattr(r[kind], name), change, **look)
 
     def choice(
         self,

@@ -12,7 +12,7 @@ from app.features.review.part import ReviewPart
 from app.features.workspace.compute import Solids, SolidWish
 from app.features.workspace.part import SolidsPart
 from app.review import session
-from app.review.changes import Restore, SetOption
+from app.review.changes import Restore
 from app.review.state import Options, Review
 from app.review.units import sentence
 from app.terminal.tables import LOCUS
@@ -111,7 +111,7 @@ class ReviewPanel(Panel):
             self.upload("Open a session file", ".json,application/json", self._open)
         with gui.add_folder("What is drawn"):
             for name, (title, command) in OPTIONS.items():
-                self.switch(title, Options, name, SetOption, command=command)
+                self.switch(title, Options, name, command=command)
             self.button("Fit the view", lambda _: desk.fit_view(), icon=icon.MAXIMIZE)
             self.groups.append(LooksFolder(desk, self.sheet))
         gui.add_html(box(f"This page: <b>{esc(desk.address)}</b>"))

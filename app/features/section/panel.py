@@ -9,7 +9,7 @@ from typing import Any
 from app.features.section.compute import Sections
 from app.features.section.html import mark, numbers_html, profile, profile_places
 from app.features.section.part import SectionPart
-from app.features.section.state import Cut, MoveCut, SetCut, point_in_section
+from app.features.section.state import Cut, MoveCut, point_in_section
 from app.review.state import Review
 from app.widgets.axes import nearest
 from app.widgets.boxes import Slider
@@ -52,7 +52,7 @@ class SectionPanel(Panel):
         self._spec = spec
         hint = "In the scene and as a plot (hotkey X)"
         command = "Section", "Show or hide the section of the workspace", "X"
-        self.switch("Show the section", Cut, "on", SetCut, hint, command)
+        self.switch("Show the section", Cut, "on", hint, command)
         lengths = [c for c in review.machine.coordinates if c.unit == "mm"]
         # Until it is known where the workspace lies.
         self._range = (min(c.lower for c in lengths), max(c.upper for c in lengths))

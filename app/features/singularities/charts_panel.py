@@ -34,12 +34,7 @@ class ChartFolder(Group):
         part = desk.part(ControlPart)
         titles = {spec.title: spec.key for spec in specs(review.machine)}
         with gui.add_folder("Singular curves"):
-            self.choice(
-                "Chart",
-                {NOTHING: ""} | titles,
-                lambda review: review[Control].chart,
-                partial(SetControl, "chart"),
-            )
+            self.menu("Chart", {NOTHING: ""} | titles, Control, "chart")
             self._plot = Plot(desk, self._pointed)
             self._plot_beside = Plot(desk, self._pointed)
             self._named_beside = gui.add_html("")
@@ -119,7 +114,6 @@ class ProfileFolder(Group):
                     f"Beside the {short_title(machine_of(other))}",
                     Control,
                     "compare",
-                    SetControl,
                     "The same radii, stroke, altitude and orientation; in the scene too",
                 )
             self._plot = Plot(desk, self._pointed)

@@ -59,10 +59,8 @@ class SingularitiesPanel(Panel):
         self._swing = self.button(
             "Show the free motion", lambda _: desk.ask(part.swing, 0), visible=False
         )
-        self.switch("Wrench lines", Control, "wrenches", SetControl, "What holds the platform")
-        self.switch(
-            "Nearest limits", Control, "clearances", SetControl, "Lines to them in the scene"
-        )
+        self.switch("Wrench lines", Control, "wrenches", "What holds the platform")
+        self.switch("Nearest limits", Control, "clearances", "Lines to them in the scene")
         self._clearances = gui.add_html("")
         self._out = gui.add_folder("The ways out", visible=False)
         with self._out:
@@ -131,17 +129,12 @@ class AspectsFolder(Group):
             self.toggle(command, _shown, partial(Show, ASPECTS))
             show = gui.add_checkbox("Show", False, hint="Hotkey A")
             self.bind(show, _shown, partial(Show, ASPECTS))
-            self.switch("Singular surface", Control, "locus", SetControl, "Where control is lost")
+            self.switch("Singular surface", Control, "locus", "Where control is lost")
             self.bind(
                 gui.add_slider("Opacity", 0.05, 1.0, 0.05, 0.5), _opacity, partial(Fade, (ASPECTS,))
             )
-            self.choice(
-                "Colour by",
-                {NOTHING: ""} | measures,
-                lambda review: review[Control].shade,
-                partial(SetControl, "shade"),
-                hint="Of the present mode, on the aspects and on the workspace",
-            )
+            hint = "Of the present mode, on the aspects and on the workspace"
+            self.menu("Colour by", {NOTHING: ""} | measures, Control, "shade", hint=hint)
             self._legend = gui.add_html("")
             self._pieces = gui.add_html("")
         # A ball is one of places.
@@ -200,8 +193,8 @@ class LoadFolder(Group):
             self._moment = gui.add_vector3("Moment (N·mm)", zero, step=100.0)
             self.bind(self._force, lambda review: review[Control].load[:3], self._load)
             self.bind(self._moment, lambda review: review[Control].load[3:], self._load)
-            self.switch("Arrow to drag", Control, "arrow", SetControl, "The force, in the scene")
-            self.switch("Forces on the limbs", Control, "forces", SetControl, "Push or pull, in N")
+            self.switch("Arrow to drag", Control, "arrow", "The force, in the scene")
+            self.switch("Forces on the limbs", Control, "forces", "Push or pull, in N")
             self._forces = gui.add_html("")
 
     def _load(self, _: object) -> Change:

@@ -53,9 +53,9 @@ class SolutionsPanel(Panel):
         self._count = gui.add_html("")
         hint = "The platform in every other solution of the list; click one to go there (hotkey G)"
         command = "Ghosts", "Show or hide the platform in all other solutions", "G"
-        self.switch("Ghosts", Atlas, "ghosts", SetAtlas, hint, command)
-        self.switch("Within strokes", Atlas, "within_stroke", SetAtlas)
-        self.choice("Sort by", SORTED, lambda r: r[Atlas].sort, partial(SetAtlas, "sort"))
+        self.switch("Ghosts", Atlas, "ghosts", hint, command)
+        self.switch("Within strokes", Atlas, "within_stroke")
+        self.menu("Sort by", SORTED, Atlas, "sort")
         modes, own = {"All modes": "", "The present mode": SAME_MODE}, ("A pattern", "Pattern")
         change = partial(SetAtlas, "modes")
         self._modes = ModesMenu(self, modes, own, change, visible=any(known))

@@ -13,7 +13,7 @@ from app.features.trajectory.html import fits_html, summary_html
 from app.features.trajectory.part import TrajectoryPart
 from app.features.trajectory.paths_panel import WayFolder
 from app.features.trajectory.plot import figure, mark
-from app.features.trajectory.state import MOST_SAMPLES, SPEEDS, Plan, set_plan, step_plan
+from app.features.trajectory.state import MOST_SAMPLES, SPEEDS, Plan, step_plan
 from app.review.state import Review
 from app.review.view import Moment
 from app.widgets.boxes import LimitsBox, Typing
@@ -76,7 +76,7 @@ class TrajectoryPanel(Panel):
         part = self._part = desk.part(TrajectoryPart)
         hint = "In the scene and as plots (hotkey T)"
         command = "Trajectory", "Show or hide the trajectory and its plots", "T"
-        self.switch("Show the trajectory", Plan, "on", set_plan, hint, command)
+        self.switch("Show the trajectory", Plan, "on", hint, command)
         self.key("Play", "Play the trajectory, or pause", "P", lambda: desk.ask(part.playing.play))
         self._summary = gui.add_html("")
         self._progress = gui.add_progress_bar(0.0, visible=False)
@@ -93,7 +93,7 @@ class TrajectoryPanel(Panel):
         self._add_time()
         self._add_limits(review)
         with gui.add_folder("Polynomials for the joints", expand_by_default=False):
-            self._menu("Degree", DEGREES, "degree")
+            self.menu("Degree", DEGREES, Plan, "degree")
             self._fits = gui.add_html("")
         self.saving("Save as", KINDS, lambda *what: desk.ask(part.save_trajectory, *what))
         explain(gui, review.machine.text("trajectory"), HELP)
@@ -101,26 +101,18 @@ class TrajectoryPanel(Panel):
         self._moved: Moved | None = None
         self._moment = Moment(0.0, playing=False, away=False, distance=float("nan"))
 
-    def _menu(self, label: str, options: dict[str, Any], name: str) -> None:
-        self.choice(label, options, lambda r: getattr(r[Plan], name), partial(set_plan, name))
-
-    def _number(self, label: str, name: str, **look: Any) -> Any:
-        made = self.gui.add_number(label, getattr(self.review[Plan], name), **look)
-        return self.field(made, Plan, name, step_plan)
-
     def _add_time(self) -> None:
         with self.gui.add_folder("Time"):
-            self._menu("Time law", LAWS, "law")
-            self._duration = self._number(
-                "Duration (s)",
-                "duration",
-                min=0.0,
-                step=0.1,
-                hint="0: the path's own, else at 100 mm/s",
+            self.menu("Time law", LAWS, Plan, "law")
+            hint = "0: the path's own, else at 100 mm/s"
+            self._duration = self.number(
+                "Duration (s)", Plan, "duration", step_plan, min=0.0, step=0.1, hint=hint
             )
             self._ramps = [
-                self._number("Speed (mm/s)", "speed", min=0.001, step=1.0),
-                self._number("Acceleration (mm/s²)", "acceleration", min=0.001, step=1.0),
+                self.number("Speed (mm/s)", Plan, "speed", step_plan, min=0.001, step=1.0),
+                self.number(
+                    "Acceleration (mm/s²)", Plan, "acceleration", step_plan, min=0.001, step=1.0
+                ),
             ]
             samples = self.gui.add_number("Samples", 2, min=2, max=MOST_SAMPLES, step=1)
             self.field(samples, Plan, "samples", step_plan, round)
@@ -177,11 +169,11 @@ class TrajectoryPanel(Panel):
                 lambda _: desk.ask(playing.go_back),
                 icon=viser.Icon.ARROW_BACK,
             )
-            self._menu("Speed", PACES, "pace")
-            self._menu("Playback", PLAYBACKS, "playback")
+            self.menu("Speed", PACES, Plan, "pace")
+            self.menu("Playback", PLAYBACKS, Plan, "playback")
             hint = "No machine is driven across a singularity"
-            self.switch("Stop where singular", Plan, "halt", set_plan, hint)
-            self._menu("Plot", PLOTS, "plot")
+            self.switch("Stop where singular", Plan, "halt", hint)
+            self.menu("Plot", PLOTS, Plan, "plot")
         self.answer(self._scrub, lambda at, client: desk.ask(playing.scrub, float(at), client))
         self.clicked(self._play, lambda _: desk.ask(playing.play))
 

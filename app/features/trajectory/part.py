@@ -101,7 +101,7 @@ class TrajectoryPart(Part):
         return replace(computed, found=found), 1.0 - left / max(len(distance), 1)
 
     def applied(self, change: Change, before: Review, note: str) -> None:
-        if isinstance(change, SetPlan) and ("on", not before[Plan].on) in change.values:
+        if self.stage.review[Plan].on != before[Plan].on:
             self._fit_at = time.monotonic() + OPENED  # the scene has another width then
 
     def follow(self) -> None:

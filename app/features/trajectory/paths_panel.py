@@ -55,18 +55,11 @@ class WayFolder(Group):
                 self.upload("Open a CSV file", ".csv,text/csv", self._open, hint)
             self._plane = [gui.add_dropdown(t, symbols) for t in ("To the right", "Upwards")]
             self._sketch = Sketch(desk, self._stroked)
-            smooth = gui.add_number("Smoothing (mm)", 0.0, min=0.0, step=0.5)
-            self._smooth = self.field(smooth, state.Plan, "smooth", state.step_plan)
-            self._through = self.choice(
-                "Joined by",
-                THROUGH,
-                lambda r: r[state.Plan].through,
-                partial(state.step_plan, "through"),
-            )
-            blend = gui.add_number(
-                "Rounded corners (mm)", 0.0, min=0.0, step=1.0, hint="From this far on"
-            )
-            self._blend = self.field(blend, state.Plan, "blend", state.step_plan)
+            plan, step = state.Plan, state.step_plan
+            self._smooth = self.number("Smoothing (mm)", plan, "smooth", step, min=0.0, step=0.5)
+            self._through = self.menu("Joined by", THROUGH, plan, "through", step)
+            look: dict[str, Any] = {"min": 0.0, "step": 1.0, "hint": "From this far on"}
+            self._blend = self.number("Rounded corners (mm)", plan, "blend", step, **look)
             self._typing = Typing(desk)
         self._typed = {"start": self._start, "end": self._end, "points": self._points}
         for name, typed in self._typed.items():

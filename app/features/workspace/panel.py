@@ -13,10 +13,8 @@ from app.features.workspace.part import RegionsPart
 from app.features.workspace.state import (
     ASPECTS,
     ChooseModes,
-    ChooseSurface,
     Fade,
     Flat,
-    SetFlat,
     Show,
     Workspace,
 )
@@ -73,11 +71,11 @@ class WorkspacePanel(Panel):
         visible = of_modes and len(machine.modes) > 1
         own, hint = ("A chosen set", "Modes"), "Working modes"
         self._modes = ModesMenu(self, modes, own, self._chosen, hint=hint, visible=visible)
-        self.choice(
+        self.menu(
             "Made of",
             MADE_OF,
-            lambda review: review[Workspace].surface,
-            ChooseSurface,
+            Workspace,
+            "surface",
             hint="Facets are right on the average; of the true surface every vertex is exact, "
             "which takes longer and many more triangles",
             visible=any("true" in spec.surfaces for spec in alone),
@@ -208,17 +206,9 @@ class RegionsFolder(Group):
         part = desk.part(RegionsPart)
         titles = {s.title: s.key for s in review.machine.region_specs}
         with gui.add_folder("In its plane"):
-            self.switch("Show", Flat, "on", SetFlat)
-            self.choice(
-                "Regions",
-                titles,
-                lambda review: review[Flat].key,
-                partial(SetFlat, "key"),
-                visible=len(titles) > 1,
-            )
-            self.switch(
-                "Singular curves", Flat, "locus", SetFlat, "Of the present mode, red-orange"
-            )
+            self.switch("Show", Flat, "on")
+            self.menu("Regions", titles, Flat, "key", visible=len(titles) > 1)
+            self.switch("Singular curves", Flat, "locus", "Of the present mode, red-orange")
             self._report = gui.add_html("")
             self.saving("Save as", KINDS, lambda *what: desk.ask(part.save_regions, *what))
 
