@@ -237,12 +237,18 @@ class Group:
         clicked(self.desk, made, act)
         return made
 
-    def saving(
-        self, label: str, kinds: tuple[str, ...], save: Callable[[str, Client], None]
-    ) -> Any:
-        """A button for each kind of file."""
-        made = self.gui.add_button_group(label, kinds)
-        clicked(self.desk, made, lambda client: save(made.value.lower(), client))
+    def asks(self, label: str, act: Callable[..., object], *arguments: Any, **look: Any) -> Any:
+        """A quiet button that has the loop call ``act(*arguments)``."""
+        return self.button(label, lambda _: self.desk.ask(act, *arguments), **look)
+
+    def asks_for(self, label: str, act: Callable[[Client], object], **look: Any) -> Any:
+        """A quiet button that has the loop call ``act(client)``."""
+        return self.button(label, lambda client: self.desk.ask(act, client), **look)
+
+    def saving(self, kinds: tuple[str, ...], save: Callable[[str, Client], object]) -> Any:
+        """A button for each kind of file, with which the loop saves it."""
+        made = self.gui.add_button_group("Save as", kinds)
+        clicked(self.desk, made, lambda who: self.desk.ask(save, made.value.lower(), who))
         return made
 
     def answer(self, handle: Any, act: Callable[[Any, Client], None]) -> None:

@@ -72,23 +72,18 @@ class MapPanel(Panel):
         for typed in self._spans:
             self._typing.watch(typed, self._edit)
         self._start = self.button("Start", self._begin, icon=viser.Icon.PLAYER_PLAY)
-        self._stop = self.button(
-            "Cancel",
-            lambda _: desk.ask(part.give_up),
-            icon=viser.Icon.PLAYER_STOP,
-            visible=False,
-        )
+        self._stop = self.asks("Cancel", part.give_up, icon=viser.Icon.PLAYER_STOP, visible=False)
         self._state = gui.add_html("")
         self._progress = gui.add_progress_bar(0.0, visible=False, animated=True)
         self._plot = Plot(desk, self._pointed)
         self._known: Charted | None = None
-        self.button(
+        self.asks_for(
             "Platform into the workspace",
-            lambda client: desk.ask(desk.part(SectionPart).go_to_ball, client),
+            desk.part(SectionPart).go_to_ball,
             hint="To the centre of the largest ball inside it, at the present orientation; flips "
             "limbs where that is needed",
         )
-        self.saving("Save as", KINDS, lambda *what: desk.ask(part.save_map, *what))
+        self.saving(KINDS, part.save_map)
         explain(gui, review.machine.text("map"), HELP)
 
     def draw(self, sheet: Sheet) -> None:

@@ -73,7 +73,7 @@ class SectionPanel(Panel):
         self._profile = Plot(desk, self._pointed)
         self._known: Sections | None = None
         self._profile_of: Volume | None = None
-        self.saving("Save as", KINDS, lambda *what: desk.ask(part.save_section, *what))
+        self.saving(KINDS, part.save_section)
         explain(gui, review.machine.text("section"), HELP)
 
     def draw(self, sheet: Sheet) -> None:

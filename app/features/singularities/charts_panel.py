@@ -39,9 +39,7 @@ class ChartFolder(Group):
             self._plot_beside = Plot(desk, self._pointed)
             self._named_beside = gui.add_html("")
             self._curves = gui.add_html("")
-            self._save = self.saving(
-                "Save as", ("CSV", "SVG"), lambda *what: desk.ask(part.save_curves, *what)
-            )
+            self._save = self.saving(("CSV", "SVG"), part.save_curves)
 
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)

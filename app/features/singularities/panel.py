@@ -56,18 +56,14 @@ class SingularitiesPanel(Panel):
         part = self._part = desk.part(ControlPart)
         self._elsewhere = Elsewhere(gui)
         self._here = gui.add_html("")
-        self._swing = self.button(
-            "Show the free motion", lambda _: desk.ask(part.swing, 0), visible=False
-        )
+        self._swing = self.asks("Show the free motion", part.swing, 0, visible=False)
         self.switch("Wrench lines", Control, "wrenches", "What holds the platform")
         self.switch("Nearest limits", Control, "clearances", "Lines to them in the scene")
         self._clearances = gui.add_html("")
         self._out = gui.add_folder("The ways out", visible=False)
         with self._out:
             self._remedy = gui.add_html("")
-            self._escape = self.button(
-                "Go to that pose", lambda client: desk.ask(part.escape, client)
-            )
+            self._escape = self.asks_for("Go to that pose", part.escape)
             self._offers = gui.add_html("")
             self._way = gui.add_dropdown("Change", ("none",), hint="Which of these")
             self._change = self.button("Change the design so", self._change_design)
@@ -80,7 +76,7 @@ class SingularitiesPanel(Panel):
         self.groups += [LoadFolder(desk, sheet), MotionFolder(desk, sheet)]
         with gui.add_folder("What happened on the way", expand_by_default=False):
             self._log = gui.add_html(html.log_html(()))
-            self.button("Clear", lambda _: desk.ask(part.clear_log))
+            self.asks("Clear", part.clear_log)
         explain(gui, machine.text("singularities"), HELP)
 
     def told(self, sheet: Sheet, news: Any) -> None:
@@ -145,12 +141,8 @@ class AspectsFolder(Group):
             )
             self.button("Find the ball", lambda _: desk.ask(part.find_free, about.value))
             self._ball = gui.add_html("")
-            self._go = self.button(
-                "Platform to its centre",
-                lambda client: desk.ask(part.go_to_free, client),
-                visible=False,
-            )
-            self._hide = self.button("Hide it", lambda _: desk.ask(part.forget_free), visible=False)
+            self._go = self.asks_for("Platform to its centre", part.go_to_free, visible=False)
+            self._hide = self.asks("Hide it", part.forget_free, visible=False)
         self._solids = Solids((), {}, {}, None)
 
     def draw(self, sheet: Sheet) -> None:

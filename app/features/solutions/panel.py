@@ -67,9 +67,9 @@ class SolutionsPanel(Panel):
         self._empty = gui.add_html("", visible=False)
         self._limit = PAGE
         self._more = self.button("Show more", self._show_more)
-        self.button(
+        self.asks(
             "Find all anew",
-            lambda _: desk.ask(self._part.find_again),
+            self._part.find_again,
             hint="Forget this set and find every solution from scratch",
         )
         with gui.add_folder("Fold ahead"):

@@ -80,22 +80,16 @@ class TrajectoryPanel(Panel):
         self.key("Play", "Play the trajectory, or pause", "P", lambda: desk.ask(part.playing.play))
         self._summary = gui.add_html("")
         self._progress = gui.add_progress_bar(0.0, visible=False)
-        self._give_up = self.button(
-            "Cancel the distances", lambda _: desk.ask(part.measure, on=False)
-        )
-        self._go_on = self.button(
-            "Find distances to singularities", lambda _: desk.ask(part.measure, on=True)
-        )
-        self._next = self.button(
-            "To the next warning", lambda client: desk.ask(part.playing.to_warning, client)
-        )
+        self._give_up = self.asks("Cancel the distances", part.measure, False)
+        self._go_on = self.asks("Find distances to singularities", part.measure, True)
+        self._next = self.asks_for("To the next warning", part.playing.to_warning)
         self.groups.append(WayFolder(desk, self.sheet))
         self._add_time()
         self._add_limits(review)
         with gui.add_folder("Polynomials for the joints", expand_by_default=False):
             self.menu("Degree", DEGREES, Plan, "degree")
             self._fits = gui.add_html("")
-        self.saving("Save as", KINDS, lambda *what: desk.ask(part.save_trajectory, *what))
+        self.saving(KINDS, part.save_trajectory)
         explain(gui, review.machine.text("trajectory"), HELP)
         self._add_window(review)
         self._moved: Moved | None = None
@@ -139,9 +133,9 @@ class TrajectoryPanel(Panel):
                 )
             }
             self._typing = Typing(desk)
-            self.button(
+            self.asks_for(
                 "Shortest duration that keeps them",
-                lambda client: desk.ask(self._part.shorten, client),
+                self._part.shorten,
                 hint="Rates and accelerations; forces hold the load at any speed",
             )
         for name, typed in self._limits.items():
@@ -159,15 +153,9 @@ class TrajectoryPanel(Panel):
             self._scrub = gui.add_slider("Time (s)", 0.0, 1.0, 0.001, 0.0)
             self.set(self._scrub, precision=3)
             self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY, hint="Hotkey P")
-            self._stop = self.button(
-                "Stop here",
-                lambda client: desk.ask(playing.stop_here, client),
-                icon=viser.Icon.FLAG,
-            )
-            self._back = self.button(
-                "Back to where it was",
-                lambda _: desk.ask(playing.go_back),
-                icon=viser.Icon.ARROW_BACK,
+            self._stop = self.asks_for("Stop here", playing.stop_here, icon=viser.Icon.FLAG)
+            self._back = self.asks(
+                "Back to where it was", playing.go_back, icon=viser.Icon.ARROW_BACK
             )
             self.menu("Speed", PACES, Plan, "pace")
             self.menu("Playback", PLAYBACKS, Plan, "playback")

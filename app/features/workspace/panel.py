@@ -10,14 +10,7 @@ from app.features.section.part import SectionPart
 from app.features.workspace import html
 from app.features.workspace.compute import Laying, Solids
 from app.features.workspace.part import RegionsPart
-from app.features.workspace.state import (
-    ASPECTS,
-    ChooseModes,
-    Fade,
-    Flat,
-    Show,
-    Workspace,
-)
+from app.features.workspace.state import ASPECTS, ChooseModes, Fade, Flat, Show, Workspace
 from app.review.changes import Change
 from app.review.state import Review
 from app.widgets.boxes import ModesMenu
@@ -182,14 +175,10 @@ class UsableFolder(Group):
             self.button("Largest ball", partial(find, "ball"))
             self.button("Largest box", partial(find, "box"))
             self._told = gui.add_html("")
-            self._go = self.button(
-                "Platform to the ball's centre",
-                lambda client: desk.ask(part.go_to_ball, client),
-                visible=False,
+            self._go = self.asks_for(
+                "Platform to the ball's centre", part.go_to_ball, visible=False
             )
-            self._hide = self.button(
-                "Hide them", lambda _: desk.ask(part.forget_inscribed), visible=False
-            )
+            self._hide = self.asks("Hide them", part.forget_inscribed, visible=False)
 
     def told(self, sheet: Sheet, news: Any) -> None:
         if isinstance(news, Sections):
@@ -210,7 +199,7 @@ class RegionsFolder(Group):
             self.menu("Regions", titles, Flat, "key", visible=len(titles) > 1)
             self.switch("Singular curves", Flat, "locus", "Of the present mode, red-orange")
             self._report = gui.add_html("")
-            self.saving("Save as", KINDS, lambda *what: desk.ask(part.save_regions, *what))
+            self.saving(KINDS, part.save_regions)
 
     def told(self, sheet: Sheet, news: Any) -> None:
         if isinstance(news, Laying):
