@@ -19,7 +19,7 @@ from app.review.history import History
 from app.review.state import Review, Slice
 from app.review.view import View
 from app.scene import palette
-from app.widgets.texts import aged, box, faint
+from app.widgets.texts import aged
 from kinematics.errors import BohemiaError
 from kinematics.machine import Machine
 
@@ -385,17 +385,6 @@ def put_prop(handle: Any, name: str, value: Any) -> None:
     """Assign a property only when it differs: every assignment is a message to every client."""
     if getattr(handle, name) != value:
         setattr(handle, name, value)
-
-
-class Elsewhere:
-    """A line at the head of what is told of the review's pose, while the machine is not there."""
-
-    def __init__(self, gui: viser.GuiApi) -> None:
-        text = "Of the pose that the review holds: the trajectory shows the machine elsewhere."
-        self._note = gui.add_html(box(faint(text, "i")), visible=False)
-
-    def draw(self, away: bool) -> None:
-        put_prop(self._note, "visible", away)
 
 
 def explain(gui: viser.GuiApi, *texts: str) -> None:

@@ -12,8 +12,8 @@ from app.review.units import sentence
 from app.review.view import Clear, Legend, Moment
 from app.scene import palette
 from app.widgets.boxes import TYPED_WHEN_LEFT
-from app.widgets.desk import Group, Sheet
-from app.widgets.texts import AGED_STYLE, aged, bar, box, chip, esc, styled, tone
+from app.widgets.desk import Group, Sheet, put_prop
+from app.widgets.texts import AGED_STYLE, aged, bar, box, chip, esc, faint, styled, tone
 
 PATIENCE = 0.6  # s; work that ends sooner is not worth a progress bar
 
@@ -62,6 +62,17 @@ class Header(Group):
         show = work is not None and work.title is not None and waited > PATIENCE
         self.see(show, self._cancel)
         self.set(self._doing, content=_doing(work.title or "" if show and work else "", waited))
+
+
+class Elsewhere:
+    """A line at the head of what is told of the review's pose, while the machine is not there."""
+
+    def __init__(self, gui: Any) -> None:
+        text = "Of the pose that the review holds: the trajectory shows the machine elsewhere."
+        self._note = gui.add_html(box(faint(text, "i")), visible=False)
+
+    def draw(self, away: bool) -> None:
+        put_prop(self._note, "visible", away)
 
 
 _SLOT = """<style>div:has(>.work)+div:has(>button){position:relative;height:0;top:-30px;

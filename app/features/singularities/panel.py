@@ -18,7 +18,8 @@ from app.review.units import page_unit, pose_text, sentence
 from app.review.view import Moment
 from app.scene.painting import Scale
 from app.widgets.boxes import RatesBox
-from app.widgets.desk import Client, Elsewhere, Group, Panel, Sheet, explain
+from app.widgets.desk import Client, Group, Panel, Sheet, explain
+from app.widgets.header import Elsewhere
 from app.widgets.texts import box, esc
 from kinematics.answers.clearances import Remedy
 from kinematics.machine import Machine

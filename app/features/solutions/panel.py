@@ -13,7 +13,8 @@ from app.features.solutions.state import SAME_MODE, Atlas, SetAtlas, Sort
 from app.review.state import Review
 from app.review.view import Moment
 from app.widgets.boxes import ModesMenu
-from app.widgets.desk import Client, Elsewhere, Panel, Sheet, explain
+from app.widgets.desk import Client, Panel, Sheet, explain
+from app.widgets.header import Elsewhere
 from app.widgets.texts import box, esc, quiet
 
 SORTED: dict[str, Sort] = {
