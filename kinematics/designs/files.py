@@ -104,10 +104,14 @@ def read_design(text: str, *, origin: str, name: str = "") -> Design:
 
 
 def write_design(design: Design) -> str:
-    """The design as TOML text, which reads back equal (the name stands outside: the file's)."""
+    """The design as TOML text, which reads back equal (the name stands outside: the file's).
+
+    Lengths are in mm, whatever unit they were read in, and the file says so.
+    """
     table = mechanism_class(design.mechanism)(design).design_table()
     plain = [(k, v) for k, v in table.items() if not _is_table_array(v)]
     blocks = ["\n".join(f"{_key(k)} = {_value(v)}" for k, v in plain)]
+    blocks[0] = blocks[0].replace("\n", "  # lengths in mm, angles in degrees\n", 1)
     for key, value in table.items():
         if _is_table_array(value):
             for entry in value:

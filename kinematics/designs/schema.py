@@ -20,6 +20,8 @@ from kinematics.designs.files import (
     read_tables,
     read_text,
 )
+from kinematics.lengths import UNITS as LENGTHS
+from kinematics.lengths import in_mm, unit_of
 from kinematics.mechanism import D, DesignField
 
 Check = Callable[[str, Any], str]
@@ -27,6 +29,8 @@ Check = Callable[[str, Any], str]
 
 ABOUT = ("title", "source")
 """What every design file may say besides."""
+UNITS = "units"
+"""And in which unit its lengths are; mm if it does not."""
 SHORTEST = 1e-9
 """mm; below a picometre a length is a slip of the pen."""
 
@@ -150,8 +154,35 @@ class Schema(Generic[D]):
         Raises:
             DesignError: naming the origin, the limb, the key and the remedy.
         """
+        unit = _unit(table, origin)
+        try:
+            return self._read(self._in_mm(table, unit), origin=origin, name=name)
+        except TableError as error:
+            if unit == "mm" or "mm" not in error.problem:
+                raise
+            told = f"{error.problem}; the file's lengths are in {unit}, told here in mm"
+            raise TableError(origin, error.path, told) from None
+
+    def _in_mm(self, table: Mapping[str, Any], unit: str) -> Mapping[str, Any]:
+        """The same with all lengths in mm; what is wrong with it stays."""
+        if unit == "mm":
+            return table
+
+        def scaled(entry: object, keys: Sequence[Key]) -> Any:
+            if not isinstance(entry, Mapping):
+                return entry
+            lengths = {key.name for key in keys if key.unit == "mm"}
+            return {k: _scaled(v, unit) if k in lengths else v for k, v in entry.items()}
+
+        table = scaled(table, self.keys)
+        limbs = table.get("limb")
+        if isinstance(limbs, list | tuple):
+            return {**table, "limb": [scaled(limb, self.limb_keys) for limb in limbs]}
+        return table
+
+    def _read(self, table: Mapping[str, Any], *, origin: str, name: str) -> D:
         names = ["mechanism", *(key.name for key in self.keys), *(["limb"] if self.limb else [])]
-        optional = (*ABOUT, *self.optional)
+        optional = (*ABOUT, UNITS, *self.optional)
         check_keys(table, required=names, optional=optional, origin=origin)
         values = {k.name: k.read(table[k.name], origin=origin, path=(k.name,)) for k in self.keys}
         if self.limb is not None:
@@ -206,6 +237,30 @@ class Schema(Generic[D]):
     def _limbs(self, design: D) -> Sequence[Any]:
         limbs: Sequence[Any] = getattr(design, "limbs", ()) if self.limb_keys else ()
         return limbs
+
+
+def _unit(table: Mapping[str, Any], origin: str) -> str:
+    """The unit of a table's lengths.
+
+    Raises:
+        TableError: there is no such unit.
+    """
+    given = table.get(UNITS, "mm")
+    unit = unit_of(given)
+    if not unit:
+        known = ", ".join(map(repr, LENGTHS))
+        shown = repr(given[:40]) if isinstance(given, str) else "something else"
+        raise TableError(origin, (UNITS,), f"{UNITS} must be one of {known}, got {shown}")
+    return unit
+
+
+def _scaled(value: object, unit: str) -> Any:
+    """Numbers of a unit in mm, in lists too; what is no number stays."""
+    if isinstance(value, list | tuple):
+        return [_scaled(one, unit) for one in value]
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return value
+    return in_mm(value, unit)
 
 
 def _plain(value: Any) -> Any:

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from kinematics.answers.coordinates import Coordinate
 from kinematics.answers.trajectories import Path, TimeLaw
 from kinematics.errors import InputError
+from kinematics.lengths import UNITS, in_mm, unit_of
 from kinematics.storage import read_text
 from kinematics.trajectories.laws import law
 from kinematics.trajectories.paths import SAME, polyline, spline
@@ -43,7 +44,8 @@ def read_points(
 
     A header names the columns: each pose coordinate by its key or symbol, and the time by t or
     time, if there is one. A unit may stand behind a name, as in "x_mm", "x [in]" or "phi (rad)";
-    without one lengths are mm, angles degrees, times s. Other columns are not read, so that what
+    without one lengths are in the unit that a line before the header names, as ``units = "cm"`` or
+    ``# units: inch``, or mm; angles are degrees, times s. Other columns are not read, so that what
     Bohemia writes can be read again. Columns are parted by semicolons, tabs or commas;
     where it is not commas, numbers may have decimal commas. Empty lines, lines that begin with #
     and a first line "sep=;" are passed over. One of the coordinates ``dependent`` (indices) may be
@@ -58,13 +60,14 @@ def read_points(
     part = ""
     if lines[0].strip().lower().startswith("sep=") and len(lines[0].strip()) == 5:
         part, lines[0] = lines[0].strip()[4], ""
+    usual = _said_unit(lines, origin)
     kept = [n for n, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")]
     first = lines[kept[0]] if kept else ""
     part = part or next((sign for sign in ";\t," if sign in first), ",")
     header = [
         _heading(name) for name in _cells(first, part, f"{origin}, line {(kept or [0])[0] + 1}")
     ]
-    found = [_column(header, axis, origin) for axis in axes]
+    found = [_column(header, axis, usual, origin) for axis in axes]
     missing = [n for n, column in enumerate(found) if column is None]
     left = missing[0] if len(missing) == 1 and missing[0] in dependent else None
     if missing and left is None:
@@ -111,7 +114,7 @@ MOST = 1e9
 """No length (mm), angle (degrees) or time (s) of a path is larger."""
 TIMES = ("t", "time")
 SECONDS = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0}
-LENGTHS = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "inch": 25.4}
+LENGTHS = {unit: in_mm(1.0, unit) for unit in UNITS} | {"in": 25.4}
 ANGLES = {"deg": radians(1.0), "°": radians(1.0), "degrees": radians(1.0), "rad": 1.0}
 _UNIT = re.compile(r"(.*?)(?:_|\s*[\[(/])\s*([a-z°]+)\s*[\])]?")
 
@@ -151,9 +154,37 @@ def _heading(text: str) -> tuple[str, str]:
     return (parted[1].strip(), parted[2]) if parted else (name, "")
 
 
-def _column(header: Sequence[tuple[str, str]], axis: Coordinate, origin: str) -> _Column | None:
+_SAID = re.compile(r"#?\s*units?\s*[=:]\s*[\"']?([^\s\"',;#]*)", re.IGNORECASE)
+
+
+def _said_unit(lines: list[str], origin: str) -> str:
+    """The unit of lengths that a line before the header names, which is left out then; or mm.
+
+    Raises:
+        InputError: there is no such unit.
+    """
+    for n, line in enumerate(lines):
+        said = _SAID.match(line.strip())
+        if said is None:
+            if line.strip() and not line.lstrip().startswith("#"):
+                return "mm"
+            continue
+        unit = unit_of(said[1])
+        if not unit:
+            raise InputError(
+                f"{origin}, line {n + 1}: units must be one of {', '.join(UNITS)}, got "
+                f"{said[1][:20]!r}"
+            )
+        lines[n] = ""
+        return unit
+    return "mm"
+
+
+def _column(
+    header: Sequence[tuple[str, str]], axis: Coordinate, length: str, origin: str
+) -> _Column | None:
     known = LENGTHS if axis.unit == "mm" else ANGLES
-    usual = "mm" if axis.unit == "mm" else "deg"
+    usual = length if axis.unit == "mm" else "deg"
     return _named(header, (axis.key.lower(), axis.symbol.lower()), known, usual, origin)
 
 

@@ -93,3 +93,38 @@ def test_no_text_does_more_than_that(text: str) -> None:
     for head in ("", "x,y\n", "t;x;y\n"):
         with suppress(InputError):
             assert np.abs(read(head + text).poses).max() <= MOST
+
+
+@pytest.mark.parametrize(
+    ("said", "factor"),
+    [
+        ('units = "mm"', 1.0),
+        ('units = "cm"', 10.0),
+        ("# units: m", 1000.0),
+        ("#units=inch", 25.4),
+        ("# Unit = in", 25.4),
+        ("# units: cm, degrees", 10.0),
+        ("units = cm;;", 10.0),
+        ("# a way in cm", 1.0),
+        ("# a way\n\n# units: cm", 10.0),
+    ],
+)
+def test_a_line_before_the_header_says_the_unit(said: str, factor: float) -> None:
+    for first in ("", "\ufeff"):
+        found = read(f"{first}{said}\nx,y\n-6,25\n6,25.5\n")
+        assert np.array(found.poses) == pytest.approx(factor * np.array([[-6, 25], [6, 25.5]]))
+
+
+def test_a_column_s_own_unit_goes_before_that_of_the_file_and_angles_have_none() -> None:
+    found = read("units = m\nx [mm],y,phi\n60,0.25,10\n61,0.26,11\n", TURN)
+    assert found.poses[0] == pytest.approx((60.0, 250.0, radians(10.0)))
+
+
+@pytest.mark.parametrize("said", ["units = feet", "# units: millimetres", "units =", "units: 3"])
+def test_an_unknown_unit_is_refused(said: str) -> None:
+    with pytest.raises(InputError, match=r"way\.csv, line 1: units must be one of mm, cm, m, inch"):
+        read(f"{said}\nx,y\n-6,25\n6,25.5\n")
+
+
+def test_a_unit_below_the_header_says_nothing() -> None:
+    assert read("x,y\n# units: m\n-6,25\n6,25.5\n").poses[0] == (-6.0, 25.0)
