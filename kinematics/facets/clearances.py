@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from math import ceil, floor, inf
 from typing import NamedTuple
+
+import numpy as np
 
 from kinematics.answers.bounds import Bound, decimals
 from kinematics.answers.clearances import Clearance, DesignChanges, Remedy
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
 from kinematics.facets.facet import Facet
+from kinematics.facets.forward import placed_apart
 from kinematics.facets.inverse import InverseFacet
 from kinematics.mechanism import D
+from kinematics.screws.spatial import wrap_angle
+
+_SHORT = 1e9  # mm; what cannot be held is worse than anything that can
 
 
 class Nearest(NamedTuple):
@@ -50,10 +56,68 @@ class ClearancesFacet(Facet[D]):
         held = zip(inverse.modes, inverse.within_stroke, strict=True)
         modes = tuple(mode for mode, within in held if within)
         changes = self.changes(posture)
-        found, text = self.nearest(posture, modes, changes)
+        found, text = self.nearest(posture, modes)
         if found is None:
             return Remedy(None, inf, changes, text, modes, inf)
         return Remedy(found.posture, found.distance, changes, text, modes, found.error)
+
+    def searched(
+        self, posture: Posture, modes: Sequence[str], free: Sequence[int] | None = None
+    ) -> Posture | None:
+        """A posture that can be held in one of some modes, as near as a search finds one.
+
+        By differential evolution (Storn and Price, J. Global Optim. 11 (1997) 341), the same each
+        time: over what the machine lacks to its bounds, and where it lacks nothing over the
+        distance, angles counted by the characteristic length. That none is nearer is not proven.
+
+        Args:
+            free: the coordinates that may change; None: all.
+        """
+        from scipy.optimize import differential_evolution  # slow to import
+
+        mechanism, target = self.mechanism, np.array(posture.pose)
+        here = mechanism.transform(target, posture.mode)[None]
+        axes = mechanism.coordinates
+        moving = list(range(len(axes))) if free is None else list(free)
+        low, high = np.array([(axis.lower, axis.upper) for axis in axes]).T
+        turns = np.array([axis.unit == "rad" for axis in axes]) & (high - low > 6.28)
+        low = np.where(turns, target - np.pi, np.minimum(low, target))
+        high = np.where(turns, target + np.pi, np.maximum(high, target))
+
+        def scores(tried: Array) -> Array:
+            """(modes, N) of free coordinates (F, N)."""
+            poses = np.tile(target, (tried.shape[1], 1))
+            poses[:, moving] = tried.T
+            found = np.empty((len(modes), len(poses)))
+            for n, mode in enumerate(modes):
+                joints = mechanism.joints(poses, mode)
+                margins = mechanism.margins(poses, mode, joints)
+                short = np.minimum(-np.fmin.reduce(margins, axis=1), _SHORT)
+                short += np.where(np.isfinite(joints).all(axis=1), 0.0, _SHORT)
+                placed = mechanism.transform(poses, mode)
+                away = placed_apart(placed, here, mechanism.length)[:, 0]
+                found[n] = np.where(short > 0.0, _SHORT + short, away)
+            return found
+
+        best = differential_evolution(
+            lambda tried: scores(tried).min(axis=0),
+            list(zip(low[moving], high[moving], strict=True)),
+            vectorized=True,
+            updating="deferred",
+            init="sobol",
+            popsize=20,
+            maxiter=200,
+            tol=1e-6,
+            polish=False,
+            seed=0,
+        )
+        if best.fun >= _SHORT:
+            return None
+        pose = target.copy()
+        pose[moving] = best.x
+        mode = modes[int(scores(best.x[:, None])[:, 0].argmin())]
+        pose = np.where(turns, wrap_angle(pose), pose)
+        return self.other(InverseFacet).posture(pose, mode)
 
     # --- what a mechanism knows
 
@@ -65,19 +129,19 @@ class ClearancesFacet(Facet[D]):
         """To the nearest parallel and constraint singularities."""
         return ()
 
-    def nearest(
-        self,
-        posture: Posture,
-        modes: tuple[str, ...],
-        changes: DesignChanges,
-    ) -> tuple[Nearest | None, str]:
+    def nearest(self, posture: Posture, modes: tuple[str, ...]) -> tuple[Nearest | None, str]:
         """The nearest posture that can be held, and a sentence about the ways out.
 
         Args:
             modes: other modes in which the very pose can be held.
-            changes: of the design that would allow the pose.
         """
-        return None, "no nearer pose is sought for this mechanism"
+        mode = posture.mode
+        found = self.searched(posture, [mode]) or self.searched(posture, self.mechanism.modes)
+        if found is None:
+            return None, "no pose that this machine can hold was found"
+        here, there = (self.mechanism.transform(p.pose, p.mode)[None] for p in (posture, found))
+        away = float(placed_apart(here, there, self.mechanism.length)[0, 0])
+        return Nearest(found, away, inf), f"the nearest pose that a search found is {mm(away)} away"
 
     def changes(self, posture: Posture) -> DesignChanges:
         """For each way, the smallest changes of the design that together would allow the pose."""

@@ -25,12 +25,7 @@ _IN = 1e-9  # of the size: how far inside the boundary the nearest posture is pu
 class NearestPose(ClearancesFacet[FiveBarDesign]):
     """Exact: the nearest arc of the workspace's boundary."""
 
-    def nearest(
-        self,
-        posture: Posture,
-        modes: tuple[str, ...],
-        changes: DesignChanges,
-    ) -> tuple[Nearest | None, str]:
+    def nearest(self, posture: Posture, modes: tuple[str, ...]) -> tuple[Nearest | None, str]:
         found = None
         for mode in (posture.mode, *(other for other in MODES if other != posture.mode)):
             found = self._in_mode(posture, mode)
@@ -42,7 +37,7 @@ class NearestPose(ClearancesFacet[FiveBarDesign]):
             text = f"the nearest place that can be held is {found.distance:.1f} mm away"
             if found.posture.mode != posture.mode:
                 text += f", in working mode {found.posture.mode.replace('-', '−')}"
-        if changes:
+        if changes := self.changes(posture):
             text += f"; or {' and '.join(change.text for change in changes[0])}"
         return found, text
 

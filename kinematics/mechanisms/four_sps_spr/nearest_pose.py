@@ -22,12 +22,7 @@ _HALVINGS = 40
 class NearestPose(ClearancesFacet[FourSPSSPRDesign]):
     """Exact at the orientation: a plane region bounded by arcs."""
 
-    def nearest(
-        self,
-        posture: Posture,
-        modes: tuple[str, ...],
-        changes: DesignChanges,
-    ) -> tuple[Nearest | None, str]:
+    def nearest(self, posture: Posture, modes: tuple[str, ...]) -> tuple[Nearest | None, str]:
         """Where the region is empty, the orientation is turned towards that of home as little as it
         takes, which is not proven to be the nearest of all.
         """

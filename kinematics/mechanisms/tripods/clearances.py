@@ -23,8 +23,6 @@ from kinematics.mechanisms.tripods.posing import Reduced
 from kinematics.mechanisms.tripods.powers import Power
 
 _EXACT = 1e-9  # of the machine's size
-_TILTS, _TURNS = 121, 72  # of the search for the nearest orientation
-_REFINED = 5
 
 
 class Clearances(NearestPose):

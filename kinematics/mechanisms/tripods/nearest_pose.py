@@ -6,39 +6,30 @@ import numpy as np
 
 from kinematics.answers.clearances import DesignChange, DesignChanges
 from kinematics.answers.solutions import Posture
-from kinematics.arrays import Array
 from kinematics.facets.clearances import ClearancesFacet, Nearest
 from kinematics.facets.inverse import posture as posture_at
 from kinematics.mechanisms.tripods import posing
 from kinematics.mechanisms.tripods.design import LIMBS, SCHEMA, TripodDesign, mode_sign
-from kinematics.mechanisms.tripods.limbs import limb_lengths, offsets
+from kinematics.mechanisms.tripods.limbs import offsets
 from kinematics.mechanisms.tripods.posing import Reduced
 from kinematics.mechanisms.tripods.study import translation
 
 _EXACT = 1e-9  # of the machine's size
-_TILTS, _TURNS = 121, 72  # of the search for the nearest orientation
-_REFINED = 5
 
 
 class NearestPose(ClearancesFacet[TripodDesign]):
     """Exact along the straight line that the orientation leaves, searched for at others."""
 
-    def nearest(
-        self,
-        posture: Posture,
-        modes: tuple[str, ...],
-        changes: DesignChanges,
-    ) -> tuple[Nearest | None, str]:
+    def nearest(self, posture: Posture, modes: tuple[str, ...]) -> tuple[Nearest | None, str]:
         """At the orientation the nearest altitude is exact; if there is none, the nearest
-        orientation at the same altitude is searched for, by steps of some degrees that are made
-        finer.
+        orientation at the same altitude is searched for.
         """
         design = self.design
         straight = _nearest_altitude(design, posture) if posture.closes else None
         if straight is not None:
             altitude = straight.posture.pose[0]
             return straight, f"The nearest altitude at this orientation is Z = {altitude:.2f} mm."
-        turned = _nearest_orientation(design, posture)
+        turned = self.searched(posture, (posture.mode,), (1, 2))
         if turned is None:
             return None, (
                 "No altitude at this orientation and no orientation at this altitude is within the "
@@ -105,42 +96,6 @@ def _nearest_altitude(design: TripodDesign, posture: Posture) -> Nearest | None:
     z = place(design, reduced, best, posture.mode)[2]
     found = posture_at(design, (z, *posture.pose[1:]), posture.mode)
     return Nearest(found, abs(best - v), _EXACT * design.size) if found.reachable else None
-
-
-def _nearest_orientation(design: TripodDesign, posture: Posture) -> Posture | None:
-    """The orientation at this altitude nearest by angle, on a grid that is made finer."""
-    z, tilt, azimuth = posture.pose
-    here = _unit(np.array([tilt, azimuth]))
-    tilts = np.linspace(0.0, np.pi, _TILTS)
-    turns = np.linspace(-np.pi, np.pi, _TURNS, endpoint=False)
-    grid = np.stack(np.meshgrid(tilts, turns, indexing="ij"), axis=-1).reshape(-1, 2)
-    best: Array | None = None
-    step = np.array([tilts[1], turns[1] - turns[0]])
-    for _ in range(_REFINED):
-        poses = np.concatenate([np.full((len(grid), 1), z), grid], axis=-1)
-        lengths = limb_lengths(design, poses, posture.mode)
-        low, high = design.stroke
-        with np.errstate(invalid="ignore"):
-            able = ((lengths >= low) & (lengths <= high)).all(axis=-1)
-        if able.any():
-            near = np.abs(_unit(grid[able]) @ here)
-            best = grid[able][int(near.argmax())]
-        if best is None:
-            return None
-        fine = np.linspace(-1.0, 1.0, 41)
-        around = np.stack(np.meshgrid(fine, fine, indexing="ij"), axis=-1).reshape(-1, 2)
-        grid = best + around * step
-        step = step / 15.0
-    assert best is not None
-    turn = float(np.pi - (np.pi - best[1]) % (2.0 * np.pi))
-    found = posture_at(design, (z, abs(float(best[0])), turn), posture.mode)
-    return found if found.reachable else None
-
-
-def _unit(chart: Array) -> Array:
-    half = 0.5 * chart[..., 0]
-    s = np.sin(half)
-    return np.stack([np.cos(half), s * np.cos(chart[..., 1]), s * np.sin(chart[..., 1])], axis=-1)
 
 
 def place(

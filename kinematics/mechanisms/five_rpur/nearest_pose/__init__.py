@@ -2,6 +2,5 @@
 
 facet           what is asked: the nearest posture, the changes of the design, in words
 projection      the nearest place of one mode's workspace at one orientation, proven
-turning         other orientations, by search, where there is none
 redesign        the smallest changes of single numbers that give a limb back to the pose
 """

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import degrees
+from math import degrees, inf
 
 from kinematics.answers.clearances import DesignChanges
 from kinematics.answers.solutions import Posture
@@ -10,7 +10,6 @@ from kinematics.facets.clearances import ClearancesFacet, Nearest, mm
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.nearest_pose.projection import nearest
 from kinematics.mechanisms.five_rpur.nearest_pose.redesign import changes
-from kinematics.mechanisms.five_rpur.nearest_pose.turning import turned
 
 _MODES_NAMED = 3
 
@@ -18,18 +17,13 @@ _MODES_NAMED = 3
 class NearestPose(ClearancesFacet[FiveRPURDesign]):
     """Proven at the orientation, searched for at others."""
 
-    def nearest(
-        self,
-        posture: Posture,
-        modes: tuple[str, ...],
-        changes: DesignChanges,
-    ) -> tuple[Nearest | None, str]:
+    def nearest(self, posture: Posture, modes: tuple[str, ...]) -> tuple[Nearest | None, str]:
         """The nearest posture is at the same orientation: in the same working mode, and where that
         has no place there at all, in another one; both are proven to be the nearest (see
         `projection`). Where no mode has any, other orientations are searched, of the same mode
-        first (see `turning`).
+        first.
         """
-        found, text = _nearest(self.design, posture)
+        found, text = self._nearest(posture)
         if modes:
             text = f"{text}; {_modes_text(modes)}"
         elif found is not None and found.posture.mode == posture.mode:
@@ -39,40 +33,51 @@ class NearestPose(ClearancesFacet[FiveRPURDesign]):
     def changes(self, posture: Posture) -> DesignChanges:
         return changes(self.design, posture)
 
+    def _nearest(self, wanted: Posture) -> tuple[Nearest | None, str]:
+        design, pose = self.design, wanted.pose
+        found = nearest(design, pose, wanted.mode)
+        if found is not None:
+            return found, (
+                f"the nearest pose that working mode {shown(wanted.mode)} can hold is "
+                f"{mm(found.distance)} away"
+            )
+        for mode in design.modes:
+            closer = nearest(design, pose, mode, float("inf") if found is None else found.distance)
+            found = closer or found
+        if found is not None:
+            none_here = f"working mode {shown(wanted.mode)} has no place at this orientation"
+            if found.distance == 0.0:  # what follows tells the modes
+                return found, none_here
+            return found, (
+                f"{none_here}; the nearest pose that can be held is in working mode "
+                f"{shown(found.posture.mode)}, {mm(found.distance)} away"
+            )
+        found = self._turned(wanted)
+        if found is None:
+            return None, "no pose that this machine can hold was found"
+        there = found.posture
+        by = [
+            f"{symbol} = {degrees(there.pose[k]):.1f}°"
+            for k, symbol in ((3, "φ"), (4, "θ"))
+            if abs(there.pose[k] - pose[k]) > 5e-4
+        ]
+        by_mode = "" if there.mode == wanted.mode else f" in working mode {shown(there.mode)}"
+        return found, (
+            "no working mode has any place at this orientation; the nearest pose that a search "
+            f"found is {mm(found.distance)} away with {' and '.join(by)}{by_mode}"
+        )
 
-def _nearest(design: FiveRPURDesign, wanted: Posture) -> tuple[Nearest | None, str]:
-    pose = wanted.pose
-    found = nearest(design, pose, wanted.mode)
-    if found is not None:
-        return found, (
-            f"the nearest pose that working mode {shown(wanted.mode)} can hold is "
-            f"{mm(found.distance)} away"
-        )
-    for mode in design.modes:
-        closer = nearest(design, pose, mode, float("inf") if found is None else found.distance)
-        found = closer or found
-    if found is not None:
-        none_here = f"working mode {shown(wanted.mode)} has no place at this orientation"
-        if found.distance == 0.0:  # what follows tells the modes
-            return found, none_here
-        return found, (
-            f"{none_here}; the nearest pose that can be held is in working mode "
-            f"{shown(found.posture.mode)}, {mm(found.distance)} away"
-        )
-    found = turned(design, wanted)
-    if found is None:
-        return None, "no pose that this machine can hold was found"
-    there = found.posture
-    by = [
-        f"{symbol} = {degrees(there.pose[k]):.1f}°"
-        for k, symbol in ((3, "φ"), (4, "θ"))
-        if abs(there.pose[k] - pose[k]) > 5e-4
-    ]
-    by_mode = "" if there.mode == wanted.mode else f" in working mode {shown(there.mode)}"
-    return found, (
-        f"no working mode has any place at this orientation; the nearest pose that a search found "
-        f"is {mm(found.distance)} away with {' and '.join(by)}{by_mode}"
-    )
+    def _turned(self, wanted: Posture) -> Nearest | None:
+        """At another orientation, of the same mode if there is any; of all places there the nearest
+        one.
+        """
+        design = self.design
+        for modes in ((wanted.mode,), design.modes):
+            at = self.searched(wanted, modes)
+            if at is not None:
+                found = nearest(design, (*wanted.pose[:3], *at.pose[3:]), at.mode)
+                return None if found is None else found._replace(error=inf)
+        return None
 
 
 def _nearer(design: FiveRPURDesign, wanted: Posture, found: Nearest) -> str:
