@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -66,113 +67,91 @@ class Slider:
 
 
 class Typed:
-    """A text box for numbers: what is typed and means the same is left alone."""
+    """A text box for numbers: what is typed and means the same is left alone.
 
-    def __init__(self, desk: Desk, handle: Any, axes: Sequence[Coordinate], what: str) -> None:
-        self._desk = desk
-        self.handle = handle
-        self._axes = tuple(axes)
-        self._what = what
+    Args:
+        read: what a text means, in mm and rad; raises an InputError where it cannot be used.
+        write: how a value can be typed.
+    """
+
+    def __init__(
+        self, desk: Desk, handle: Any, read: Callable[[str], Any], write: Callable[[Any], str]
+    ) -> None:
+        self._desk, self.handle = desk, handle
+        self._read, self._write = read, write
 
     def read(self) -> Any:
-        """What stands in the box, in mm and rad.
+        """What stands in the box.
 
         Raises:
             InputError: it cannot be used.
         """
-        raise NotImplementedError
-
-    def write(self, value: Any) -> str:
-        """How a value can be typed."""
-        raise NotImplementedError
+        return self._read(self.handle.value)
 
     def draw(self, value: Any) -> None:
         """Show a value."""
         try:
-            same = self.read() == value or self.write(self.read()) == self.write(value)
+            same = self.read() == value or self._write(self.read()) == self._write(value)
         except InputError:
             same = False
         if not same:
-            put(self._desk, self.handle, self.write(value))
+            put(self._desk, self.handle, self._write(value))
 
 
-class PoseBox(Typed):
+def pose_box(desk: Desk, handle: Any, axes: Sequence[Coordinate], what: str) -> Typed:
     """A pose; empty for none."""
-
-    def read(self) -> tuple[float, ...]:
-        return typed_pose(self.handle.value, self._axes, self._what)
-
-    def write(self, value: Any) -> str:
-        return shown_pose(value, self._axes)
+    read = partial(typed_pose, axes=axes, what=what)
+    return Typed(desk, handle, read, partial(shown_pose, axes=axes))
 
 
-class RatesBox(PoseBox):
+def rates_box(desk: Desk, handle: Any, axes: Sequence[Coordinate], what: str) -> Typed:
     """As many numbers as a pose has, by a power of the second; empty for none."""
 
-    def read(self) -> tuple[float, ...]:
+    def read(text: str) -> tuple[float, ...]:
         try:
-            return super().read()
+            return typed_pose(text, axes, what)
         except InputError:
-            count = len(self._axes)
-            raise InputError(f"{self._what} are {count} numbers with commas between them") from None
+            count = len(axes)
+            raise InputError(f"{what} are {count} numbers with commas between them") from None
+
+    return Typed(desk, handle, read, partial(shown_pose, axes=axes))
 
 
-class NumbersBox(Typed):
-    """Any numbers."""
-
-    def read(self) -> tuple[float, ...]:
-        return typed_numbers(self.handle.value, self._what)
-
-    def write(self, value: Any) -> str:
-        return ", ".join(map(number, value))
-
-
-class PosesBox(Typed):
+def poses_box(desk: Desk, handle: Any, axes: Sequence[Coordinate], what: str) -> Typed:
     """Poses, one a line."""
 
-    def read(self) -> tuple[tuple[float, ...], ...]:
-        lines = [line for line in self.handle.value.splitlines() if line.strip()]
-        return tuple(
-            typed_pose(line, self._axes, f"{self._what} {n}") for n, line in enumerate(lines, 1)
-        )
+    def read(text: str) -> tuple[tuple[float, ...], ...]:
+        lines = [line for line in text.splitlines() if line.strip()]
+        return tuple(typed_pose(line, axes, f"{what} {n}") for n, line in enumerate(lines, 1))
 
-    def write(self, value: Any) -> str:
-        return "\n".join(shown_pose(pose, self._axes) for pose in value)
+    return Typed(
+        desk, handle, read, lambda poses: "\n".join(shown_pose(pose, axes) for pose in poses)
+    )
 
 
-class LimitsBox(Typed):
-    """A positive number for each joint, or one for all; empty for none."""
+def limits_box(
+    desk: Desk, handle: Any, joints: Sequence[Coordinate], what: str, *, turning: bool
+) -> Typed:
+    """A positive number for each joint, or one for all; empty for none. If they are ``turning``
+    they count angles where a joint turns.
+    """
+    scales = [joint.inner(1.0) if turning else 1.0 for joint in joints]
 
-    def __init__(
-        self,
-        desk: Desk,
-        handle: Any,
-        joints: Sequence[Coordinate],
-        what: str,
-        *,
-        turning: bool,
-    ) -> None:
-        super().__init__(desk, handle, joints, what)
-        self._turning = turning  # they count angles where a joint turns
-
-    def _scale(self, joint: Coordinate) -> float:
-        return math.radians(1.0) if self._turning and joint.unit == "rad" else 1.0
-
-    def read(self) -> tuple[float, ...]:
-        values = typed_numbers(self.handle.value, self._what)
+    def read(text: str) -> tuple[float, ...]:
+        values = typed_numbers(text, what)
         if len(values) == 1:
-            values *= len(self._axes)
-        if values and len(values) != len(self._axes):
-            raise InputError(
-                f"{self._what}: one number for all joints, or {len(self._axes)} of them"
-            )
+            values *= len(joints)
+        if values and len(values) != len(joints):
+            raise InputError(f"{what}: one number for all joints, or {len(joints)} of them")
         if any(value <= 0.0 for value in values):
-            raise InputError(f"{self._what}: limits are positive")
-        return tuple(v * self._scale(c) for v, c in zip(values, self._axes, strict=False))
+            raise InputError(f"{what}: limits are positive")
+        return tuple(v * scale for v, scale in zip(values, scales, strict=False))
 
-    def write(self, value: Any) -> str:
-        shown = [number(v / self._scale(c)) for v, c in zip(value, self._axes, strict=False)]
+    def write(value: Any) -> str:
+        shown = [number(v / scale) for v, scale in zip(value, scales, strict=False)]
         return shown[0] if len(set(shown)) == 1 else ", ".join(shown)
+
+    return Typed(desk, handle, read, write)
 
 
 def shown_pose(pose: Sequence[float], axes: Sequence[Coordinate]) -> str:

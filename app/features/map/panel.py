@@ -68,7 +68,8 @@ class MapPanel(Panel):
         for c in self._axes:
             title = f"{c.symbol} from, to ({page_unit(c)}), values"
             handle = gui.add_text(title, shown(c, Span()), hint=HINT)
-            self._spans.append(SpanBox(desk, handle, (c,), c.symbol))
+            # Text, because number boxes keep to themselves what is no number.
+            self._spans.append(Typed(desk, handle, partial(typed_span, c), partial(shown, c)))
         for typed in self._spans:
             self._typing.watch(typed, self._edit)
         self._start = self.button("Start", self._begin, icon=viser.Icon.PLAYER_PLAY)
@@ -137,19 +138,6 @@ class MapPanel(Panel):
         ):
             pose[n] = nearest(known, c.inner(value))  # that of the cell that is told
         self.desk.send(Place(tuple(pose), gesture="map"), client)
-
-
-class SpanBox(Typed):
-    """From, to, and how many values of a coordinate, in the page's units.
-
-    Text, because number boxes keep to themselves what is no number.
-    """
-
-    def read(self) -> Span:
-        return typed_span(self._axes[0], self.handle.value)
-
-    def write(self, value: Span) -> str:
-        return shown(self._axes[0], value)
 
 
 def shown(axis: Coordinate, span: Span) -> str:

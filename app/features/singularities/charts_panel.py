@@ -12,8 +12,9 @@ from app.features.singularities.html import circles_html, comparison_html, exact
 from app.features.singularities.part import ControlPart
 from app.features.singularities.state import Control, SetControl
 from app.review.state import Review
+from app.review.units import number
 from app.review.view import short_title
-from app.widgets.boxes import NumbersBox
+from app.widgets.boxes import Typed, typed_numbers
 from app.widgets.desk import Client, Group, Sheet
 from app.widgets.plots import Plot
 from app.widgets.texts import box, esc
@@ -116,7 +117,8 @@ class ProfileFolder(Group):
                 )
             self._plot = Plot(desk, self._pointed)
             text = gui.add_text("Further h₂/h₁", "", hint="Numbers, as 0.5, 1, 2")
-            self._ratios = NumbersBox(desk, text, (), "ratios, as 0.5, 1, 2")
+            read = partial(typed_numbers, what="ratios, as 0.5, 1, 2")
+            self._ratios = Typed(desk, text, read, lambda value: ", ".join(map(number, value)))
             self.answer(text, self._set_ratios)
             self._comparison = gui.add_html("")
 

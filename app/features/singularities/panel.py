@@ -17,7 +17,7 @@ from app.review.state import Review
 from app.review.units import page_unit, pose_text, sentence
 from app.review.view import Moment
 from app.scene.painting import Scale
-from app.widgets.boxes import RatesBox
+from app.widgets.boxes import Typed, rates_box
 from app.widgets.desk import Client, Group, Panel, Sheet, explain
 from app.widgets.header import Elsewhere
 from app.widgets.texts import box, esc
@@ -205,13 +205,13 @@ class MotionFolder(Group):
     def build(self, review: Review) -> None:
         gui, axes = self.gui, review.machine.coordinates
         units = ", ".join(f"{c.symbol} ({page_unit(c)}/s)" for c in axes)
-        self._boxes: dict[str, RatesBox] = {}
+        self._boxes: dict[str, Typed] = {}
         with gui.add_folder("Velocity and acceleration", expand_by_default=False):
             for label, name, hint in (
                 ("Rates", "rates", f"{units}, with commas"),
                 ("Accelerations", "accelerations", "Likewise, by s²; empty for none"),
             ):
-                typed = RatesBox(self.desk, gui.add_text(label, "", hint=hint), axes, name)
+                typed = rates_box(self.desk, gui.add_text(label, "", hint=hint), axes, name)
                 self.answer(typed.handle, partial(self._set, name, typed))
                 self._boxes[name] = typed
             self._told = gui.add_html("")
@@ -225,7 +225,7 @@ class MotionFolder(Group):
         if isinstance(news, Controlled):
             self.say(self._told, html.motion_html(news.here), news.stale)
 
-    def _set(self, name: str, typed: RatesBox, _: str, client: Client) -> None:
+    def _set(self, name: str, typed: Typed, _: str, client: Client) -> None:
         self.desk.send(SetControl(name, typed.read()), client)
 
 

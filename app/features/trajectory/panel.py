@@ -16,7 +16,7 @@ from app.features.trajectory.plot import figure, mark
 from app.features.trajectory.state import MOST_SAMPLES, SPEEDS, Plan, step_plan
 from app.review.state import Review
 from app.review.view import Moment
-from app.widgets.boxes import LimitsBox, Typing
+from app.widgets.boxes import Typing, limits_box
 from app.widgets.desk import TYPED, Client, Panel, Sheet, explain
 from app.widgets.plots import Plot
 from app.widgets.texts import box
@@ -119,7 +119,7 @@ class TrajectoryPanel(Panel):
         hint = "One number for all actuators, or one for each; empty for none"
         with gui.add_folder("Limits of the actuators", expand_by_default=False):
             self._limits = {
-                name: LimitsBox(
+                name: limits_box(
                     desk,
                     gui.add_text(title, "", hint=hint),
                     joints,

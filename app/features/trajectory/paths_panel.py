@@ -12,7 +12,7 @@ from app.features.trajectory.compute import Moved
 from app.features.trajectory.files import LARGEST, read_points
 from app.features.trajectory.sketch import Sketch, sketch_figure, sketch_mark
 from app.review.state import Review
-from app.widgets.boxes import PoseBox, PosesBox, Typing, units
+from app.widgets.boxes import Typing, pose_box, poses_box, units
 from app.widgets.desk import Client, Group, Sheet
 from app.widgets.texts import box, esc
 from kinematics.arrays import Array
@@ -42,11 +42,11 @@ class WayFolder(Group):
         with gui.add_folder("Path"):
             self.choice("It runs", titles, lambda r: r[state.Plan].way, _chosen)
             self._source = gui.add_html("")
-            self._start = PoseBox(desk, gui.add_text("From", "", hint=hint), axes, "From")
-            self._end = PoseBox(desk, gui.add_text("To", "", hint=hint), axes, "To")
+            self._start = pose_box(desk, gui.add_text("From", "", hint=hint), axes, "From")
+            self._end = pose_box(desk, gui.add_text("To", "", hint=hint), axes, "To")
             self._ends = gui.add_button_group("Take it", ENDS, hint="The machine's present pose")
             listed = gui.add_text("Way points", "", multiline=True, hint=f"One a line: {hint}")
-            self._points = PosesBox(desk, listed, axes, "Way point")
+            self._points = poses_box(desk, listed, axes, "Way point")
             self._list = gui.add_button_group("Present pose", LIST)
             # A button for uploads does not hide itself; what it stands in does.
             self._files = gui.add_folder("File", visible=False)
