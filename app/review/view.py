@@ -125,25 +125,12 @@ def joint_rows(machine: Machine[Any], posture: Posture) -> tuple[JointRow, ...]:
         note = ""
         if reason is not None:
             level = "bad"
-            note = (
-                "cannot close"
-                if reason.bound == "link"
-                else f"{amount_text(reason.amount, reason.unit)} beyond"
-            )
+            note = f"{amount_text(reason.amount, reason.unit)} beyond"
+            note = "cannot close" if reason.bound == "link" else note
         elif not c.free and margin < NEAR * (c.upper - c.lower):
             level, note = "near", "near its end"
-        rows.append(
-            JointRow(
-                limb,
-                c.symbol,
-                c.outer(value),
-                c.outer(c.lower),
-                c.outer(c.upper),
-                page_unit(c),
-                level,
-                note,
-            )
-        )
+        at, low, high = map(c.outer, (value, c.lower, c.upper))
+        rows.append(JointRow(limb, c.symbol, at, low, high, page_unit(c), level, note))
     return tuple(rows)
 
 
@@ -191,11 +178,7 @@ def reaching_mode(review: Review, pose: Sequence[float]) -> str | None:
     """The working mode that reaches a pose with the fewest limbs flipped; None if none does."""
     answer = review.machine.inverse(pose)
     able = [m for m, ok in zip(answer.modes, answer.within_stroke, strict=True) if ok]
-    return min(
-        able,
-        key=lambda m: m.flips(review.mode),
-        default=None,
-    )
+    return min(able, key=lambda m: m.flips(review.mode), default=None)
 
 
 def _other_mode(review: Review, posture: Posture) -> str:

@@ -44,12 +44,7 @@ class Solids:
             self._edges[spec.key] = self._nodes.lines(f"{name}/edges", edges, 1.3, visible=True)
 
     def show(
-        self,
-        key: str,
-        solid: BuiltSolid,
-        placement: Array,
-        coats: tuple[Coat, ...],
-        opacity: float,
+        self, key: str, solid: BuiltSolid, placement: Array, coats: tuple[Coat, ...], opacity: float
     ) -> None:
         """Put a solid on display at a place (4, 4), painted with ``coats``."""
         shown = (id(solid), placement.tobytes(), id(coats))

@@ -17,12 +17,7 @@ FORMATS: tuple[str, ...] = ("svg", "dxf", "csv")
 
 
 def section_bytes(
-    section: Section,
-    spec: SectionSpec,
-    kind: str,
-    *,
-    title: str = "",
-    parts: Sequence[Region] = (),
+    section: Section, spec: SectionSpec, kind: str, *, title: str = "", parts: Sequence[Region] = ()
 ) -> bytes:
     """A section as the content of a file; drawings are in mm and of true size.
 

@@ -116,12 +116,7 @@ def spot_of(review: Review) -> Place:
     """Where the machine stands, with its load."""
     control = review[Control]
     return Place(
-        review.design,
-        review.pose,
-        review.mode,
-        control.load,
-        control.rates,
-        control.accelerations,
+        review.design, review.pose, review.mode, control.load, control.rates, control.accelerations
     )
 
 
@@ -193,15 +188,9 @@ def profiles(place: Place, ratios: tuple[float, ...]) -> tuple[tuple[Design, Pro
     """The profile of the machine, and those of its counterparts."""
     machine, design = place.machine, place.design
     machines = (design, *machine.counterparts)
-    return tuple(
-        (
-            each,
-            required(machine_of(each).circles, "circles of orientations").profile(
-                place.pose, ratios
-            ),
-        )
-        for each in machines
-    )
+    circles = [required(machine_of(m).circles, "circles of orientations") for m in machines]
+    found = (each.profile(place.pose, ratios) for each in circles)
+    return tuple(zip(machines, found, strict=True))
 
 
 def passed(before: Place, pose: tuple[float, ...]) -> tuple[Event, ...]:

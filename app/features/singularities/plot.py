@@ -119,10 +119,7 @@ def _titles(spec: LocusSpec) -> tuple[Named, Named]:
     first, second = _names(spec)
     if not spec.polar:
         return first, second
-    return (
-        (f"{first[0]} cos {second[0]}", first[1]),
-        (f"{first[0]} sin {second[0]}", first[1]),
-    )
+    return ((f"{first[0]} cos {second[0]}", first[1]), (f"{first[0]} sin {second[0]}", first[1]))
 
 
 def chart_svg(spec: LocusSpec, curves: LocusCurves, *, title: str = "", note: str = "") -> str:

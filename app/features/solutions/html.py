@@ -133,9 +133,7 @@ def key_text(axes: Sequence[Coordinate], limbs: int) -> str:
     return " · ".join(parts)
 
 
-def strokes_html(
-    spans: Sequence[tuple[Coordinate, float, float | None, float | None]],
-) -> str:
+def strokes_html(spans: Sequence[tuple[Coordinate, float, float | None, float | None]]) -> str:
     """A line for each actuator: its stroke, where it stands, and the folds ahead of it.
 
     ``spans`` holds the coordinate, its value, and the values of the folds below and above.

@@ -251,10 +251,7 @@ def _data(
 
 
 def _lines(
-    found: Trajectory,
-    fits: Fits | None,
-    axes: Sequence[Coordinate],
-    joints: Sequence[Coordinate],
+    found: Trajectory, fits: Fits | None, axes: Sequence[Coordinate], joints: Sequence[Coordinate]
 ) -> list[str]:
     import numpy as np
 

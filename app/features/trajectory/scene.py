@@ -38,10 +38,7 @@ class Trail:
                 ),
                 point_size=part,
             )
-            for name, color, part in (
-                ("marks", palette.BEYOND, 0.045),
-                ("knots", QUIET, 0.03),
-            )
+            for name, color, part in (("marks", palette.BEYOND, 0.045), ("knots", QUIET, 0.03))
         )
         self._arrows = nodes.arrows("/trajectory/arrows", 0.06 * HEAD, 0.3 * HEAD, HEAD, QUIET)
 
