@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import viser
 
-from app.review.state import Options, is_planar
+from app.review.state import Options
 from app.review.view import View, short_title
 from app.scene import palette
 from app.scene.nodes import NO_LINE, Nodes
@@ -21,6 +20,7 @@ from kinematics.machine import machine_of
 from kinematics.mechanism import Coordinate
 
 GRID = 100.0  # mm
+CLOSE = 0.12  # of the size: points that share a label
 
 
 class Scene(Nodes):
@@ -48,7 +48,7 @@ class Scene(Nodes):
     def prepare(self, axes: Sequence[Coordinate]) -> None:
         """The things that do not depend on the pose: light and the handle."""
         scene = self.server.scene
-        scene.set_up_direction("+z")
+        scene.set_up_direction("+y" if all(c.key in ("x", "y") for c in axes) else "+z")
         # Plain lights, no environment map: colours stay what the legend says, and a browser that
         # draws without a GPU is four times as fast.
         scene.configure_environment_map(None)
@@ -171,16 +171,9 @@ class Scene(Nodes):
             self._label(f"/labels/machine{n}", kind, at if kind else None)
 
     def _marks(self, drawing: Drawing, options: Options) -> None:
-        # Points that coincide (merged joints) share one label.
-        together: dict[tuple[float, ...], list[Mark]] = defaultdict(list)
+        shown = labels(drawing) if options.labels else {}
         for mark in drawing.points:
-            together[tuple(round(v, 3) for v in mark.position)].append(mark)
-        lift = np.array([0.0, 0.0, 0.05 * drawing.size])
-        for marks in together.values():
-            text = " ".join(m.text for m in marks)
-            for n, mark in enumerate(marks):
-                at = np.array(mark.position) + lift if options.labels and n == 0 else None
-                self._label(f"/labels/{mark.name}", text, at)
+            self._label(f"/labels/{mark.name}", *shown.get(mark.name, ("", None)))
         ink = palette.INK_DARK if options.dark else palette.INK
         for mark in drawing.axes:
             name, start, along = f"/axes/{mark.name}", np.array(mark.position), mark.direction
@@ -234,12 +227,31 @@ class Scene(Nodes):
             )
             self._shape[name] = shape
             self.forget(name)
-        # Seen from above the corner in front is beyond the picture's edge.
-        corner = 0.5 * reach
-        side = -corner if is_planar(view.review.machine) else corner
-        at = np.array([side, -corner, floor]) if options.grid else None
-        self._label("/labels/grid", f"grid {GRID:.0f} mm", at)
         self.set(self._nodes[name], visible=options.grid)
+
+
+def labels(drawing: Drawing) -> dict[str, tuple[str, Array]]:
+    """The names of points and where they stand, by the first mark of each.
+
+    Points that are close to each other share one; the others are put outwards from the middle.
+    """
+    points = np.array([mark.position for mark in drawing.points]).reshape(-1, 3)
+    found: list[tuple[Array, list[Mark]]] = []
+    for point, mark in zip(points, drawing.points, strict=True):
+        for place, marks in found:
+            if np.linalg.norm(place - point) < CLOSE * drawing.size:
+                marks.append(mark)
+                break
+        else:
+            found.append((point, [mark]))
+    placed = {}
+    for place, marks in found:
+        out = place - points.mean(axis=0)
+        out[2] = 0.0
+        out /= max(float(np.linalg.norm(out)), 1e-9)
+        lift = drawing.size * np.array([0.1 * out[0], 0.1 * out[1], 0.05])
+        placed[marks[0].name] = " ".join(m.text for m in marks), place + lift
+    return placed
 
 
 def machine_bounds(drawing: Drawing) -> tuple[Array, Array]:

@@ -7,10 +7,11 @@ import time
 from typing import Any
 
 from app.jobs.lane import Busy
-from app.review.state import Review
+from app.review.state import Options, Review
 from app.review.units import sentence
 from app.review.view import Clear, Legend, Moment
 from app.scene import palette
+from app.scene.machine import GRID
 from app.widgets.boxes import TYPED_WHEN_LEFT
 from app.widgets.desk import Group, Sheet, put_prop
 from app.widgets.texts import AGED_STYLE, aged, bar, box, chip, esc, faint, styled, tone
@@ -105,7 +106,7 @@ def _doing(title: str, waited: float) -> str:
 _STATUS = """<style>.status{height:5.8em;overflow:hidden;padding-left:.6em;border-left:4px solid}
 .status>div{display:-webkit-box;-webkit-box-orient:vertical;-webkit-line-clamp:2;overflow:hidden;
 overflow-wrap:anywhere}
-.legend{height:2.9em;overflow:hidden}
+.legend{height:4.35em;overflow:hidden}
 .mantine-ScrollArea-content{padding-right:5px}
 .mantine-ScrollArea-content div:has(.status),.mantine-ScrollArea-content [data-dock-group],
 .mantine-ScrollArea-content div:has(>[data-dock-group]){overflow:visible!important}
@@ -136,7 +137,8 @@ def _legend(sheet: Sheet, more: tuple[tuple[str, str], ...]) -> str:
         (palette.WORKSPACE, "workspace"),
         *more,
     )
+    grid = [f"grid {GRID:.0f} mm"] if sheet.view.review[Options].grid else []
     chips = "".join(f"{chip(palette.limb_color(n))}{n} " for n in limbs)
-    words = [f"limbs {chips}", *(chip(color) + esc(text) for color, text in entries)]
+    words = [f"limbs {chips}", *(chip(color) + esc(text) for color, text in entries), *grid]
     spans = " ".join(styled(each, "white-space:nowrap;margin-right:0.9em") for each in words)
     return box(f'<div class="legend" style="opacity:0.85">{spans}</div>')

@@ -45,7 +45,7 @@ if(e.type!=='pointerdown'&&e.type!=='pointermove')s.held=0;
 _EVENTS = ("pointerdown", "pointermove", "pointerup", "pointercancel", "pointerleave")
 _STYLE = (
     "<style>div:has(>.plot)+div+div{visibility:hidden;position:absolute;height:0;overflow:hidden}"
-    ".plot svg,.over svg{display:block;width:100%;height:auto;font-family:inherit}"
+    ".plot svg,.over svg{display:block;width:100%;height:auto;font-family:inherit;font-size:11px}"
     ".plot svg[data-box]{touch-action:none;user-select:none;cursor:crosshair}"
     ".over{pointer-events:none;position:relative}</style>"
 )

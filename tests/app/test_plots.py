@@ -16,6 +16,7 @@ from app.features.map.compute import chart_request, of
 from app.features.map.state import Chart, Span
 from app.features.section.html import profile
 from app.review.state import new_review
+from app.scene import palette
 from app.widgets.axes import STEPS, TURN, Axes, Figure, scales, ticks
 from app.widgets.plots import _base
 from kinematics.answers.sections import Quantity, SectionSpec, Volume
@@ -166,3 +167,28 @@ def test_the_map_of_a_review_runs_over_its_spans() -> None:
     assert [q.key for q in asked.quantities] == ["pieces"]
     assert of(asked, review)
     assert not of(asked, new_review(load_design("rpur-table2")))
+
+
+def test_a_map_names_its_extremes_and_its_colours_run_between_them() -> None:
+    values = np.array([[2.2e7, 2.3e7, 0.0], [2.25e7, 2.45e7, 2.4e7]])
+    found = _map(values)
+    assert maps.extremes_text(found).splitlines() == [
+        "Largest: 24.50 ± 0.03 dm³ at φ 10.0°, θ 15.0°",
+        "Least: 22.00 ± 0.03 dm³ at φ −10.0°, θ 0.0°",
+    ]
+    drawn = ElementTree.fromstring(f"<svg>{maps.figure(found, stale=False).content}</svg>")
+    texts = {t.text: t for t in drawn.iter("text")}
+    assert {"max 24.5", "min 22"} <= set(texts)
+    fills = [p.get("fill") for p in drawn.iter("path") if p.get("shape-rendering")]
+    assert {palette.ramp_color(0.0), palette.ramp_color(1.0)} <= set(fills)
+    axes = maps.figure(found, stale=False).axes
+    scale = [t for t in texts.values() if float(t.get("x", 0)) > axes.width - axes.right + 14]
+    assert [float(t.text or 0) for t in scale] == [22.0, 22.5, 23.0, 23.5, 24.0, 24.5]
+    assert all(0 < float(texts[name].get("y", 0)) < axes.height for name in ("max 24.5", "min 22"))
+    assert maps.extremes_text(_map(np.zeros((2, 2)))) == ""
+
+
+def test_a_map_of_one_value_has_one_colour() -> None:
+    drawn = maps.figure(_map(np.full((3, 2), 5.0), "pieces"), stale=False).content
+    assert drawn.count("shape-rendering") == 1
+    assert "max 5" in drawn

@@ -148,7 +148,7 @@ def _field(figure: Figure, panel: Axes, found: Map, quantity: Quantity, values: 
         options = {"cmap": colormaps[COLORS].resampled(len(edges) - 1)}
         options["norm"] = BoundaryNorm(edges, len(edges) - 1)
     elif shown.count():
-        options |= {"vmin": min(0.0, float(shown.min())), "vmax": float(shown.max())}
+        options |= {"vmin": float(shown.min()), "vmax": float(shown.max())}
     panel.patch.set(facecolor=UNKNOWN, edgecolor=EMPTY, hatch="////")
     corners = _edges(first), _edges(second)
     many = values.size > MOST_SHAPES

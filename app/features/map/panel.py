@@ -11,7 +11,7 @@ import viser
 
 from app.features.map.compute import Charted
 from app.features.map.part import MapPart
-from app.features.map.plot import figure
+from app.features.map.plot import extremes_text, figure
 from app.features.map.state import Chart, SetChart, Span, map_axes
 from app.features.move.state import Place
 from app.features.section.part import SectionPart
@@ -77,6 +77,7 @@ class MapPanel(Panel):
         self._state = gui.add_html("")
         self._progress = gui.add_progress_bar(0.0, visible=False, animated=True)
         self._plot = Plot(desk, self._pointed)
+        self._extremes = gui.add_html("")
         self._known: Charted | None = None
         self.asks_for(
             "Platform into the workspace",
@@ -105,6 +106,8 @@ class MapPanel(Panel):
         chosen = next(title for title, key in self._titles.items() if key == wanted)
         self.say(self._state, state_html(news, chosen))
         self._known, found = news, news.map
+        told = "" if found is None else extremes_text(found)
+        self.say(self._extremes, box(esc(told).replace("\n", "<br>")) if told else "", news.stale)
         if found is None:
             self._plot.draw(None)
         else:

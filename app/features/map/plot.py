@@ -26,13 +26,16 @@ def figure(found: Map, *, stale: bool) -> Figure:
     axes = Axes(400, 342, 46, 24, 74, 38, _ends(x), _ends(y))
     values, errors = found.values[0], found.errors[0]
     known = np.isfinite(values)
-    top = _top(quantity, values[known])
+    there = values[known & (values != 0.0)]
+    low, high = (float(there.min()), float(there.max())) if len(there) else (0.0, 1.0)
+    unit, scale = _scale(quantity, high)
     content = ""
     if known.any():
         # Where nothing was computed yet stands the nearest that was.
         where = distance_transform_edt(~known, return_distances=False, return_indices=True)
-        content = _cells(axes, values[tuple(where)] / top)
-        content += _bar(axes, quantity, top)
+        content = _cells(axes, _shares(values[tuple(where)], low, high))
+        content += _bar(axes, unit, low * scale, high * scale)
+        content += _marks(axes, found, x, y, scale)
     return Figure(
         axes,
         tag("g", content, class_="map", opacity=0.35 if stale else None)
@@ -74,11 +77,69 @@ def _ends(values: np.ndarray) -> tuple[float, float]:
     return float(values[0] - half), float(values[-1] + half)
 
 
-def _top(quantity: Quantity, values: np.ndarray) -> float:
-    """The end of the colours; they begin at zero."""
-    if quantity.unit == "%":
-        return 100.0
-    return max(float(values.max(initial=0.0)), 1e-9)
+def extremes(found: Map) -> tuple[tuple[str, tuple[int, int]], ...]:
+    """Which cells hold the largest and the least value of a workspace that is not empty."""
+    values = found.values[0]
+    there = np.isfinite(values) & (values != 0.0)
+    if not there.any():
+        return ()
+    high, low = np.where(there, values, -np.inf), np.where(there, values, np.inf)
+    cells = {"max": int(high.argmax()), "min": int(low.argmin())}
+    return tuple(
+        (name, (cell // values.shape[1], cell % values.shape[1])) for name, cell in cells.items()
+    )
+
+
+def extremes_text(found: Map) -> str:
+    """Both in words: "Largest: 24.50 ± 0.01 dm³ at φ −5.0°, θ 0.0°"."""
+    quantity = found.request.quantities[0]
+    lines = []
+    for name, at in extremes(found):
+        value, error = float(found.values[0][at]), float(found.errors[0][at])
+        place = ", ".join(
+            f"{c.symbol} {_places(c.outer(given[n]))}{page_unit(c)}"
+            for c, given, n in zip(
+                found.request.coordinates,
+                (found.request.first, found.request.second),
+                at,
+                strict=True,
+            )
+        )
+        word = {"max": "Largest", "min": "Least"}[name]
+        lines.append(f"{word}: {told(quantity, value, error)} at {place}")
+    return "\n".join(lines)
+
+
+def _scale(quantity: Quantity, high: float) -> tuple[str, float]:
+    """The unit in which values up to this one are written, and how many of it one is."""
+    if quantity.unit != "mm³":
+        return str(quantity.unit), 1.0
+    return ("dm³", 1e-6) if high >= 1e5 else ("cm³", 1e-3)
+
+
+def _shares(values: np.ndarray, low: float, high: float) -> np.ndarray:
+    """Where values stand from the least to the largest, up to 1; 0 where nothing is."""
+    span = high - low
+    shares = np.ones_like(values) if span <= 0.0 else np.maximum((values - low) / span, 1e-9)
+    return np.where(values == 0.0, 0.0, shares)
+
+
+def _marks(axes: Axes, found: Map, x: np.ndarray, y: np.ndarray, scale: float) -> str:
+    """A ring at the largest value and a cross at the least one, named."""
+    drawn = ""
+    halo = {"paint_order": "stroke", "stroke": "#FFFFFF", "stroke_width": 3.0, "fill": palette.INK}
+    for name, (i, j) in extremes(found):
+        u, v = axes.px(float(x[i]), float(y[j]))
+        ring = f"M{u - 5:.1f} {v:.1f}a5 5 0 1 0 10 0a5 5 0 1 0 -10 0"
+        cross = f"M{u - 4.5:.1f} {v - 4.5:.1f}l9 9m0 -9l-9 9"
+        path = ring if name == "max" else cross
+        drawn += line(path, "#FFFFFF", 4.0) + line(path, palette.INK, 1.6, class_=name)
+        right = u < axes.left + 0.6 * axes.inner[0]
+        low = axes.top + axes.inner[1] - 4.0
+        at = min(max(v - 8 if name == "max" else v + 16, axes.top + 12.0), low)
+        text = f"{name} {minus(f'{found.values[0][i, j] * scale:.4g}')}"
+        drawn += label(u + (9 if right else -9), at, text, "start" if right else "end", **halo)
+    return drawn
 
 
 def _cells(axes: Axes, shares: np.ndarray) -> str:
@@ -92,13 +153,10 @@ def _cells(axes: Axes, shares: np.ndarray) -> str:
     )
 
 
-def _bar(axes: Axes, quantity: Quantity, top: float) -> str:
-    """The colours with what they stand for."""
-    unit, scale = str(quantity.unit), 1.0
-    if quantity.unit == "mm³":
-        unit, scale = ("dm³", 1e-6) if top >= 1e5 else ("cm³", 1e-3)
-    left, high = axes.width - axes.right + 14.0, axes.inner[1]
-    step = high / SHADES
+def _bar(axes: Axes, unit: str, low: float, high: float) -> str:
+    """The colours with what they stand for, from the least value to the largest."""
+    left, tall = axes.width - axes.right + 14.0, axes.inner[1]
+    step = tall / SHADES
     parts = [
         tag(
             "rect",
@@ -110,8 +168,8 @@ def _bar(axes: Axes, quantity: Quantity, top: float) -> str:
         )
         for n in range(SHADES)
     ]
-    for value in ticks(0.0, top * scale, 6):
-        y = axes.top + high * (1.0 - value / (top * scale))
+    for value in ticks(low, high, 6) if high > low else [high]:
+        y = axes.top + tall * (1.0 - (value - low) / (high - low) if high > low else 0.0)
         parts.append(line(f"M{left + 13:g} {y:.1f}h4", stroke_opacity=0.6))
         parts.append(label(left + 19, y + 3.8, number(value), "start"))
     return "".join([*parts, label(left, axes.top - 7, unit, "start")])

@@ -297,4 +297,5 @@ class SolutionsPart(Part):
         solutions = explorer.shown(view)
         self._ghosts.show(view, solutions.atlas, solutions.fold)
         self.stage.tell(solutions)
-        self.stage.tell(Legend(((palette.GHOST, "other solutions"),) if wanted.ghosts else ()))
+        ghost = palette.GHOST_DARK if options.dark else palette.GHOST
+        self.stage.tell(Legend(((ghost, "other solutions"),) if wanted.ghosts else ()))

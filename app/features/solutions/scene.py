@@ -1,9 +1,10 @@
 """The other assembly modes in the scene as ghosts of their platforms, and the fold ahead.
 
-All outlines are one batched mesh of thin sticks and all faces one of right triangles, so a frame is
-a few small arrays however many there are, and the meshes themselves never change: they were made
-before the solids, so that the browser draws the faces first and the solids do not hide them.
-Clicking a ghost asks for a visit.
+Each is a dot where the platform's point would be, the nearest few are platforms, too: a hundred of
+those would be a heap. All dots, all outlines (thin sticks) and all faces (right triangles) are one
+batched mesh each, so a frame is a few small arrays however many there are, and the meshes
+themselves never change: they were made before the solids, so that the browser draws the faces
+first and the solids do not hide them. Clicking a ghost asks for a visit.
 """
 
 from __future__ import annotations
@@ -28,12 +29,22 @@ from kinematics.arrays import Array
 
 THIN, THICK = 0.003, 0.006  # radius of a stick, of the machine's size: as a rule, and who is new
 CAPACITY = 512  # sticks and triangles that a mesh is made for; doubled where they do not suffice
+NEAREST = 6  # that are drawn as platforms
+DOT = 0.012  # radius of a dot, of the machine's size
 FAINT, FULL = 0.2, 0.4  # opacity of a face: as a rule, and at the fold
 
 # The right triangle between (0, 0), (1, 0) and (0, 1).
 _TRIANGLE = (
     np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], dtype=np.float32),
     np.array([[0, 1, 2]], dtype=np.uint32),
+)
+# An octahedron.
+_DOT = (
+    np.array([*np.eye(3), *-np.eye(3)], dtype=np.float32),
+    np.array(
+        [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]],
+        dtype=np.uint32,
+    ),
 )
 
 
@@ -44,6 +55,7 @@ class Ghosts:
         self._nodes = nodes
         # Before the solids' are made.
         self._faces = _Batch(nodes, "/ghosts/faces", _TRIANGLE, FAINT, CAPACITY, visit)
+        self._dots = _Batch(nodes, "/ghosts/dots", _DOT, None, CAPACITY, visit)
         self._edges = _Batch(nodes, "/ghosts/edges", cylinder(6), None, CAPACITY, visit)
         self._fold_faces = _Batch(nodes, "/fold/faces", _TRIANGLE, FULL, 16)
         self._fold_edges = _Batch(nodes, "/fold/edges", cylinder(6), None, 16)
@@ -53,18 +65,24 @@ class Ghosts:
         """Bring them to the solutions that pass the filter; all but the present one."""
         wanted = view.review[Atlas].ghosts
         others = [n for n, row in enumerate(atlas.rows) if not row.here] if wanted else []
+        others.sort(key=lambda n: atlas.rows[n].distance)
         edges = outline([b for b in view.drawing.bodies if b.frame == "platform"])
         owners = [atlas.rows[n].identity for n in others]
         new = np.array([atlas.rows[n].new for n in others], dtype=bool)
         # Fainter while they belong to other actuators.
-        tint = -0.55 if view.review[Options].dark else 0.6
-        shade = palette.mixed(palette.GHOST, tint if atlas.stale else 0.0)
+        dark = view.review[Options].dark
+        tint = (-0.55 if dark else 0.6) if atlas.stale else 0.0
+        shade = palette.mixed(palette.GHOST_DARK if dark else palette.GHOST, tint)
         colors = np.where(
             new[:, None], palette.linear(palette.PLATFORM), palette.linear(shade)
         ).astype(np.uint8)
         size = view.drawing.size
         placements = atlas.placements[others]
-        sticks = _sticks(edges, placements, np.where(new, THICK, THIN) * size)
+        turns = np.tile([1.0, 0.0, 0.0, 0.0], (len(others), 1))
+        sizes = np.full((len(others), 3), DOT * size)
+        self._dots.show(turns, placements[:, :3, 3], sizes, colors, owners)
+        placements, colors, owners = placements[:NEAREST], colors[:NEAREST], owners[:NEAREST]
+        sticks = _sticks(edges, placements, np.where(new[:NEAREST], THICK, THIN) * size)
         self._edges.show(*sticks, colors, owners)
         self._faces.show(*_faces(edges, placements), colors, owners)
 

@@ -42,7 +42,7 @@ PLOTS = {
 }
 PACES = {f"{speed:g}×": speed for speed in SPEEDS}
 DEGREES = {"none": 0} | {f"{n}": n for n in range(1, HIGHEST + 1)}
-WIDTH = 410  # px of the plots' own panel
+WIDTH = 340  # px of the plots' own panel: the scene needs the rest
 STEPS = 1000  # of the scrub bar
 HINT = box("Show the trajectory to have it computed, drawn and plotted.")
 
@@ -73,6 +73,7 @@ class TrajectoryPanel(Panel):
 
     def build(self, review: Review) -> None:
         gui, desk = self.gui, self.desk
+        self._moved: Moved | None = None
         part = self._part = desk.part(TrajectoryPart)
         hint = "In the scene and as plots (hotkey T)"
         command = "Trajectory", "Show or hide the trajectory and its plots", "T"
@@ -92,16 +93,15 @@ class TrajectoryPanel(Panel):
         self.saving(KINDS, part.save_trajectory)
         explain(gui, review.machine.text("trajectory"), HELP)
         self._add_window(review)
-        self._moved: Moved | None = None
         self._moment = Moment(0.0, playing=False, away=False, distance=float("nan"))
 
     def _add_time(self) -> None:
-        with self.gui.add_folder("Time"):
+        gui = self.gui
+        with gui.add_folder("Time"):
             self.menu("Time law", LAWS, Plan, "law")
             hint = "0: the path's own, else at 100 mm/s"
-            self._duration = self.number(
-                "Duration (s)", Plan, "duration", step_plan, min=0.0, step=0.1, hint=hint
-            )
+            self._duration = gui.add_number("Duration (s)", 0.0, min=0.0, step=0.1, hint=hint)
+            self.bind(self._duration, self._lasts, partial(step_plan, "duration"))
             self._ramps = [
                 self.number("Speed (mm/s)", Plan, "speed", step_plan, min=0.001, step=1.0),
                 self.number(
@@ -112,6 +112,13 @@ class TrajectoryPanel(Panel):
             self.field(samples, Plan, "samples", step_plan, round)
         for typed in (self._duration, *self._ramps):
             self.set(typed, precision=TYPED)
+
+    def _lasts(self, review: Review) -> float:
+        """The duration that was chosen, or the one that the path has of its own, if it is known."""
+        plan, moved = review[Plan], self._moved
+        if plan.duration or not plan.on or moved is None or moved.stale or moved.computed is None:
+            return plan.duration
+        return float(moved.computed.law.duration)
 
     def _add_limits(self, review: Review) -> None:
         gui, desk, joints = self.gui, self.desk, review.machine.joints
@@ -183,6 +190,7 @@ class TrajectoryPanel(Panel):
         match news:
             case Moved():
                 self._moved = news
+                self.put(self._duration, self._lasts(self.review))
                 self._draw_trajectory(news)
             case Moment():
                 self._moment = news

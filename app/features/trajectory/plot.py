@@ -17,7 +17,7 @@ from app.widgets.texts import esc
 from kinematics.arrays import Array
 from kinematics.trajectories import Event, Trajectory
 
-WIDTH = 430.0
+WIDTH, NARROW = 430.0, 380.0  # px: in a file, and beside the scene
 LEFT, RIGHT, TOP, FOOT = 54.0, 18.0, 20.0, 36.0
 STRIP, ALONE, HEAD = 65.0, 300.0, 20.0  # px: heights of one of many, of an only one, above each
 COLUMNS = 366  # places along the time of which the pointer is told, one a pixel
@@ -120,11 +120,11 @@ def _curves(
 # --- the drawing ---------------------------------------------------------------------------
 
 
-def axes_for(shown: Sequence[Strip], duration: float) -> Axes:
+def axes_for(shown: Sequence[Strip], duration: float, width: float = WIDTH) -> Axes:
     """The box that holds all strips: time to the right; upwards it means nothing."""
     height = ALONE if len(shown) == 1 else STRIP
     inner = len(shown) * (height + HEAD)
-    return Axes(WIDTH, TOP + inner + FOOT, LEFT, TOP, RIGHT, FOOT, (0.0, duration), (0.0, 1.0))
+    return Axes(width, TOP + inner + FOOT, LEFT, TOP, RIGHT, FOOT, (0.0, duration), (0.0, 1.0))
 
 
 def strip_axes(shown: Sequence[Strip], whole: Axes) -> list[Axes]:
@@ -135,7 +135,7 @@ def strip_axes(shown: Sequence[Strip], whole: Axes) -> list[Axes]:
         top = whole.top + n * (height + HEAD) + HEAD
         bottom = whole.height - top - height
         y = _range(strip)
-        boxes.append(Axes(WIDTH, whole.height, LEFT, top, RIGHT, bottom, whole.x, y))
+        boxes.append(Axes(whole.width, whole.height, LEFT, top, RIGHT, bottom, whole.x, y))
     return boxes
 
 
@@ -174,7 +174,7 @@ def figure(
     also under a hand that drags on it.
     """
     found, shown = computed.found, strips(computed, plot)
-    whole = axes_for(shown, found.duration)
+    whole = axes_for(shown, found.duration, WIDTH if legend else NARROW)
     content = []
     for strip, axes in zip(shown, strip_axes(shown, whole), strict=True):
         content.append(_bands(found, axes))

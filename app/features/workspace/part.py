@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from kinematics.mechanism import Design
 
 FAINT = 0.4  # of its opacity has a solid that is of before
+OUTLINED = 0.15  # those of several limbs: their faces in one another hide the machine
 
 
 class SolidsPart(Part):
@@ -97,9 +98,12 @@ class SolidsPart(Part):
 
     def show(self, sheet: Sheet) -> None:
         review, built, old = sheet.view.review, self._built(), {}
+        several = len({w.spec.limb for w in self._wishes} - {None}) > 1
         for each in self._wishes:
             key = each.spec.key
             opacity = each.opacity
+            if several and each.spec.limb is not None:
+                opacity *= OUTLINED
             if key in built:
                 self._shown[key] = built[key], self._coats(review, built[key])
             elif key in self._shown and not self.answers.given_up(
