@@ -76,7 +76,7 @@ def test_a_step_of_the_other_kind_keeps_what_was_undone() -> None:
 def test_steps_are_named() -> None:
     steps = [*DONE[:5], Drive(0, 320.0), UseDesign(load_design("rpur-table2")), *SHOWN[:1]]
     assert _history(steps).titles(looks=False, most=20) == [
-        "design rpur-table1 → rpur-table2",
+        "design rpur-table1-edited → rpur-table2",
         "ρ₁ driven to 320.0 mm",
         "workspace modes all → current",
         "Limb 2: link l 150 → 160 mm",
