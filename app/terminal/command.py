@@ -10,7 +10,7 @@ from __future__ import annotations
 import inspect
 import json
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,7 +20,9 @@ import click
 from click.shell_completion import CompletionItem
 
 from app.terminal.files import format_of
+from app.terminal.lengths import csv_in, line_in
 from kinematics.errors import BohemiaError, InputError
+from kinematics.lengths import UNITS, unit_of
 from kinematics.storage import write_file
 
 if TYPE_CHECKING:
@@ -47,9 +49,12 @@ class Answer:
 
 @dataclass(slots=True)
 class Output:
-    """The file that -o names, if it does; what was ``written`` and what is to be known of it."""
+    """The file that -o names, if it does, and the ``unit`` of its lengths where its kind leaves
+    that open; what was ``written`` and what is to be known of it.
+    """
 
     path: Path | None = None
+    unit: str = "mm"
     written: str | None = None
     note: str = ""
 
@@ -68,8 +73,15 @@ class Output:
             raise InputError(f"cannot write {str(path)!r}: there is no folder {str(path.parent)!r}")
         return kind
 
-    def write(self, data: bytes, note: str = "") -> None:
+    def unit_of(self, kind: str) -> str:
+        """Which unit a file of a kind is in, some of which leave no choice."""
+        return {"glb": "m", "svg": "mm"}.get(kind, self.unit)
+
+    def write(self, data: bytes, note: str = "", lengths: Collection[str] = ()) -> None:
+        """Write the content; of a CSV with all columns that are mm in the unit, see `csv_in`."""
         if self.path is not None:
+            if self.path.suffix.lower() == ".csv" and self.unit != "mm":
+                data = csv_in(data.decode(), self.unit, lengths).encode()
             write_file(self.path, data)
             self.written, self.note = str(self.path), note and f" ({note})"
 
@@ -129,6 +141,7 @@ class Command(click.Command):
 
     def invoke(self, ctx: click.Context) -> None:
         as_json, output = ctx.params.pop("as_json", False), ctx.params.get("output") or Output()
+        output.unit = ctx.params.pop("units", "mm")
         answer: Answer | None = super().invoke(ctx)
         if answer is None:
             return
@@ -139,7 +152,7 @@ class Command(click.Command):
         for text in answer.data.get("warnings", ()):
             warn(text)
         data: dict[str, Any] = {"schema": self.schema}
-        lines = [*answer.lines]
+        lines = [line_in(line, output.unit) for line in answer.lines]
         if ctx.obj is not None:
             design = ctx.obj.design
             data |= {"design": design.name, "mechanism": design.mechanism}
@@ -147,6 +160,8 @@ class Command(click.Command):
         data |= answer.data
         if "output" in ctx.params:
             data["file"] = output.written
+            if output.unit != "mm":
+                data["file_units"] = output.unit
         if output.written:
             lines.append(f"file       {output.written}{output.note}")
         click.echo(json.dumps(data, allow_nan=False) if as_json else "\n".join(lines))
@@ -161,6 +176,32 @@ class Command(click.Command):
             if isinstance(param, click.Option) and not param.is_flag and last in param.opts:
                 return param.shell_complete(ctx, incomplete)
         return super().shell_complete(ctx, incomplete)
+
+
+class _Unit(click.ParamType[Any]):
+    name = "unit"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        unit = unit_of(value)
+        if not unit:
+            raise InputError(f"--units: {value!r} is none of {', '.join(UNITS)}")
+        return unit
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        return [CompletionItem(unit) for unit in UNITS if unit.startswith(incomplete)]
+
+
+_UNITS = click.Option(
+    ["--units"],
+    type=_Unit(),
+    metavar="|".join(UNITS),
+    default="mm",
+    help="of lengths, areas and volumes that are printed, and in files whose kind leaves it open: "
+    "STL, PLY, OBJ, 3MF, DXF, CSV (default mm). JSON is mm, as its keys say; SVG is of true size, "
+    "GLB in metres. What is typed is mm",
+)
 
 
 def _keep(ctx: click.Context, param: click.Parameter, text: str | None) -> None:
@@ -189,6 +230,8 @@ def command(
         signature = inspect.signature(function)
         params = [each.default(each.name) for each in signature.parameters.values()]
         if signature.return_annotation == Answer.__name__:
+            if "machine" in signature.parameters:
+                params.append(_UNITS)
             params.append(
                 click.Option(["--json", "as_json"], is_flag=True, help="print one JSON object")
             )

@@ -7,8 +7,11 @@ from collections.abc import Callable, Collection, Sequence
 from math import atan2, degrees, isfinite
 from typing import Any
 
+import numpy as np
+
 from kinematics.answers.sections import BOUNDS, EdgeBound, Section, SectionSpec
 from kinematics.errors import InputError
+from kinematics.lengths import from_mm
 from kinematics.storage import csv_text
 
 LINETYPES: dict[EdgeBound, str] = {
@@ -23,6 +26,7 @@ Color = tuple[int, int, int]
 """Red, green and blue, 0 to 255."""
 FORBIDDEN = frozenset("<>/\\\":;?*|='`,")
 """What no layer's name may have."""
+DXF_UNITS = {"mm": "MM", "cm": "CM", "m": "M", "inch": "IN"}
 
 
 def section_bytes(section: Section, spec: SectionSpec, kind: str) -> bytes:
@@ -84,10 +88,12 @@ def section_dxf(
     title: str = "",
     color: Callable[[int], Color] | None = None,
     layers: Sequence[tuple[str, Color, Section]] = (),
+    unit: str = "mm",
 ) -> str:
     """A drawing of true arcs and lines: a layer a limb, dashed by bound, in the section's order.
 
-    The drawing's x and y are the section's axes, mm. Its extents are those of the edges.
+    The drawing's x and y are the section's axes, mm or of another ``unit``, as it states. Its
+    extents are those of the edges.
 
     Args:
         color: of a limb's layer; None: all the same.
@@ -97,10 +103,13 @@ def section_dxf(
     from ezdxf import bbox, units, zoom
     from ezdxf.filemanagement import new
 
-    drawing = new("R2010", setup=["linetypes"], units=units.MM)
-    plane = f"{spec.normal} = {section.at:.9g} mm; x, y are {', '.join(spec.axes)}"
+    drawing = new("R2010", setup=["linetypes"], units=getattr(units, DXF_UNITS[unit]))
+    plane = (
+        f"{spec.normal} = {from_mm(section.at, unit):.9g} {unit}; x, y are {', '.join(spec.axes)}"
+    )
     drawing.header.custom_vars.append("Section", f"{title}: {plane}" if title else plane)
     space = drawing.modelspace()
+    scale = from_mm(1.0, unit)
     used: set[int] = set()
 
     def layer(name: str, shown: Color | None) -> str:
@@ -115,10 +124,10 @@ def section_dxf(
     limbs = sorted({*section.limb.tolist(), *section.construction.circle_limb.tolist()})
     if layers:
         for name, shown, part in layers:
-            _draw(space, part, dict.fromkeys(limbs, layer(name, shown)))
+            _draw(space, part, dict.fromkeys(limbs, layer(name, shown)), scale)
     else:
         shades = {n: None if color is None else color(n) for n in limbs}
-        _draw(space, section, {n: layer(f"limb{n}", shade) for n, shade in shades.items()})
+        _draw(space, section, {n: layer(f"limb{n}", shade) for n, shade in shades.items()}, scale)
     box = bbox.extents(space)
     low, high = (box.extmin, box.extmax) if box.has_data else ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     space.reset_extents(low, high)
@@ -131,9 +140,12 @@ def section_dxf(
     return written.getvalue()
 
 
-def _draw(space: Any, section: Section, layers: dict[int, str]) -> None:
+def _draw(space: Any, section: Section, layers: dict[int, str], scale: float) -> None:
     """Put the edges into a drawing, each on the layer of its limb."""
     for edge in (edge for loop in section_loops(section) for edge in loop):
+        for name in ("from", "to", "center", "radius"):
+            if edge[name] is not None:
+                edge[name] = (np.asarray(edge[name]) * scale).tolist()
         look = {"layer": layers[edge["limb"]], "linetype": LINETYPES[edge["bound"]]}
         if edge["kind"] == "line":
             space.add_line(edge["from"], edge["to"], dxfattribs=look)

@@ -149,7 +149,7 @@ def test_modes_are_completed_though_they_begin_as_options_do(
 def test_options_and_names_are_completed(completed: Callable[..., list[str]]) -> None:
     assert completed("ik", "sps-spr", "--al") == ["--alpha"]
     assert completed("section", "rpur-table1", "--") == [
-        *("--pose", "--x", "--modes", "--mode", "--output", "--json", "--help"),
+        *("--pose", "--x", "--modes", "--mode", "--output", "--units", "--json", "--help"),
         *("--y", "--z", "--phi", "--theta"),
     ]
     assert completed("workspace", "five-bar", "--regions", "") == ["workspace", "modes", "aspects"]

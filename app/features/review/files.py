@@ -66,8 +66,8 @@ def placed(mesh: SolidMesh, placement: ArrayLike) -> SolidMesh:
     return mesh.moved(np.asarray(placement, dtype=float))
 
 
-def solid_bytes(built: BuiltSolid, placement: ArrayLike, kind: str) -> bytes:
-    """A solid in base coordinates (mm) as the content of a file.
+def solid_bytes(built: BuiltSolid, placement: ArrayLike, kind: str, unit: str = "mm") -> bytes:
+    """A solid in base coordinates as the content of a file, its lengths of a unit where open.
 
     Raises:
         InputError: ``kind`` is not one of `FORMATS`.
@@ -78,10 +78,12 @@ def solid_bytes(built: BuiltSolid, placement: ArrayLike, kind: str) -> bytes:
     files.format_known(kind, FORMATS, "a solid is")
     if built.triangles == 0:
         raise ComputationError("the solid is empty, so there is nothing to write")
-    return encode(placed(built.mesh, placement), kind)
+    return encode(placed(built.mesh, placement), kind, unit=unit)
 
 
-def mesh_bytes(mesh: SolidMesh, placement: ArrayLike, kind: str, *, is_open: bool = False) -> bytes:
+def mesh_bytes(
+    mesh: SolidMesh, placement: ArrayLike, kind: str, *, is_open: bool = False, unit: str = "mm"
+) -> bytes:
     """A mesh in base coordinates (mm) as the content of a file.
 
     Args:
@@ -99,7 +101,7 @@ def mesh_bytes(mesh: SolidMesh, placement: ArrayLike, kind: str, *, is_open: boo
     if kind == "csv":
         rows = [",".join(f"{value:.9g}" for value in point) for point in moved.vertices.tolist()]
         return "\n".join(["x_mm,y_mm,z_mm", *rows, ""]).encode()
-    return encode(moved, kind, is_open=is_open)
+    return encode(moved, kind, is_open=is_open, unit=unit)
 
 
 def solid_file(built: BuiltSolid, placement: ArrayLike, kind: str, *, name: str) -> ExportedFile:

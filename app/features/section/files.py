@@ -17,12 +17,19 @@ FORMATS: tuple[str, ...] = ("svg", "dxf", "csv")
 
 
 def section_bytes(
-    section: Section, spec: SectionSpec, kind: str, *, title: str = "", parts: Sequence[Region] = ()
+    section: Section,
+    spec: SectionSpec,
+    kind: str,
+    *,
+    title: str = "",
+    parts: Sequence[Region] = (),
+    unit: str = "mm",
 ) -> bytes:
     """A section as the content of a file; drawings are in mm and of true size.
 
     Args:
         parts: regions of which it consists, each drawn on a layer and in a colour of its own.
+        unit: of a DXF's lengths.
 
     Raises:
         InputError: ``kind`` is not one of `FORMATS`.
@@ -42,7 +49,12 @@ def section_bytes(
             for n, (region, color) in enumerate(zip(parts, colors, strict=True), start=1)
         ]
         drawing = section_dxf(
-            section, spec, title=title, color=lambda limb: rgb(limb_color(limb)), layers=layers
+            section,
+            spec,
+            title=title,
+            color=lambda limb: rgb(limb_color(limb)),
+            layers=layers,
+            unit=unit,
         )
     return drawing.encode()
 

@@ -273,7 +273,8 @@ def _surfaces(
                 f"there is no singularity inside the workspace of mode {mode} at this "
                 f"orientation, so {str(output.path)!r} was not written"
             )
-        output.write(files.mesh_bytes(mesh, placement, kind, is_open=wanted == tables.LOCUS))
+        is_open = wanted == tables.LOCUS
+        output.write(files.mesh_bytes(mesh, placement, kind, is_open=is_open, unit=output.unit))
     pieces = [
         {
             **tables.record(piece, "volume_mm3", "sign", volume_error_mm3="volume_error"),

@@ -131,8 +131,9 @@ def trajectory(
         driven = _driven(machine, found)
     axes, joints = machine.coordinates, machine.joints
     if kind:
-        note = f"{len(found.times)} rows; mm, degrees, s"
-        output.write(trajectory_csv(found, axes, joints).encode(), note)
+        note = f"{len(found.times)} rows; {output.unit}, degrees, s"
+        bare = {axis.json_key for axis in (*axes, *joints) if axis.unit == "mm"}
+        output.write(trajectory_csv(found, axes, joints).encode(), note, bare)
     title, told = name, "by its times, " if points and points.times else f"{chosen.kind}, "
     if named is not None:
         title = named.title if chosen.kind == own.kind else f"The way of {name}"

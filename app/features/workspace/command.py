@@ -126,8 +126,8 @@ def _solid(
     if kind and built.triangles == 0:
         raise ComputationError(f"{spec.title} is empty, so {str(output.path)!r} was not written")
     if kind:
-        written = files.solid_bytes(built, shown.placement, kind)
-        output.write(written, "mm, base coordinates")
+        written = files.solid_bytes(built, shown.placement, kind, output.unit)
+        output.write(written, f"{output.unit_of(kind)}, base coordinates")
     moded = bool(machine.mode_noun) and (spec.uses_modes or spec.of_present_mode)
     data = {
         "solid": key,
@@ -180,7 +180,8 @@ def _regions(
             filter(None, (machine.design.title or machine.design.name, angles.text()))
         )
         whole = together([region.section for region in found])
-        output.write(section_bytes(whole, spec.plane, kind, title=title, parts=found), "mm")
+        written = section_bytes(whole, spec.plane, kind, title=title, parts=found, unit=output.unit)
+        output.write(written, output.unit_of(kind))
     frame = required(machine.regions, "plane workspace").frame(space.pose)
     data = {
         "region": spec.key,
