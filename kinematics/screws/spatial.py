@@ -7,7 +7,8 @@ from math import floor, log10
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinematics.arrays import Array
+from kinematics.arrays import Array, finite
+from kinematics.errors import InputError
 
 
 def decimals(size: float) -> int:
@@ -75,6 +76,22 @@ def cross_matrix(vectors: Array) -> Array:
     matrix = np.zeros((*vectors.shape, 3))
     matrix[..., 2, 1], matrix[..., 0, 2], matrix[..., 1, 0] = np.moveaxis(vectors, -1, 0)
     return matrix - matrix.swapaxes(-1, -2)
+
+
+def rigid(transform: ArrayLike) -> tuple[Array, Array]:
+    """Rotations (..., 3, 3) and translations (..., 3) of transforms (..., 4, 4).
+
+    Raises:
+        InputError: not 4x4, or their upper left part is not a rotation (to 1e-3).
+    """
+    m = finite(transform, name="a transform", last=4)
+    if m.ndim < 2 or m.shape[-2] != 4:
+        raise InputError("a transform must be a 4x4 matrix")
+    r = m[..., :3, :3]
+    skew = np.abs(r @ r.swapaxes(-1, -2) - np.eye(3)).max(axis=(-1, -2))
+    if (skew > 1e-3).any() or (np.linalg.det(r) < 0.0).any():
+        raise InputError("the upper left 3x3 part of a transform must be a rotation")
+    return r, m[..., :3, 3]
 
 
 def homogeneous(rotation: ArrayLike, translation: ArrayLike) -> Array:

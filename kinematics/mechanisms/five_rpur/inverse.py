@@ -28,7 +28,7 @@ from kinematics.mechanisms.five_rpur.design import (
     SUBSCRIPTS,
     FiveRPURDesign,
 )
-from kinematics.screws.spatial import homogeneous, rotation_x, rotation_y, wrap_angle
+from kinematics.screws.spatial import homogeneous, rigid, rotation_x, rotation_y, wrap_angle
 
 STROKE_SLACK = 1e-9
 """mm by which rounding may carry an actuator over its stroke end."""
@@ -254,15 +254,9 @@ def pose_from_transform(matrices: ArrayLike) -> Array:
     Raises:
         InputError: not 4x4, or its upper left part is not a rotation (to 1e-3).
     """
-    m = finite(matrices, name="a transform", last=4)
-    if m.ndim < 2 or m.shape[-2] != 4:
-        raise InputError("a transform must be a 4x4 matrix")
-    r = m[..., :3, :3]
-    skew = np.abs(r @ r.swapaxes(-1, -2) - np.eye(3)).max(axis=(-1, -2))
-    if (skew > 1e-3).any() or (np.linalg.det(r) < 0).any():
-        raise InputError("the upper left 3x3 part of a transform must be a rotation")
+    r, place = rigid(matrices)
     phi, theta = _nearest_angles(r)
-    return np.concatenate([m[..., :3, 3], phi[..., None], theta[..., None]], axis=-1)
+    return np.concatenate([place, phi[..., None], theta[..., None]], axis=-1)
 
 
 def _nearest_angles(r: Array) -> tuple[Array, Array]:

@@ -40,17 +40,3 @@ def poses_of(r: Array, p: Array) -> Array:
     """The poses (N, 6) of rotations (N, 3, 3) and places (N, 3)."""
     poses = [pose_of(State(*one)) for one in zip(r, p, strict=True)]
     return np.array(poses, dtype=float).reshape(-1, 6)
-
-
-def turned(r: Array, omega: Array) -> Array:
-    """exp(ω̂) R, (3, 3)."""
-    angle = float(np.sqrt(omega @ omega))
-    x, y, z = omega.tolist()
-    k = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    if angle < 1e-8:
-        first, second = 1.0, 0.5
-    else:
-        first, second = np.sin(angle) / angle, (1.0 - np.cos(angle)) / angle**2
-    moved: Array = r + (first * k + second * (k @ k)) @ r
-    # Rounding away from a rotation does not add up: one step of Newton's iteration for it.
-    return np.asarray(moved @ (1.5 * np.eye(3) - 0.5 * moved.T @ moved))

@@ -27,7 +27,7 @@ from kinematics.mechanisms.tripods.design import (
     mode_sign,
 )
 from kinematics.mechanisms.tripods.study import Values
-from kinematics.screws.spatial import homogeneous
+from kinematics.screws.spatial import homogeneous, rigid
 
 POSE = 3
 """Z (mm), tilt θ and azimuth φ (rad) of the axis about which the platform is tilted."""
@@ -195,17 +195,14 @@ def pose_from_transform(
     Raises:
         InputError: not 4x4, or its upper left part is not a rotation (to 1e-3).
     """
-    m = finite(matrix, name="a transform", last=4)
-    if m.shape != (4, 4):
-        raise InputError("a transform must be a 4x4 matrix")
-    r = m[:3, :3]
-    if np.abs(r @ r.T - np.eye(3)).max() > 1e-3 or np.linalg.det(r) < 0:
-        raise InputError("the upper left 3x3 part of a transform must be a rotation")
-    x = study.from_rotation(r)
+    from scipy.spatial.transform import Rotation  # slow to import
+
+    r, place = rigid(matrix)
+    x = np.roll(Rotation.from_matrix(r).as_quat(), 1)
     kept = x[[0, 1, 2]] if mode_sign(mode) > 0 else np.array([x[3], -x[2], x[1]])
     c, x1, x2 = kept if np.abs(kept).max() > 1e-9 else np.array([1.0, 0.0, 0.0])
     if c < 0.0:
         c, x1, x2 = -c, -x1, -x2
     s = float(np.hypot(x1, x2))
     azimuth = float(np.arctan2(x2, x1)) if s > 0.0 else 0.0
-    return float(m[2, 3]), float(2.0 * np.arctan2(s, c)), azimuth
+    return float(place[2]), float(2.0 * np.arctan2(s, c)), azimuth

@@ -9,9 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
-from kinematics.arrays import Array
+from numpy.typing import NDArray
 
 Values = NDArray[Any]
 """Real or complex numbers."""
@@ -57,27 +55,3 @@ def _rows(x: Values) -> tuple[Values, Values, Values]:
 def inverse(study: Values) -> Values:
     """The inverse displacement: the conjugate of the dual quaternion, (..., 8) → (..., 8)."""
     return np.asarray(study * np.array([1.0, -1.0, -1.0, -1.0] * 2))
-
-
-def from_rotation(matrix: ArrayLike) -> Array:
-    """The unit quaternion (..., 4) of rotations (..., 3, 3), the largest entry positive."""
-    r = np.asarray(matrix, dtype=float)
-    # 4 x xᵀ, of which the row with the largest diagonal is well conditioned.
-    d0, d1, d2 = (r[..., n, n] for n in range(3))
-    outer = np.empty((*r.shape[:-2], 4, 4))
-    diagonal = (1 + d0 + d1 + d2, 1 + d0 - d1 - d2, 1 - d0 + d1 - d2, 1 - d0 - d1 + d2)
-    for n, value in enumerate(diagonal):
-        outer[..., n, n] = value
-    pairs = {
-        (0, 1): r[..., 2, 1] - r[..., 1, 2],
-        (0, 2): r[..., 0, 2] - r[..., 2, 0],
-        (0, 3): r[..., 1, 0] - r[..., 0, 1],
-        (1, 2): r[..., 1, 0] + r[..., 0, 1],
-        (1, 3): r[..., 0, 2] + r[..., 2, 0],
-        (2, 3): r[..., 2, 1] + r[..., 1, 2],
-    }
-    for (i, j), value in pairs.items():
-        outer[..., i, j] = outer[..., j, i] = value
-    largest = np.argmax(np.stack(diagonal, axis=-1), axis=-1)
-    row = np.take_along_axis(outer, largest[..., None, None], axis=-2)[..., 0, :]
-    return np.asarray(row / np.linalg.norm(row, axis=-1, keepdims=True))
