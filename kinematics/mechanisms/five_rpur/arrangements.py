@@ -24,13 +24,12 @@ from itertools import combinations
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinematics.answers.solutions import Finding
 from kinematics.arrays import Array
-from kinematics.facets.clearances import ClearancesFacet
-from kinematics.mechanism import mechanism_of
 from kinematics.mechanisms.five_rpur.design import LIMBS, SUBSCRIPTS, TOLERANCE, FiveRPURDesign
-from kinematics.mechanisms.five_rpur.inverse import signs
+from kinematics.mechanisms.five_rpur.inverse import inside, signs
 from kinematics.mechanisms.five_rpur.singularities.determinant import at_poses
 
 PairKind = Literal["A1", "A2", "A3", "same"]
@@ -38,6 +37,7 @@ PairKind = Literal["A1", "A2", "A3", "same"]
 _NEAR = 1e-2  # part of the size within which a condition is missed narrowly
 _SINGULAR = 1e3  # of the rounding of a determinant: what vanishes
 _SAMPLES = 24
+_SEARCH = 4096, 48  # poses at a time, times, in the search for a reachable one
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,9 +163,9 @@ def findings(design: FiveRPURDesign) -> tuple[Finding, ...]:
             Finding(
                 "warning",
                 "No reachable pose found",
-                "A search found no pose that can be held within the strokes: the workspace is "
-                "empty or very small. Bring the limbs closer together, or lengthen links and "
-                "strokes.",
+                f"None of {_SEARCH[0] * _SEARCH[1]} sampled poses can be held within the "
+                "strokes: the workspace is empty or very small. Bring the limbs closer together, "
+                "or lengthen links and strokes.",
             )
         )
     answer += [_merged_finding(design, limbs) for limbs in design.merged_joints]
@@ -284,11 +284,29 @@ def _sample_poses(design: FiveRPURDesign) -> Array:
 
 
 def _reachable_somewhere(design: FiveRPURDesign) -> bool:
-    """Whether a search finds a pose that can be held, in any mode."""
-    mechanism = mechanism_of(design)
-    start = mechanism.home()
-    clearances: ClearancesFacet[FiveRPURDesign] = mechanism.facet("clearances")
-    return start.reachable or clearances.searched(start, design.modes) is not None
+    """Whether a reachable pose turns up, in any working modes.
+
+    Positions are drawn only where, for the orientation drawn, every limb's box allows them.
+    """
+    rng = np.random.default_rng(20110401)
+    count, rounds = _SEARCH
+    for _ in range(rounds):
+        phi, theta = rng.uniform(-np.pi, np.pi, (2, count, 1))
+        c, s, cf, sf = np.cos(theta), np.sin(theta), np.cos(phi), np.sin(phi)
+        rx, ry, rz = design.base.T
+        sx, sy, sz = design.platform.T
+        high = design.stroke[:, 1]
+        centre = (rx * c - rz * s - sx, ry - cf * sy + sf * sz, rx * s + rz * c - sf * sy - cf * sz)
+        reach = (high, design.link, high + design.link)
+        low = np.stack([(m - r).max(axis=1) for m, r in zip(centre, reach, strict=True)])
+        top = np.stack([(m + r).min(axis=1) for m, r in zip(centre, reach, strict=True)])
+        ok: NDArray[np.bool_] = np.all(low < top, axis=0)
+        x, y, z = low + (top - low) * rng.uniform(size=(3, count))
+        c, s, phi, theta = c[:, 0], s[:, 0], phi[:, 0], theta[:, 0]
+        poses = np.stack([x * c + z * s, y, z * c - x * s, phi, theta], axis=-1)[ok]
+        if len(poses) and inside(design, poses).any():
+            return True
+    return False
 
 
 # --- words ---------------------------------------------------------------------------------
