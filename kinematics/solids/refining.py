@@ -181,10 +181,10 @@ def _halve(
     ]
     before = len(tiling.low)
     first = along[0] >= _ALIKE * along[1]
-    tiling.split(rows[first], np.zeros(int(first.sum()), dtype=np.int64))
+    able = tiling.split(rows[first], np.zeros(int(first.sum()), dtype=np.int64))
     made = np.arange(before, len(tiling.low))
     second = along[1] >= _ALIKE * along[0]
-    twice = np.concatenate([rows[second], made[second[first]]])
+    twice = np.concatenate([rows[second], made[second[first][able]]])
     tiling.split(twice, np.ones(len(twice), dtype=np.int64))
     missed[rows] = np.nan
     return np.concatenate([missed, np.full(len(tiling.low) - before, np.nan)])

@@ -70,8 +70,11 @@ class Tiling:
         """(N,) in units of the base."""
         return np.asarray((self.size * self._step).prod(axis=1))
 
-    def split(self, chosen: NDArray[np.intp], side: Ints) -> None:
-        """Halves cells across their sides 0 or 1; those that cannot be halved stay."""
+    def split(self, chosen: NDArray[np.intp], side: Ints) -> NDArray[np.bool_]:
+        """Halves cells across their sides 0 or 1; those that cannot be halved stay. Which were.
+
+        The other halves come last, in the order of ``chosen``.
+        """
         able = self.size[chosen, side] >= 4
         chosen, side = chosen[able], side[able]
         size = self.size[chosen].copy()
@@ -81,6 +84,7 @@ class Tiling:
         other[rows, side] += size[rows, side]
         self.size[chosen] = size
         self.low, self.size = np.concatenate([self.low, other]), np.concatenate([self.size, size])
+        return np.asarray(able)
 
     def keep(self, kept: NDArray[np.bool_]) -> None:
         self.low, self.size = self.low[kept], self.size[kept]

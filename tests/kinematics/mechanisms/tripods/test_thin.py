@@ -112,6 +112,17 @@ def test_the_volume_is_within_its_error_however_thin_the_solid_is(seed: int) -> 
     assert found.volume_error <= 1e-3 * found.volume or "The error is" in found.note
 
 
+def test_strokes_within_rounding_are_looked_at_to_the_finest_cells() -> None:
+    """Cells that cannot be halved any more stay as they are, and the search goes on."""
+    low, high = 182.9695813032713, 182.96958130365772
+    design = TripodDesign("three_rps", 176.80926986671753, 92.751100598315, (low, high))
+    for resolution in ("preview", "normal"):
+        found = built(design, "2", resolution)
+        assert found.watertight
+        assert found.volume < 1e-9
+        assert found.volume_error > 0.0  # it is not empty
+
+
 @pytest.mark.parametrize("scale", [1e-6, 1e-3, 1e3, 1e6])
 @pytest.mark.parametrize("seed", [1, 5])
 def test_nothing_depends_on_the_unit(seed: int, scale: float) -> None:
