@@ -46,7 +46,8 @@ class ClearancesFacet(Facet[D]):
         found = list(self.to_bounds(posture))
         if singular:
             found += self.to_singularities(posture)
-        return tuple(sorted(found, key=lambda clearance: clearance.distance))
+        # Of what is equally far, but for rounding, the order is that in which it was found.
+        return tuple(sorted(found, key=lambda clearance: float(f"{clearance.distance:.9g}")))
 
     def nearest_pose(self, posture: Posture) -> Remedy:
         """The ways out of a pose that cannot be held: another pose, other modes, another design."""

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import json
+import re
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import kinematics as kin
+from app import cli
 from kinematics.designs import files
 from kinematics.machine import machine_of
 from kinematics.mechanism import mechanism_class
@@ -116,3 +120,57 @@ def test_workspaces(name: str, factor: float) -> None:
         one, two = (m.workspace().volume(1e-4) for m in (usual, other))
         assert two.value == pytest.approx(one.value * factor**3, rel=1e-6)
         assert len(two.pieces) == len(one.pieces)
+
+
+@each
+@pytest.mark.parametrize("factor", [1e-6, 1e-3, 1e3])
+def test_commands_say_the_same_of_any_size(
+    name: str, factor: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Their JSON has the same keys, words and lengths of lists; numbers are numbers in both."""
+    usual, other = machine(name), scaled(name, factor)
+    file = tmp_path / "scaled.toml"
+    file.write_text(kin.write(other), encoding="utf-8")
+    posture = held(name)[1]
+    mode = [f"--mode={posture.mode}"] if posture.mode else []
+
+    def asked(m: kin.Machine[Any], design: str) -> list[Any]:
+        by = lengths(m.coordinates, factor if m is other else 1.0)
+        there = m.at(by * posture.pose, posture.mode)
+        pose = "--pose=" + ",".join(map(repr, there.pose.to_dict().values()))
+        joints = "--joints=" + ",".join(
+            repr(axis.outer(v)) for axis, v in zip(m.joints, there.posture.joints, strict=True)
+        )
+        commands = [
+            ["ik", design, pose],
+            ["fk", design, joints],
+            ["singularity", design, pose, *mode],
+            ["statics", design, pose, *mode, "--load=1,0,0,0,0,0"],
+            ["workspace", design, "--resolution=preview"],
+        ]
+        if m.sections is not None:
+            commands.append(["volume", design])
+        said = []
+        for command in commands:
+            code = cli.main([*command, "--json"])
+            out = capsys.readouterr()
+            assert code == 0, (command, out.err)
+            said.append(json.loads(out.out))
+        return said
+
+    for one, two in zip(asked(usual, name), asked(other, str(file)), strict=True):
+        assert form(two) == form(one)
+
+
+def form(value: Any, key: str = "") -> Any:
+    """Of an answer what does not change with the machine's size."""
+    if isinstance(value, dict):
+        return {k: form(v, k) for k, v in value.items() if k not in _OF_THE_FILE}
+    if isinstance(value, list):
+        return [form(v, key) for v in value]
+    if isinstance(value, str):
+        return re.sub(r"[-−+]?\d[\d.]*(e[-+]?\d+)?", "#", value)
+    return "number" if isinstance(value, int | float) and not isinstance(value, bool) else value
+
+
+_OF_THE_FILE = ("design", "name", "title", "source", "notes", "triangles", "seconds", "file")
