@@ -20,7 +20,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PIP_NO_INPUT := 1
 export PIP_ROOT_USER_ACTION := ignore
 
-.PHONY: run test check format bench start-solutions clean
+.PHONY: run test check check-all sweeps mutants format bench start-solutions clean
 
 run: $(VENV)/installed
 	@exec $(BIN)/bohemia $(ARGS)
@@ -33,6 +33,21 @@ check: $(VENV)/installed-tools
 	@$(BIN)/ruff format --check .
 	@$(BIN)/mypy
 	@PYTHONPATH=. $(BIN)/lint-imports
+
+# Everything, and what is slow and rarely breaks: run before an issue is closed.
+check-all: check test sweeps
+
+# Designs, files and commands drawn at random; more by SWEEP=10000, others by FROM=10000.
+FROM ?= 0
+SWEEP ?= 300
+sweeps: $(VENV)/installed-tools
+	@for what in designs files commands; do \
+		$(BIN)/python -W error -m tests.sweeps $$what $(FROM) $$(( $(FROM) + $(SWEEP) )) || exit 1; done
+
+# Whether the tests notice a wrong operator; ARGS="--count 20 --only kinematics/screws".
+mutants: $(VENV)/installed-tools
+	@$(BIN)/python -c 'import coverage' 2>/dev/null || $(BIN)/python -m pip install -q '.[mutants]'
+	@$(BIN)/python tests/mutants.py $(ARGS)
 
 format: $(VENV)/installed-tools
 	@$(BIN)/ruff check --fix .
@@ -48,7 +63,7 @@ start-solutions: $(VENV)/installed
 	@$(BIN)/python -m kinematics.mechanisms.four_sps_spr.forward.monodromy assets/start_solutions
 
 clean:
-	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis \
+	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .mutants \
 		.import_linter_cache
 	find app kinematics tests -name __pycache__ -type d -prune -exec rm -rf {} +
 
