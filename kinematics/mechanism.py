@@ -3,7 +3,8 @@
 A kind is a package of `kinematics.mechanisms` whose ``KINDS`` names its class; nothing else is to
 be edited for a new one. Its class, bound to one design, supplies the primitives below; the facets
 of `kinematics.facets` do the rest, and a kind names its own facet where it has something exact.
-People hold a `kinematics.machine.Machine`, which is a mechanism with its facets.
+People hold a `kinematics.machine.Machine`, which is a mechanism with its facets. (Longer than 400
+lines for the contract of each primitive, so that all of them stand together.)
 """
 
 from __future__ import annotations

@@ -15,15 +15,16 @@ from kinematics.answers.motion import Wrenches
 from kinematics.answers.solutions import Finding, Posture
 from kinematics.arrays import Array, largest
 from kinematics.mechanism import Coordinate, Facets, Mechanism
+from kinematics.mechanisms.five_rpur import design as designs
 from kinematics.mechanisms.five_rpur import (
-    arrangements,
+    dragging,
     drawing,
+    findings,
     home,
     inverse,
     motion,
     statics,
 )
-from kinematics.mechanisms.five_rpur import design as designs
 from kinematics.mechanisms.five_rpur import texts as about
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.slicing import cutter
@@ -63,7 +64,7 @@ class FiveRPUR(Mechanism[FiveRPURDesign]):
         return super().mode(text)
 
     def findings(self) -> tuple[Finding, ...]:
-        return arrangements.findings(self.design)
+        return findings.findings(self.design)
 
     def pose_coordinates(self) -> tuple[Coordinate, ...]:
         low, high = home.reach(self.design)
@@ -102,7 +103,7 @@ class FiveRPUR(Mechanism[FiveRPURDesign]):
         return inverse.transform(poses)
 
     def pose_from_transform(self, transform: ArrayLike, mode: str) -> tuple[float, ...]:
-        return tuple(float(v) for v in inverse.pose_from_transform(transform))
+        return tuple(float(v) for v in dragging.pose_from_transform(transform))
 
     def velocity_axes(self, poses: Array, mode: str) -> Array:
         return motion.velocity_axes(poses)

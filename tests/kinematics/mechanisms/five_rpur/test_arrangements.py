@@ -16,10 +16,9 @@ from kinematics.designs.files import presets
 from kinematics.mechanisms.five_rpur.arrangements import (
     Pair,
     arrangements,
-    findings,
-    singular_modes,
 )
 from kinematics.mechanisms.five_rpur.design import MODES, TOLERANCE, FiveRPURDesign, Limb
+from kinematics.mechanisms.five_rpur.findings import findings, singular_modes
 from kinematics.mechanisms.five_rpur.inverse import inside, joint_points
 from tests.kinematics.mechanisms.five_rpur.asked import wrench_matrix
 from tests.kinematics.mechanisms.five_rpur.machines import preset

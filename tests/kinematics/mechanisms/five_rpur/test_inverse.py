@@ -14,6 +14,7 @@ from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 from kinematics.facets.inverse import posture
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
+from kinematics.mechanisms.five_rpur.dragging import pose_from_transform
 from kinematics.mechanisms.five_rpur.inverse import (
     MODES,
     closure_residual,
@@ -21,7 +22,6 @@ from kinematics.mechanisms.five_rpur.inverse import (
     inverse,
     joint_points,
     limb_lengths,
-    pose_from_transform,
     signs,
     transform,
 )

@@ -11,8 +11,8 @@ import pytest
 from kinematics.designs.files import read_design, write_design
 from kinematics.errors import DesignError, InputError
 from kinematics.machine import machine_of
-from kinematics.mechanisms.five_rpur.arrangements import findings, singular_modes
 from kinematics.mechanisms.five_rpur.design import MODES, FiveRPURDesign
+from kinematics.mechanisms.five_rpur.findings import findings, singular_modes
 from kinematics.mechanisms.five_rpur.inverse import inside, inverse, limb_lengths
 from tests.kinematics.mechanisms.five_rpur.machines import preset
 
