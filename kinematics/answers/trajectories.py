@@ -165,7 +165,8 @@ class Trajectory(Frozen):
         distance: (N,) mm to the nearest parallel or constraint singularity as `clearances` tells
             it; inf: there is none; NaN where it was not asked for.
         events: by time.
-        length: of the path, mm.
+        length: of the path, mm, with angles as its scale counts them.
+        travel: mm that the platform's origin O′ travels; NaN where the path leaves that open.
         close: rates, accelerations and forces between the samples, too.
         load: that the forces hold, [F, T], N and N·mm; None for none.
     """
@@ -187,6 +188,7 @@ class Trajectory(Frozen):
     distance: Array
     events: tuple[Event, ...]
     length: float
+    travel: float
     close: Close
     load: tuple[float, ...] | None
 

@@ -32,7 +32,7 @@ def told_apart(
     """
     stayed = became >= 0
     names = dict(zip(became[stayed].tolist(), np.flatnonzero(stayed), strict=True))
-    fresh = count(max(before.identities, default=0) + 1)
+    fresh = (number for number in count(1) if number not in before.identities)
     identities = tuple(
         before.identities[names[n]] if n in names else next(fresh) for n in range(len(now))
     )

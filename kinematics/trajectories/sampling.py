@@ -21,6 +21,7 @@ from kinematics.trajectories.laws import LONGEST, SHORTEST
 
 MOST_SAMPLES = 100_000
 _STILL = 1e-12  # of the path's mean speed: a rate that is rounding
+CHORDS = 2048  # by which the way of the platform's origin is measured, at least
 NEAR = 0.03  # of the characteristic length: a singularity nearer than this is told
 
 
@@ -102,11 +103,26 @@ def trajectory(
         distance=distance,
         events=(),
         length=path.length,
+        travel=_travel(machine, path, mode),
         close=close(along, times, held_load, limits),
         load=held_load,
     )
     limit = NEAR * machine.length if near is None else near
     return replace(result, events=events_of(along, result, limits, limit))
+
+
+def _travel(machine: Faceted[Any], path: Path, mode: str) -> float:
+    """mm that the platform's origin travels: by chords between knots, and by half as many."""
+    marks = np.unique(np.concatenate([[0.0], path.knots, [1.0]]))
+    count = 2 * max(1, CHORDS // (2 * len(marks)))
+    shares = marks[:-1, None] + np.diff(marks)[:, None] * np.linspace(0.0, 1.0, count + 1)
+    poses = path.at(shares.ravel())[0]
+    places = machine.transform(poses, mode)[:, :3, 3].reshape(*shares.shape, 3)
+    fine, half = (
+        float(np.linalg.norm(np.diff(chosen, axis=1), axis=2).sum())
+        for chosen in (places, places[:, ::2])
+    )
+    return (4.0 * fine - half) / 3.0  # chords of a smooth curve are short by the square of theirs
 
 
 def duration_within(found: Trajectory, limits: Limits) -> float:

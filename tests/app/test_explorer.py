@@ -205,3 +205,24 @@ def test_a_machine_that_does_not_close_asks_for_nothing(loop: Loop) -> None:
     time.sleep(0.3)
     assert loop.events.empty()
     assert "do not close" in loop.explorer.atlas(view).remarks[0][0]
+
+
+def test_who_comes_and_goes_is_news_only_of_a_drive_and_numbers_stay_small(loop: Loop) -> None:
+    review = new_review(load_design("rpur-a1a1"))
+    loop.show(review)
+    numbers: list[int] = []
+    news = 0
+    for n in range(40):
+        if n < 20:
+            loop.explorer.placed()
+        else:
+            loop.explorer.drove(0)
+        moved = Move(0, review.pose[0] + 6.0 * (-1) ** n) if n < 20 else Drive(0, 260.0 + 5.0 * n)
+        loop.show(change(review, moved)[0])
+        known = loop.explorer.known
+        assert known is not None
+        numbers += known.solutions.identities
+        news += bool(known.appeared or known.merged)
+        assert n >= 20 or not news
+    assert news
+    assert max(numbers) <= 2 * known.solutions.complex_count

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import math
+from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
@@ -35,6 +38,9 @@ from app.widgets.boxes import shown_pose, typed_numbers, typed_pose, units
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 from kinematics.machine import machine_of
+from tests.conftest import Finished
+
+Run = Callable[..., Finished]
 
 MACHINES = {
     "rpur-table1": (250.0, 110.0, 280.0, 0.2, -0.17),
@@ -367,3 +373,22 @@ def test_the_distance_to_a_singularity_is_nothing_where_one_is_crossed() -> None
     np.testing.assert_allclose(
         np.interp(computed.found.times, strip.curves[0].times, strip.curves[0].values), distance
     )
+
+
+@pytest.mark.parametrize("name", ["rps-3", "spr-3", "rpur-table1", "sps-spr"])
+def test_the_length_is_what_the_platforms_origin_travels(name: str) -> None:
+    machine = machine_of(load_design(name))
+    home = np.array(machine.home.pose)
+    end = home + [3.0 if c.unit == "mm" else math.radians(5.0) for c in machine.coordinates]
+    poses = [machine.complete_pose(tuple(pose), machine.home.mode) for pose in (home, end)]
+    found = machine.trajectory(poses, duration=1.0, samples=4001, distances=False)
+    places = machine.transform(found.poses, machine.home.mode)[:, :3, 3]
+    assert found.travel == pytest.approx(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
+
+
+def test_a_circle_of_the_tilts_azimuth_is_no_way_of_half_a_metre(here: Run, tmp_path: Path) -> None:
+    z = machine_of(load_design("rps-3")).home.pose[0]
+    turned = "\n".join(f"{z},5,{azimuth}" for azimuth in np.linspace(-180, 180, 73))
+    (tmp_path / "circle.csv").write_text(f"z,tilt,azimuth\n{turned}\n")
+    done = here("trajectory", "rps-3", "circle.csv", "--json")
+    assert json.loads(done.stdout)["length_mm"] < 20.0

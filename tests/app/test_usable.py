@@ -9,6 +9,10 @@ import numpy as np
 import pytest
 
 from app.features.move.state import Flip
+from app.features.workspace.compute import Solids
+from app.features.workspace.html import report_html
+from app.review.changes import change
+from app.review.state import new_review
 from kinematics.designs.files import load_design
 from kinematics.machine import machine_of
 from tests.app import seats
@@ -72,3 +76,12 @@ def test_the_command_tells_of_the_home_mode_first(here: Run) -> None:
     )
     assert alone["box"] == own["box"]
     assert "home_mode" not in alone
+
+
+def test_a_position_that_only_other_modes_reach_is_no_contradiction() -> None:
+    home = new_review(load_design("rpur-table1"))
+    other = next(m for m in MACHINE.modes if not MACHINE.at(home.pose, m).reachable)
+    there, _ = change(home, Flip(other))
+    said = report_html(there, Solids((), {}, {}, None))
+    assert "inside</b> this workspace, but not in mode" in said
+    assert "but not" not in report_html(home, Solids((), {}, {}, None))

@@ -61,7 +61,11 @@ def row_html(row: Row, axes: Sequence[Coordinate]) -> str:
     first = " ".join(f"<q>{esc(c.symbol)}</q>\xa0{tenths(value[c.key])}" for c in where)
     first += "\xa0<q>mm</q> " if where else ""
     first += " ".join(f"<q>{esc(c.symbol)}</q>\xa0{tenths(value[c.key])}°" for c in turned)
-    marks = "<u>here</u> " if row.here else f"{tenths(row.distance)} <q>mm away</q> "
+    marks = (
+        "<u>here</u> "
+        if row.here
+        else f"<q>farthest point</q> {tenths(row.distance)} <q>mm away</q> "
+    )
     marks += "<u>new</u> " if row.new else ""
     second = (
         f"<q>#{row.identity}</q> {marks}<q>condition</q> {condition_text(row.condition)}"

@@ -58,6 +58,7 @@ class Explorer:
         self.trouble = ""
         self._wish: compute.Wish | None = None
         self._driven: int | None = None
+        self._driving = True  # and not placed: who comes and goes then is no news
         self._chosen: tuple[int, bool] | None = None
         self._awaited: int | None = None
         self._joints: tuple[float, ...] = ()
@@ -126,7 +127,7 @@ class Explorer:
         self.look(view)
 
     def _keep(self, wish: compute.Wish, refreshed: Refreshed) -> None:
-        if wish.before is not None and self.known is not None:
+        if wish.before is not None and self.known is not None and self._driving:
             self.known = self.known.after(refreshed, rested=self._rested)
         else:
             self.known = compute.Known(wish.design, refreshed.solutions)
@@ -179,8 +180,13 @@ class Explorer:
 
     def drove(self, index: int) -> None:
         """A person drives this actuator: its folds are told of before the others'."""
+        self._driving = True
         if index != self._driven:
             self._driven, self._chosen = index, None
+
+    def placed(self) -> None:
+        """A person puts the platform somewhere, and drives no actuator."""
+        self._driving = False
 
     def choose_fold(self, choice: tuple[int, bool] | None) -> None:
         """Which fold to tell of and to mark: the actuator, and whether it grows."""
@@ -230,6 +236,8 @@ class SolutionsPart(Part):
     def applied(self, change: Change, before: Review, note: str) -> None:
         if isinstance(change, Drive):
             self._explorer.drove(change.index)
+        elif before.pose != self.stage.review.pose:
+            self._explorer.placed()
 
     def take(self, event: Done | Lost) -> bool:
         if getattr(event.job.key, "question", None) not in (compute.SOLUTIONS, compute.FOLDS):

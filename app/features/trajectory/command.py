@@ -58,7 +58,11 @@ def trajectory(
         f"{', '.join(LAWS)} (default quintic; points with times have none)",
         known=lambda machine: LAWS,
     ),
-    duration: float | None = option("S", "seconds (default: 100 mm/s along it)", values.number),
+    duration: float | None = option(
+        "S",
+        "seconds (default: 100 mm/s along it, angles counted by the characteristic length)",
+        values.number,
+    ),
     samples: int = option("N", "rows to compute", values.whole, default="101"),
     through: Through = choice("how points are joined", "spline", "lines", default="spline"),
     blend: float | None = option(
@@ -214,7 +218,7 @@ def _data(
         for key, value, at in zip(named, shown, tables.plain(times), strict=True):
             largest[key] = {"value": value, "t_s": at, "t": at}
     answer = {
-        **tables.record(found, "length_mm", "sound", moving_at_ends="moving_ends"),
+        **tables.record(found, "sound", length_mm="travel", moving_at_ends="moving_ends"),
         "largest": both(largest),
         "events": [
             {
@@ -271,7 +275,12 @@ def _lines(
         rows.append(row)
     header = ["joint", "start", "end", "largest rate /s", "acceleration /s²"]
     header += ["force"] if found.names else []
-    lines = ["", tables.table(header, rows), "", f"length     {found.length:.1f} mm"]
+    lines = [
+        "",
+        tables.table(header, rows),
+        "",
+        f"length     {found.travel:.1f} mm travelled by O′",
+    ]
     moving = [t for t, on in zip((0.0, found.duration), found.moving_ends, strict=True) if on]
     if moving:
         when = " and ".join(f"t = {t:g} s" for t in moving)

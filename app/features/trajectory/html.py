@@ -35,8 +35,8 @@ def summary_html(moved: Moved) -> str:
         return box("Computing …")
     found = computed.found
     head = (
-        f"{found.length:.1f} mm in {computed.law.duration:.4g} s, {LAWS[computed.law.kind]}, "
-        f"{len(found.times)} samples{_moving(found.moving_ends)}"
+        f"O′ travels {found.travel:.1f} mm in {computed.law.duration:.4g} s, "
+        f"{LAWS[computed.law.kind]}, {len(found.times)} samples{_moving(found.moving_ends)}"
     )
     told = f"<div>{head}{_nearest(computed)}</div>{_events(moved, found.events)}"
     return box(aged(told, moved.stale))

@@ -99,7 +99,7 @@ class TrajectoryPanel(Panel):
         gui = self.gui
         with gui.add_folder("Time"):
             self.menu("Time law", LAWS, Plan, "law")
-            hint = "0: the path's own, else at 100 mm/s"
+            hint = "0: the path's own, else at 100 mm/s, angles by the characteristic length"
             self._duration = gui.add_number("Duration (s)", 0.0, min=0.0, step=0.1, hint=hint)
             self.bind(self._duration, self._lasts, partial(step_plan, "duration"))
             self._ramps = [

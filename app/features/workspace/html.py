@@ -20,7 +20,10 @@ from kinematics.machine import Machine
 def report_html(review: Review, solids: Solids) -> str:
     """Whether the machine is inside, and the solids that are no limb's."""
     where, color = ("inside", tone("good")) if inside(review) else ("outside", palette.BEYOND)
-    lines = [f"The present position is {styled(where, f'color:{color}', 'b')} this workspace."]
+    text = f"The present position is {styled(where, f'color:{color}', 'b')} this workspace"
+    if where == "inside" and not review.posture.reachable:
+        text += f", but not in {mode_text(review.machine, review.mode)}, which the machine is in"
+    lines = [f"{text}."]
     for wish in solids.wishes:
         key = wish.spec.key
         if wish.spec.limb is not None or key == ASPECTS:

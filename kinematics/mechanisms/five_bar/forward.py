@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import count, islice
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -79,8 +80,8 @@ class Forward(ForwardFacet[FiveBarDesign]):
             order = [_same_side(before, sign) for sign in np.sign(now.determinant)]
             kept = tuple(before.identities[n] for n in order)
             return Refreshed(replace(now, identities=kept), (), ())
-        fresh = max(before.identities, default=-1) + 1
-        new = tuple(range(fresh, fresh + len(now)))
+        fresh = (number for number in count(0) if number not in before.identities)
+        new = tuple(islice(fresh, len(now)))
         merged: tuple[Merged, ...] = ()
         if len(before):
             last = before.poses[0] if crossing is None else crossing.point
