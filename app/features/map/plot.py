@@ -38,7 +38,7 @@ def figure(found: Map, *, stale: bool) -> Figure:
         content += _marks(axes, found, x, y, scale)
     return Figure(
         axes,
-        tag("g", content, class_="map", opacity=0.35 if stale else None)
+        tag("g", content, class_="map", opacity=".35" if stale else None)
         + named_scales(axes, named(first), named(second), 7),
         [f"{first.symbol} {_places(v)}{page_unit(first)}, " for v in x.tolist()],
         [f"{second.symbol} {_places(v)}{page_unit(second)}: " for v in y.tolist()],
