@@ -19,6 +19,7 @@ log = logging.getLogger(__name__)
 
 MAX_UPLOAD = 16 << 20  # bytes; the largest file that has a use here is a path in CSV
 REASONS = 50  # that are logged of one browser
+FARTHEST = 1e12  # mm, of anything in the scene
 
 Find = Callable[[str], Any]
 """From a widget's uuid to its handle, None where there is none (any more)."""
@@ -72,6 +73,10 @@ def fault(data: object, find: Find) -> str:
         return f"a {shape.__name__} with a number that is not finite"
     if isinstance(message, messages.GuiUpdateMessage):
         return _widget_fault(message.updates, find(message.uuid))
+    if not all(abs(number) <= FARTHEST for number in _numbers(content.values())):
+        return f"a {shape.__name__} with a number that is no place"
+    if not 0.5 < math.hypot(*getattr(message, "wxyz", (1.0,))) < 2.0:
+        return f"a {shape.__name__} with an orientation that is none"
     return ""
 
 

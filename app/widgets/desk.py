@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import math
 import time
@@ -337,10 +338,11 @@ def clicked(desk: Desk, handle: Any, act: Callable[[Client], None]) -> None:
 
 
 def uploaded(desk: Desk, handle: Any, act: Callable[[Any, Client], None]) -> None:
-    """Call ``act(file, client)`` with what a person chose."""
+    """Call ``act(file, client)`` with what a person chose, in a thread: reading may take long."""
 
     async def came(event: Any) -> None:
-        safely(desk, event.client, partial(act, event.target.value, event.client))
+        act_on = partial(act, event.target.value, event.client)
+        await asyncio.to_thread(safely, desk, event.client, act_on)
 
     handle.on_upload(came)
 

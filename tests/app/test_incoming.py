@@ -108,6 +108,27 @@ def test_what_is_no_message_is_dropped(data: Any) -> None:
     assert fault(data, WIDGETS.get)
 
 
+DRAG = {"type": "TransformControlsUpdateMessage", "name": "/a", "position": [1, 2, 3], "owner": ""}
+
+
+@pytest.mark.parametrize(
+    ("change", "passes"),
+    [
+        ({}, True),
+        ({"wxyz": [0.6, 0.8, 0.0, 0.0]}, True),
+        ({"wxyz": [0.0, 0.0, 0.0, 0.0]}, False),
+        ({"wxyz": [1e200, 0.0, 0.0, 0.0]}, False),
+        ({"wxyz": [3.0, 0.0, 0.0, 0.0]}, False),
+        ({"wxyz": [1.0, 0.0, 0.0]}, False),
+        ({"position": [1e13, 0.0, 0.0]}, False),
+        ({"position": [1e9, 0.0, 0.0]}, True),
+    ],
+)
+def test_a_handle_in_the_scene_is_somewhere_and_turned_somehow(change: Any, passes: bool) -> None:
+    sent = DRAG | {"wxyz": [1.0, 0.0, 0.0, 0.0]} | change
+    assert (fault(msgspec.msgpack.encode(sent), WIDGETS.get) == "") is passes
+
+
 def test_a_camera_comes_through() -> None:
     assert fault(msgspec.msgpack.encode(CAMERA), WIDGETS.get) == ""
 

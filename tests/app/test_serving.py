@@ -247,6 +247,14 @@ def test_values_that_no_widget_can_have_are_dropped_in_few_lines(tmp_path: Path)
             wire.put("x (mm)", nan)
         wire.send(**(CAMERA | {"position": [nan, 0.0, 0.0]}))
         wire.send(type="TransformControlsUpdateMessage", name="/", wxyz=[nan] * 4, position=[0] * 3)
+        for far in (1e13, 1e200):
+            wire.send(
+                type="TransformControlsUpdateMessage",
+                name="/target",
+                wxyz=[far, 0.0, 0.0, 0.0],
+                position=[far, 0.0, 0.0],
+                owner="",
+            )
         wire.send_raw("text")
         wire.send_raw(b"\xc1")
         wire.listen(1.0)
@@ -258,6 +266,31 @@ def test_values_that_no_widget_can_have_are_dropped_in_few_lines(tmp_path: Path)
         lines = one.log.splitlines()
         assert 2 < len(lines) < 60
         assert all(re.match(r"dropped what|Bohemia is|\(viser\)", line) for line in lines)
+
+
+def test_a_long_file_that_is_read_holds_up_nobody(tmp_path: Path) -> None:
+    rows = "".join(f"{n % 7},{n % 11},{300 + n % 13},0,0\n" for n in range(500_000))
+    content = f"x,y,z,phi,theta\n{rows}end\n".encode()
+    with served(tmp_path) as one, browser(one) as wire:
+        uuid, _ = wire.widgets["Open a CSV file"]
+        about = {"source_component_uuid": uuid, "transfer_uuid": "long"}
+        wire.send(
+            type="FileTransferStartUpload",
+            filename="long.csv",
+            mime_type="text/csv",
+            part_count=1,
+            size_bytes=len(content),
+            **about,
+        )
+        wire.send(type="FileTransferPart", part_index=0, content=content, **about)
+        longest, end = 0.0, time.monotonic() + 60.0
+        while not any("long.csv, line" in text for text in wire.told):
+            began = time.monotonic()
+            assert began < end
+            assert _get(one.port, f"127.0.0.1:{one.port}")[0] == 200
+            longest = max(longest, time.monotonic() - began)
+            wire.listen(0.05)
+        assert longest < 1.5
 
 
 # --- signals and streams -------------------------------------------------------------------
