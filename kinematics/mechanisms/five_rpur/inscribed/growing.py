@@ -25,7 +25,7 @@ def concave_program(
 ) -> tuple[Array, Array]:
     """Maximise slope·x + x·curvature·x / 2 where ``rows @ x + offset`` >= 0 and all |x| <= 1.
 
-    Primal-dual interior point method from x = 0, which need not be feasible.
+    By SciPy's SLSQP from x = 0, which need not be feasible.
 
     Args:
         rows: (m, n).
@@ -36,37 +36,24 @@ def concave_program(
     Returns:
         x and the multipliers (m,) of the rows.
     """
-    n = rows.shape[1]
-    unit = np.eye(n)
-    rows = np.concatenate([rows, unit, -unit])
-    offset = np.concatenate([offset, np.ones(2 * n)])
-    x = np.zeros(n)
-    slack = np.maximum(offset, 0.1)
-    weight = 0.1 / slack
-    for _ in range(40):
-        dual = -slope - curvature @ x - weight @ rows
-        primal = rows @ x + offset - slack
-        mean = float(slack @ weight) / len(offset)
-        if mean < 1e-12 or (mean < 1e-10 and np.abs(dual).max() < 1e-9 > np.abs(primal).max()):
-            break
-        ratio = weight / slack
-        matrix = (rows.T * ratio) @ rows - curvature
-        matrix[np.diag_indices(n)] += 1e-14 * matrix.trace()
+    from scipy.optimize import minimize
 
-        # First towards the bounds, to see how far they let go; then to a share of the mean.
-        target = 0.0
-        for last in (False, True):
-            wanted = target / slack - weight - ratio * primal
-            dx = np.linalg.solve(matrix, wanted @ rows - dual)
-            ds = rows @ dx + primal
-            dw = (target - weight * ds) / slack - weight
-            short = float(np.concatenate([ds / slack, dw / weight]).min())
-            length = min(1.0, 0.995 / max(-short, 1e-300))
-            if not last:
-                ahead = float((slack + length * ds) @ (weight + length * dw)) / len(offset)
-                target = (ahead / mean) ** 3 * mean
-        x, slack, weight = x + length * dx, slack + length * ds, weight + length * dw
-    return x, weight[: len(offset) - 2 * n]
+    def lost(x: Array) -> tuple[float, Array]:
+        bent = curvature @ x
+        return -float((slope + 0.5 * bent) @ x), -(slope + bent)
+
+    n = rows.shape[1]
+    above = {"type": "ineq", "fun": lambda x: rows @ x + offset, "jac": lambda _: rows}
+    found = minimize(
+        lost,
+        np.zeros(n),
+        method="SLSQP",
+        jac=True,
+        bounds=[(-1.0, 1.0)] * n,
+        constraints=above,
+        options={"ftol": 1e-13},
+    )
+    return found.x, np.asarray(found.multipliers)
 
 
 def with_more(beta: Array, *more: Array) -> Array:
@@ -83,8 +70,8 @@ def next_reach(reach: float, share: float, region: Region) -> float:
 
 def held(rows: Array, weight: Array, curvature: Array) -> Array:
     """A curvature as it counts where active rows hold: its concave part along them."""
-    _, sizes, across = np.linalg.svd(rows[weight > 1e-6 * weight.max()])
-    free = across[int((sizes > 1e-9 * sizes[0]).sum()) :]
+    _, sizes, across = np.linalg.svd(rows[weight > 1e-6 * weight.max(initial=0.0)])
+    free = across[int((sizes > 1e-9 * sizes.max(initial=0.0)).sum()) :]
     turn, along = np.linalg.eigh(free @ curvature @ free.T)
     basis = along.T @ free
     return np.asarray((basis.T * np.minimum(turn, 0.0)) @ basis)
