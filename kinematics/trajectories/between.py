@@ -24,7 +24,7 @@ _SIDE = 1e-10  # of the duration: how far beside a break its sides are looked at
 _CLOSE = 0.01  # of the largest value: what a step may bulge between its ends
 _HALVED = 6  # times at most
 _MOST = 64  # maxima of one quantity that are closed in on
-_FALSE = 48  # rounds of false positions and halves at most
+_ENDLESS = 1e100  # stands for what has no end
 _PARTS = np.arange(1, 5) / 4.0  # of each half of a bracket about a maximum
 _ROUNDS = 16
 _NOTHING = 1e-11  # of the path's mean speed: a rate that is rounding
@@ -59,42 +59,26 @@ def crossings(
 ) -> Array:
     """Times (K,) at which sizes of quantities pass limits, in several brackets at once.
 
-    By regula falsi with halved ends (Illinois), and by halves where there is nothing outside.
+    Where there is nothing outside, at the end of what there is.
 
     Args:
         columns: (K,) of rates, accelerations and forces side by side.
         limits: (K,) of each.
         inside, outside: (K,) s, where it is beyond the limit and where it is not, or is none.
     """
-    good, bad = np.array(inside), np.array(outside)
-    side = _SIDE * along.law.duration
+    from scipy.optimize.elementwise import find_root  # slow to import
 
-    def excess(times: Array, rows: NDArray[np.intp]) -> Array:
-        values = _asked(along, times, load)[0]
-        return np.asarray(np.abs(values[np.arange(len(rows)), columns[rows]]) - limits[rows])
+    def excess(times: Array, column: NDArray[np.intp], limit: Array) -> Array:
+        size = np.abs(_asked(along, times, load)[0][np.arange(len(times)), column])
+        return np.where(np.isnan(size), -limit, np.minimum(size, _ENDLESS) - limit)
 
-    every = np.arange(len(good))
-    above, below = excess(good, every), excess(bad, every)
-    for n in range(_FALSE):
-        active = np.flatnonzero(np.abs(bad - good) > 4.0 * side)
-        if not len(active):
-            break
-        low, high = above[active], below[active]
-        with np.errstate(invalid="ignore", divide="ignore"):
-            share = low / (low - high)
-        halve = ~(np.isfinite(share) & (share > 0.0) & (share < 1.0)) | (n % 4 == 3)
-        share[halve] = 0.5
-        middle = good[active] + share * (bad[active] - good[active])
-        value = excess(middle, active)
-        beyond = value > 0.0
-        inner, outer = active[beyond], active[~beyond]
-        good[inner], above[inner] = middle[beyond], value[beyond]
-        bad[outer], below[outer] = middle[~beyond], value[~beyond]
-        below[inner] *= 0.5
-        above[outer] *= 0.5
-        done = active[np.abs(value) <= _STILL * limits[active]]
-        good[done] = bad[done] = middle[np.abs(value) <= _STILL * limits[active]]
-    return 0.5 * (good + bad)
+    found = find_root(
+        excess,
+        (np.minimum(inside, outside), np.maximum(inside, outside)),
+        args=(columns, limits),
+        tolerances={"xatol": 4.0 * _SIDE * along.law.duration, "fatol": _STILL * limits.min()},
+    )
+    return np.where(found.success, found.x, 0.5 * (inside + outside))
 
 
 def _asked(

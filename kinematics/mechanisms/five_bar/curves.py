@@ -40,7 +40,6 @@ class Loop:
     """One closed curve of parallel singularities.
 
     Attributes:
-        design: the machine.
         side: s, 1 extended or −1 folded.
         kind: "turning": γ = τ; "swinging": γ = middle + half sin τ; "circle": B_1 = B_2 stands
             still; "parallelogram": the coupler stays parallel to the base.

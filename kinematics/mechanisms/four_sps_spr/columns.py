@@ -33,7 +33,6 @@ class FollowingAngle:
     """The places on one branch of the angle that follows; columns over (|u|, θ) along v.
 
     Args:
-        design: the machine.
         angles: α, β, γ; what stands at ``index`` does not matter.
         index: of the angle that follows among the pose's coordinates: 3, 4 or 5.
         side: +1 or −1, the sign of u.

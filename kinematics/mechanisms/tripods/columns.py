@@ -31,7 +31,6 @@ class TripodColumns:
     """Columns over (θ, φ) along v; places are those of `chart`.
 
     Args:
-        design: the machine.
         mode: the operation mode.
         parted: whether the zeros of P part the workspace.
     """

@@ -43,9 +43,6 @@ def sphere(
     """The largest ball about a centre, or the largest found anywhere, inside the workspace.
 
     Args:
-        design: the machine.
-        phi: φ, rad.
-        theta: θ, rad.
         modes: working modes of which any will do; None for all 32.
         center: (3,) mm in the base frame; None for the best anywhere.
 

@@ -37,13 +37,6 @@ def aspects(
 ) -> BuiltSolid:
     """The singularity-free pieces of the workspace in x'y'z' (turn it by R_y(θ) for the base).
 
-    Args:
-        design: the machine.
-        phi: φ, rad.
-        theta: θ, rad.
-        mode: the working mode, as "+-+++".
-        resolution: "preview", "normal" or "fine".
-
     Returns:
         All pieces as one `BuiltSolid`; a piece's sign is that of the determinant of
         the wrenches of `statics`. Volumes add up to that of the workspace of the mode.

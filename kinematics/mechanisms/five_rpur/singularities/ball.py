@@ -45,10 +45,6 @@ def singularity_free_ball(
     """The largest ball about a centre, or the largest found anywhere, without singularities.
 
     Args:
-        design: the machine.
-        phi: φ, rad.
-        theta: θ, rad.
-        mode: the working mode, as "+-+++".
         center: (3,) mm in the base frame; None for the best anywhere.
         piece: (3,) likewise: only in the singularity-free piece that holds this point.
 

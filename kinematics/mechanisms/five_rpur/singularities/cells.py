@@ -58,7 +58,6 @@ class Cells:
         """The grid about the workspace of a mode.
 
         Args:
-            determinant: F.
             stroke: (5, 2) mm, of the limbs.
             box: (2, 3) the corners of a box about the workspace.
             count: cells along each side of the box, were it a cube.

@@ -49,7 +49,6 @@ class Loci(SingularitiesFacet[FiveRPURDesign]):
         Args:
             key: "orientation", at the pose's position; or "section", at the pose's orientation.
             pose: (x, y, z, φ, θ), mm and rad.
-            mode: a working mode as "+-+++".
             at: x' of the section, mm; None: that of the pose.
 
         Returns:

@@ -60,9 +60,7 @@ def nearest_singularity(design: FiveRPURDesign, pose: Sequence[float], mode: str
     nor bring it near to zero, may be missed.
 
     Args:
-        design: the machine.
         pose: (x, y, z, φ, θ), mm and rad.
-        mode: a working mode as "+-+++".
 
     Returns:
         None where a limb cannot close at the pose, or there is no singularity within four times
@@ -96,7 +94,6 @@ def zeros_near(
     """Zeros of the determinant, the nearest to a centre first.
 
     Args:
-        determinant: F.
         center: (3,) in x'y'z', where every limb closes.
         most: how far to look, mm; None: `_LAST` of the machine's size.
 

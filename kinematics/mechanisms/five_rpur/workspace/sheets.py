@@ -115,7 +115,6 @@ def distances(
     """How far points are from surfaces, to first order, and the surfaces' unit normals there.
 
     Args:
-        sheets: the surfaces.
         which: (N,) the surface of each point.
         rim: (N,) the point is kept in the plane |y| = l of its arc.
         points: (N, 3) mm.
@@ -184,7 +183,6 @@ def onto(
     """Points moved onto all of their surfaces by Gauss-Newton steps of least norm.
 
     Args:
-        sheets: the surfaces.
         masks: (N,) which of them each point belongs to, at least one.
         points: (N, 3) mm.
         deviation: a number or (N,), mm: what the steps are measured by.

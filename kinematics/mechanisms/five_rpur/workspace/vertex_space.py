@@ -56,7 +56,6 @@ class Surface:
         kind: "arc", x² + (z − σ h(y))² = radius²; "side", |x| = radius; "end", |y| = link.
         radius: mm.
         sign: σ.
-        link: l, mm.
     """
 
     kind: Literal["arc", "side", "end"]
@@ -76,11 +75,8 @@ def limb_solid(
     """One limb's vertex space or a part of it, about A_i in the turned frame x'y'z'.
 
     Args:
-        link: l, mm.
         rho_min: mm, may be 0, and is taken as 0 below a hundred-thousandth of ``rho_max``.
-        rho_max: mm.
         part: one of `PARTS`; "plus" and "minus" are B⁺ and B⁻, "H3" is both upper and lower.
-        resolution: one of `RESOLUTIONS`.
 
     Raises:
         InputError: an unknown part or resolution, or lengths that make no limb.

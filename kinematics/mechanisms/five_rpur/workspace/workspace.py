@@ -67,11 +67,7 @@ def workspace(
     """The constant-orientation workspace in x'y'z' (turn it by R_y(θ) for the base frame).
 
     Args:
-        design: the machine.
-        phi: φ, rad.
-        theta: θ, rad.
         modes: working modes as "+-+++", of which any will do; None for all 32, ∩ B_i.
-        resolution: "preview", "normal" or "fine".
         surface: "facets", right on the average; or "true", every vertex on the exact surfaces
             that meet there and chords halved where they sag. A preview is of facets always.
 
@@ -168,10 +164,8 @@ def limb_part(
     It stands in the base frame by R_y(θ) · translation(w'_i).
 
     Args:
-        design: the machine.
         limb: 1 to 5.
         part: one of `vertex_space.PARTS`.
-        resolution: "preview", "normal" or "fine".
 
     Raises:
         InputError: there is no such limb, part or resolution.
