@@ -337,18 +337,53 @@ def wrong_command(seed: int) -> Iterator[str]:
     name = r.choice(names)
     command = bohemia.get_command(None, name)  # type: ignore[arg-type]
     arguments = [name]
-    if any(each.name == "machine" for each in command.params) and r.random() < 0.95:
-        arguments.append(r.choice([r.choice(kin.presets()).name, r.choice(VALUES)]))
+    preset = r.choice(kin.presets()).name
+    if any(each.name == "machine" for each in command.params) and r.random() < 0.97:
+        arguments.append(preset if r.random() < 0.9 else r.choice(VALUES))
     options = [o for o in command.params if o.param_type_name == "option" and o.name != "help"]
-    for each in r.sample(options, min(len(options), r.randint(0, 4))):
-        if "output" in (each.name or ""):
+    for each in options:
+        flag, usual = getattr(each, "is_flag", False), _usual(each.opts[-1], preset, r)
+        if "output" in (each.name or "") or r.random() < 0.6:
             continue
         arguments.append(each.opts[-1])
-        if not getattr(each, "is_flag", False):
-            arguments.append(r.choice(VALUES))
-    if r.random() < 0.3:
+        if not flag:
+            arguments.append(r.choice(VALUES) if usual is None or r.random() < 0.3 else usual)
+    if r.random() < 0.1:
         arguments.append(r.choice(VALUES))
     yield from _run(seed, arguments)
+
+
+def _usual(option: str, preset: str, r: random.Random) -> str | None:
+    """What a person may write, some of it far from where a machine can be."""
+    machine = _machine(preset)
+    axes = {"--pose": machine.coordinates, "--joints": machine.joints}.get(option)
+    if axes is not None:
+        home = machine.home.pose if option == "--pose" else machine.home.joints
+        spread = 10.0 ** r.uniform(-12.0, 2.0)
+        moved = [
+            v + r.gauss(0.0, spread) * (1.0 if a.unit == "mm" else 0.01)
+            for v, a in zip(home, axes, strict=True)
+        ]
+        return ",".join(repr(a.outer(v)) for v, a in zip(moved, axes, strict=True))
+    return {
+        "--mode": r.choice([machine.home.mode, "home"]),
+        "--modes": r.choice([machine.home.mode, "home", "all"]),
+        "--resolution": "preview",
+        "--load": "0,0,-10,0,5,0",
+        "--rates": ",".join(["1"] * len(machine.coordinates)),
+        "--joint-rates": ",".join(["1"] * len(machine.joints)),
+        "--limb": r.choice(["1", "2", "7"]),
+        "--samples": r.choice(["2", "3", "50"]),
+        "--phi": str(r.uniform(-200.0, 200.0)),
+        "--theta": str(r.choice([0.0, 90.0, r.uniform(-200.0, 200.0)])),
+        "--x": str(r.uniform(-500.0, 500.0)),
+        "--tolerance": r.choice(["1e-3", "1e-2", "0.1"]),
+    }.get(option)
+
+
+@cache
+def _machine(preset: str) -> kin.Machine[Any]:
+    return kin.open(preset)
 
 
 def _run(seed: int, arguments: list[str]) -> Iterator[str]:

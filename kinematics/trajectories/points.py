@@ -103,13 +103,16 @@ def read_points(
             )
         if time is not None:
             times.append(time.value(row, f"{where}: t", part))
-            if len(times) > 1 and times[-1] <= times[-2]:
-                raise InputError(f"{where}: t must increase from line to line, got {times[-1]:g}")
+            if len(times) > 1 and not times[-1] - times[-2] >= SHORTEST:
+                less = f"{times[-1]:g}" + (", too little later" if times[-1] > times[-2] else "")
+                raise InputError(f"{where}: t must increase from line to line, got {less}")
     if len(poses) < 2:
         raise InputError(f"{origin}: a path needs at least two points, found {len(poses)}")
     return Points(tuple(poses), None if time is None else tuple(times), left)
 
 
+SHORTEST = 1e-9
+"""s between two points of a path with times."""
 MOST = 1e9
 """No length (mm), angle (degrees) or time (s) of a path is larger."""
 TIMES = ("t", "time")
