@@ -156,7 +156,7 @@ class Command(click.Command):
         if ctx.obj is not None:
             design = ctx.obj.design
             data |= {"design": design.name, "mechanism": design.mechanism}
-            lines.insert(0, f"{design.name}: {design.title}")
+            lines.insert(0, f"{design.name}: {design.title or ctx.obj.title}")
         data |= answer.data
         if "output" in ctx.params:
             data["file"] = output.written
