@@ -217,4 +217,4 @@ def test_the_platform_is_in_the_piece_of_its_sign(name: str) -> None:
     there = machine_of(design).statics.wrenches(poses, tilted.mode).determinant * determinant
     # Corners stand on the singular surface too; a piece's centroid need not be inside it.
     assert np.nanmean(there > -0.1 * np.nanmax(there)) == 1.0
-    assert np.nanmean(there > 0.0) > 0.9
+    assert np.nanmean(there > -1e-3 * np.nanmax(there)) > 0.9
