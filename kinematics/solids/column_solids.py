@@ -20,9 +20,10 @@ from kinematics.solids import meshes
 from kinematics.solids.column_mesh import BOTH, SIDE, ColumnMesh, column_mesh
 from kinematics.solids.columns import ROOT, Columned, Ints, Measured, measure
 from kinematics.solids.csg import BuiltSolid, Solid, finish
+from kinematics.solids.joining import parts
 from kinematics.solids.meshes import TracedMesh
 from kinematics.solids.partition import LOCUS, assembled
-from kinematics.solids.refining import Fineness, refined
+from kinematics.solids.refining import Fineness, areas, refined
 from kinematics.zeros import Field
 
 Off = Callable[[Array, NDArray[np.int16]], Array]
@@ -82,6 +83,20 @@ def shaped(solid: Columned, quality: Quality) -> Shape:
         return Shape(_nothing(), measured, quality.promised)
     tiling, stood, settled = refined(solid, quality.fineness)
     return Shape(column_mesh(tiling, stood), measured, quality.promised, settled)
+
+
+def layout(solid: Columned, fineness: Fineness) -> tuple[list[tuple[int, float]], bool]:
+    """The sign of every piece and, roughly, its volume, mm³, without a mesh; and whether it is
+    clear what hangs together."""
+    tiling, stood, settled = refined(solid, fineness)
+    triangles, columns = stood.triangles, stood.walls.columns
+    found = parts(stood.walls, stood.joints, triangles.twin)
+    corners, count = triangles.corners, len(columns.at)
+    area = np.bincount(corners.ravel(), np.repeat(areas(tiling, triangles) / 3.0, 3), count)
+    vertex, k = np.nonzero(found.of >= 0)
+    thick = (columns.at[vertex, k + 1] - columns.at[vertex, k]) * area[vertex]
+    volume = np.bincount(found.of[vertex, k], thick, len(found.sign))
+    return list(zip(found.sign.tolist(), volume.tolist(), strict=True)), settled
 
 
 def _nothing() -> ColumnMesh:

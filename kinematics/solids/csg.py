@@ -456,7 +456,8 @@ def rounded(
 
 
 def _closed(traced: TracedMesh) -> bool:
-    return meshes.closed_by_position(traced.mesh.vertices, traced.mesh.faces)
+    v, f = traced.mesh.vertices, traced.mesh.faces
+    return not len(meshes.sharing(v)) or meshes.is_closed(meshes.welded(v, f))
 
 
 def flat_mesh(loops: Sequence[ArrayLike]) -> tuple[NDArray[np.float64], NDArray[np.int32]]:

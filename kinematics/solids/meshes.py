@@ -200,10 +200,13 @@ def is_closed(f: NDArray[Any]) -> bool:
 
 def closed_by_position(v: Array, f: NDArray[Any]) -> bool:
     """Whether a mesh that is closed stays so when equal places are one vertex."""
-    if not len(sharing(v)):
-        return True
+    return not len(sharing(v)) or is_closed(welded(v, f))
+
+
+def welded(v: Array, f: NDArray[Any]) -> NDArray[Any]:
+    """Faces (F, 3) with one number for all vertices at a place."""
     _, place = np.unique(v, axis=0, return_inverse=True)
-    return is_closed(place.reshape(-1)[f])
+    return np.asarray(place.reshape(-1)[f])
 
 
 # --- display -----------------------------------------------------------------------------------

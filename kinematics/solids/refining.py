@@ -200,7 +200,7 @@ def _thick(columns: Layers) -> Array:
     return np.stack([np.where(sign == s, thick, 0.0).sum(axis=1) for s in (1, -1)], axis=-1)
 
 
-def _areas(tiling: Tiling, triangles: Triangles, weighted: bool = True) -> Array:
+def areas(tiling: Tiling, triangles: Triangles, weighted: bool = True) -> Array:
     """(T,) of base triangles, times the weight in their middle."""
     p = tiling.points(triangles.places)
     a, b = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
@@ -211,7 +211,7 @@ def _areas(tiling: Tiling, triangles: Triangles, weighted: bool = True) -> Array
 def _volume(tiling: Tiling, triangles: Triangles, columns: Layers) -> float:
     """Roughly, mm³."""
     thick = _thick(columns).sum(axis=1)
-    return float(_areas(tiling, triangles) @ thick[triangles.corners].mean(axis=1))
+    return float(areas(tiling, triangles) @ thick[triangles.corners].mean(axis=1))
 
 
 def _missed(
@@ -244,7 +244,7 @@ def _missed(
     ends_ = np.flatnonzero(~alike)
     thick = _thick(all_)[numbers[ends_]]
     part = replace(own, places=own.places[ends_])
-    found[ends_] = _OF_ENDS * np.ptp(thick, axis=1).sum(axis=1) * _areas(tiling, part)
+    found[ends_] = _OF_ENDS * np.ptp(thick, axis=1).sum(axis=1) * areas(tiling, part)
     found += _beyond_chords(tiling, own, columns)
     return np.bincount(own.cell, found, len(tiling.low)).astype(float)
 

@@ -4,16 +4,24 @@ The workspace of the mode is parted where the wrenches are dependent (`determina
 piece the determinant keeps its sign, so that the platform may move all over it, at this
 orientation, without losing control. The pieces are slices of the aspects, which live in five
 dimensions: two of them may be joined through other orientations. Frame x'y'z'; lengths mm.
+
+The meshes of Booleans show a piece if it is thicker than a cell, and a neck between two pieces if
+it is wider. So, but for a preview, what hangs together is looked up in exact columns (`columns`);
+where that is something else, the solid is made of these.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 
 from kinematics.errors import ComputationError
 from kinematics.facets.solids import Resolution
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
+from kinematics.mechanisms.five_rpur.offsets import merged_limbs
 from kinematics.mechanisms.five_rpur.singularities.cells import CELLS, Cells, Field
+from kinematics.mechanisms.five_rpur.singularities.columns import ModeColumns
 from kinematics.mechanisms.five_rpur.singularities.determinant import Determinant
 from kinematics.mechanisms.five_rpur.workspace.workspace import (
     coarseness,
@@ -21,11 +29,27 @@ from kinematics.mechanisms.five_rpur.workspace.workspace import (
     thinnest,
     volume_error,
 )
-from kinematics.solids.csg import BuiltSolid, Solid, TracedMesh
+from kinematics.solids.column_solids import Quality, layout, parted, shaped
+from kinematics.solids.csg import BuiltSolid, LeakError, Solid, TracedMesh
 from kinematics.solids.isosurfaces import positive_part
 from kinematics.solids.partition import partition
+from kinematics.solids.refining import Fineness
 
 _NEAR = 1e-7  # part of the machine's size
+_LOOK = Fineness((16, 16), 5e-3, 2000)
+_QUALITY: dict[Resolution, Quality] = {
+    "normal": Quality(Fineness((12, 12), 1e-3, 4000), exact=2e-4, promised=1e-3),
+    "fine": Quality(Fineness((16, 16), 2e-4, 16000), exact=5e-5, promised=2e-4),
+}
+_SAME, _SMALL = 0.1, 0.01
+"""Parts of a piece's volume and of the whole by which a rough volume may be off."""
+_TINY = 1e-5  # of the whole: smaller pieces need not be shown
+_MANY = 50  # pieces: more are due to limbs that are nearly equal
+_MERGED = 1e-6  # see `offsets.merged_limbs`
+_UNCERTAIN = (
+    "How many pieces there are is not certain: some are thinner, or nearer to each other, than the "
+    "cells that this resolution has can tell."
+)
 
 
 def aspects(
@@ -39,13 +63,14 @@ def aspects(
 
     Returns:
         All pieces as one `BuiltSolid`; a piece's sign is that of the determinant of
-        the wrenches of `statics`. Volumes add up to that of the workspace of the mode.
+        the wrenches of `statics`. Volumes add up to that of the workspace of the mode, within its
+        error. ``note`` says if how many pieces there are is not certain.
 
     Raises:
         InputError: an angle that is not finite, or a mode that is not five signs.
         ComputationError: every pose is singular, or manifold3d gave up.
     """
-    return from_solid(
+    built = from_solid(
         design,
         phi,
         theta,
@@ -53,6 +78,37 @@ def aspects(
         resolution,
         lambda whole, moved: _parted(design, phi, theta, mode, resolution, whole, moved),
     )
+    determinant = Determinant.at(design, phi, theta, mode)
+    if resolution == "preview" or not determinant.closes:
+        return built
+    stands = merged_limbs(design, phi, theta, _MERGED)
+    columns = ModeColumns(determinant, stands)
+    pieces, settled = layout(columns, _LOOK)
+    if settled and _alike(built, pieces):
+        return built
+    if settled and len(pieces) <= _MANY:
+        try:
+            found = parted(shaped(columns, _QUALITY[resolution]), Field(determinant), columns.off)
+            if _alike(built, [(piece.sign, piece.volume) for piece in found.pieces]):
+                return built  # the look had been too rough
+            return replace(found, volume_error=found.volume_error + stands.moved * found.area)
+        except LeakError:
+            pass
+    return replace(built, note=_UNCERTAIN)
+
+
+def _alike(built: BuiltSolid, wanted: list[tuple[int, float]]) -> bool:
+    """Whether a solid has the pieces that it should have, by their signs and volumes."""
+    total = sum(volume for _, volume in wanted)
+    there = [(p.sign, p.volume) for p in built.pieces]
+    found, wanted = ([p for p in each if p[1] > _TINY * total] for each in (there, wanted))
+    for sign in (1, -1):
+        own, true = (sorted(volume for s, volume in e if s == sign) for e in (found, wanted))
+        if len(own) != len(true):
+            return False
+        if not np.allclose(own, true, rtol=_SAME, atol=_SMALL * total):
+            return False
+    return True
 
 
 def _parted(

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.ndimage import label
 
 from kinematics.errors import ComputationError, InputError
 from kinematics.facets.solids import build_solid
@@ -91,6 +92,41 @@ def test_the_parts_of_table_1_are_found_again_by_inverse_kinematics(
         error = piece.volume_error + finer.volume_error
         assert piece.volume == pytest.approx(finer.volume, abs=error)
         assert error < 0.02 * piece.volume
+
+
+@pytest.mark.parametrize("resolution", ["normal", "fine"])
+def test_pieces_that_all_but_touch_along_an_edge_are_two(resolution: str) -> None:
+    """Of ρ₁ = ρ₂ = 250, where the determinant has the other sign over 3 mm."""
+    phi, theta, mode = np.radians(20.0), np.radians(-35.0), "+-+-+"
+    design = preset("rpur-table2")
+    built = aspects(design, phi, theta, mode, resolution)
+    positive = [p for p in built.pieces if p.sign == 1]
+    wanted = [1_696_163.0, 337_690.0, 53_586.0, 3_713.0]
+    assert len(positive) == len(wanted)
+    for piece, right in zip(positive, wanted, strict=True):
+        assert piece.volume == pytest.approx(right, abs=piece.volume_error, rel=0.0)
+        assert piece.volume == pytest.approx(right, rel=0.03)
+    whole = workspace(design, phi, theta, (mode,), resolution)
+    assert built.volume == pytest.approx(whole.volume, abs=built.volume_error + whole.volume_error)
+    assert built.watertight
+
+
+def test_a_neck_of_a_millimetre_is_none() -> None:
+    """Two pieces come to 1.7 mm from each other: no way through on a raster of 0.03 mm."""
+    design, phi, theta, mode = preset("rpur-table2"), np.radians(11.3), np.radians(28.2), "++++-"
+    built = aspects(design, phi, theta, mode)
+    middle = np.array([215.816, 147.672, -161.427])
+    step = np.linspace(-1.0, 1.0, 64)
+    nodes = middle + np.stack(np.meshgrid(step, step, step, indexing="ij"), axis=-1)
+    points = nodes.reshape(-1, 3)
+    positive = Determinant.at(design, phi, theta, mode).value(points) > 0.0
+    inside = held(design, phi, theta, mode, points) & positive
+    parts, count = label(inside.reshape(nodes.shape[:3]), np.ones((3, 3, 3)))
+    places = [nodes[parts == n].mean(axis=0) for n in range(1, count + 1)]
+    assert len(places) == 2
+    owners = {built.piece_at(place) for place in places}
+    assert len(owners) == 2
+    assert len({p.sign for p in built.pieces}) == 2
 
 
 def test_vertices_of_the_locus_are_zeros() -> None:
