@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from math import ceil, floor, inf
 from typing import NamedTuple
 
 import numpy as np
 
 from kinematics.answers.bounds import Bound, decimals
-from kinematics.answers.clearances import Clearance, DesignChanges, Remedy
+from kinematics.answers.clearances import Clearance, DesignChange, DesignChanges, Remedy
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
+from kinematics.errors import BohemiaError
 from kinematics.facets.facet import Facet
 from kinematics.facets.forward import placed_apart
 from kinematics.facets.inverse import InverseFacet
-from kinematics.mechanism import D
+from kinematics.facets.inverse import posture as posture_at
+from kinematics.mechanism import D, DesignField
 from kinematics.screws.spatial import wrap_angle
 
+Path = tuple[str | int, ...]
+Way = tuple[DesignChange, ...]
 _SHORT = 1e9  # mm; what cannot be held is worse than anything that can
 
 
@@ -47,7 +52,9 @@ class ClearancesFacet(Facet[D]):
         if singular:
             found += self.to_singularities(posture)
         # Of what is equally far, but for rounding, the order is that in which it was found.
-        return tuple(sorted(found, key=lambda clearance: float(f"{clearance.distance:.9g}")))
+        found.sort(key=lambda clearance: float(f"{clearance.distance:.9g}"))
+        distances = np.maximum.accumulate([clearance.distance for clearance in found]).tolist()
+        return tuple(replace(one, distance=d) for one, d in zip(found, distances, strict=True))
 
     def nearest_pose(self, posture: Posture) -> Remedy:
         """The ways out of a pose that cannot be held: another pose, other modes, another design."""
@@ -145,8 +152,48 @@ class ClearancesFacet(Facet[D]):
         return Nearest(found, away, inf), f"the nearest pose that a search found is {mm(away)} away"
 
     def changes(self, posture: Posture) -> DesignChanges:
-        """For each way, the smallest changes of the design that together would allow the pose."""
-        return ()
+        """For each way, the smallest changes of the design that together would allow the pose.
+
+        Of itself one way: strokes, of each limb or of all, that the joints' lengths are within.
+        """
+        fields = {field.path: field for field in self.mechanism.design_fields()}
+        wanted: dict[Path, float] = {}
+        for reason in posture.reasons:
+            low, i = reason.bound.end == "min", reason.limb - 1
+            paths: tuple[Path, ...] = (("limb", i, "stroke", 1 - low), ("stroke", 1 - low))
+            path = next((path for path in paths if path in fields), None)
+            if path is None or reason.bound.end not in ("min", "max"):
+                return ()
+            both = wanted.get(path, posture.joints[i]), posture.joints[i]
+            wanted[path] = min(both) if low else max(both)
+        way = tuple(change(fields[path], after) for path, after in wanted.items())
+        return self.allowing(posture, [way])
+
+    def allowing(self, posture: Posture, ways: Iterable[Way]) -> DesignChanges:
+        """Those ways, each told once, that do allow a pose; the smallest sum of changes first."""
+
+        def amount(way: Way) -> float:
+            return sum(abs(change.after - change.before) for change in way)
+
+        good = [way for way in dict.fromkeys(ways) if way and self._allows(posture, way)]
+        return tuple(sorted(good, key=lambda way: (amount(way), [c.label for c in way])))
+
+    def _allows(self, posture: Posture, way: Way) -> bool:
+        design = self.design
+        try:
+            for each in way:
+                design = self.mechanism.schema.changed(design, each.path, each.after)
+        except BohemiaError:
+            return False
+        return posture_at(design, posture.pose, posture.mode).reachable
+
+
+def change(field: DesignField, after: float, name: str = "") -> DesignChange:
+    """A change of one length of the design; ``name``: what it is called instead of its label."""
+    of = f" of {field.group.lower()}" if field.path[0] == "limb" else ""
+    label = f"{name or field.label}{of}"
+    text = f"{label} from {field.value:g} to {outwards(field.value, after)} mm"
+    return DesignChange(field.path, label, field.value, after, text)
 
 
 def to_range_end(bound: Bound, amount: float, point: Array, error: float) -> Clearance:

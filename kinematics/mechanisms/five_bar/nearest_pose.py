@@ -10,7 +10,6 @@ import numpy as np
 from kinematics.answers.clearances import DesignChange, DesignChanges
 from kinematics.answers.solutions import Posture, Reason
 from kinematics.arrays import Array
-from kinematics.errors import DesignError
 from kinematics.facets.clearances import ClearancesFacet, Nearest
 from kinematics.facets.inverse import posture as posture_at
 from kinematics.mechanisms.five_bar import workspace
@@ -53,23 +52,14 @@ class NearestPose(ClearancesFacet[FiveBarDesign]):
 
     def changes(self, posture: Posture) -> DesignChanges:
         """For each limb every single number that would do; together they must allow the pose."""
-        design, at = self.design, posture
-        options = [list(_options(design, at, reason)) for reason in at.reasons]
-        found: list[tuple[float, tuple[DesignChange, ...]]] = []
-        for together in product(*options):
-            changed: FiveBarDesign = design
-            try:
-                for path, value in together:
-                    changed = SCHEMA.changed(changed, path, value)
-            except DesignError:
-                continue
-            if not posture_at(changed, at.pose, at.mode).reachable:
-                continue
-            changes = tuple(_described(design, path, value) for path, value in together)
-            size = sum(abs(c.after - c.before) for c in changes)
-            found.append((size, changes))
-        found.sort(key=lambda each: each[0])
-        return tuple(changes for _, changes in found)
+        options = [list(_options(self.design, posture, reason)) for reason in posture.reasons]
+        return self.allowing(
+            posture,
+            (
+                tuple(_described(self.design, path, value) for path, value in together)
+                for together in product(*options)
+            ),
+        )
 
 
 def nearest_on(edges: list[Edge], p: Array) -> tuple[Edge, Array] | None:

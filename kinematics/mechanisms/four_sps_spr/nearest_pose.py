@@ -6,10 +6,8 @@ from math import inf
 
 import numpy as np
 
-from kinematics.answers.bounds import named
-from kinematics.answers.clearances import DesignChange, DesignChanges
 from kinematics.answers.solutions import Posture
-from kinematics.facets.clearances import ClearancesFacet, Nearest, mm, outwards
+from kinematics.facets.clearances import ClearancesFacet, Nearest, mm
 from kinematics.facets.inverse import posture
 from kinematics.mechanisms.four_sps_spr.constraint import complete_pose
 from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
@@ -36,19 +34,6 @@ class NearestPose(ClearancesFacet[FourSPSSPRDesign]):
         away = mm(found.distance)
         text = f"{none_here}; one that can, turned towards home, is {away} away"
         return found._replace(error=inf), text
-
-    def changes(self, posture: Posture) -> DesignChanges:
-        """Longer strokes for all limbs at fault together; none where the constraint is violated."""
-        if not posture.closes:
-            return ()
-        ends: list[DesignChange] = []
-        for reason in posture.reasons:
-            limb, end = reason.limb - 1, int(reason.bound == "rho_max")
-            before, after = self.design.limbs[limb].stroke[end], posture.joints[limb]
-            label = f"{named(reason.bound)} of limb {limb + 1}"
-            text = f"{label} from {before:g} to {outwards(before, after)} mm"
-            ends.append(DesignChange(("limb", limb, "stroke", end), label, before, after, text))
-        return (tuple(ends),) if ends else ()
 
 
 def _at(design: FourSPSSPRDesign, wanted: Posture, angles: tuple[float, ...]) -> Nearest | None:

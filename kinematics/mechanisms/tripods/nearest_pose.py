@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinematics.answers.clearances import DesignChange, DesignChanges
 from kinematics.answers.solutions import Posture
 from kinematics.facets.clearances import ClearancesFacet, Nearest
 from kinematics.facets.inverse import posture as posture_at
 from kinematics.mechanisms.tripods import posing
-from kinematics.mechanisms.tripods.design import LIMBS, SCHEMA, TripodDesign, mode_sign
+from kinematics.mechanisms.tripods.design import LIMBS, TripodDesign, mode_sign
 from kinematics.mechanisms.tripods.limbs import offsets
 from kinematics.mechanisms.tripods.posing import Reduced
 from kinematics.mechanisms.tripods.study import translation
@@ -43,27 +42,6 @@ class NearestPose(ClearancesFacet[TripodDesign]):
             f"The nearest orientation found at this altitude is a tilt of {tilt:.2f}° about the "
             f"azimuth {azimuth:.2f}°."
         )
-
-    def changes(self, posture: Posture) -> DesignChanges:
-        """The stroke that reaches the pose: all limbs share it."""
-        design = self.design
-        if not posture.closes:
-            return ()
-        low, high = design.stroke
-        least, most = min(posture.joints), max(posture.joints)
-        change = []
-        wider = design
-        for index, (end, wanted, name) in enumerate(((low, least, "ρ min"), (high, most, "ρ max"))):
-            beyond = wanted < end if index == 0 else wanted > end
-            if not beyond:
-                continue
-            wider = SCHEMA.changed(wider, ("stroke", index), wanted)
-            change.append(
-                DesignChange(
-                    ("stroke", index), name, end, wanted, f"{name} from {end:g} to {wanted:.2f} mm"
-                )
-            )
-        return (tuple(change),) if change else ()
 
 
 def _nearest_altitude(design: TripodDesign, posture: Posture) -> Nearest | None:

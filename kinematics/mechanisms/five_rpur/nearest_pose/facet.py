@@ -9,7 +9,7 @@ from kinematics.answers.solutions import Posture
 from kinematics.facets.clearances import ClearancesFacet, Nearest, mm
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.nearest_pose.projection import nearest
-from kinematics.mechanisms.five_rpur.nearest_pose.redesign import changes
+from kinematics.mechanisms.five_rpur.nearest_pose.redesign import ways
 
 _MODES_NAMED = 3
 
@@ -31,7 +31,7 @@ class NearestPose(ClearancesFacet[FiveRPURDesign]):
         return found, text
 
     def changes(self, posture: Posture) -> DesignChanges:
-        return changes(self.design, posture)
+        return self.allowing(posture, ways(self.design, posture))
 
     def _nearest(self, wanted: Posture) -> tuple[Nearest | None, str]:
         design, pose = self.design, wanted.pose

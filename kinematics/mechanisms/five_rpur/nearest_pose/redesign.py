@@ -21,7 +21,7 @@ from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
 from kinematics.designs.schema import SHORTEST
 from kinematics.errors import BohemiaError
-from kinematics.facets.clearances import outwards
+from kinematics.facets.clearances import Path, Way, change
 from kinematics.facets.inverse import posture
 from kinematics.mechanisms.five_rpur.design import (
     SCHEMA,
@@ -36,45 +36,27 @@ from kinematics.screws.spatial import rotation_x, rotation_y
 _NUDGES = (0.0, *(s * 10.0**n for n in range(-13, -7) for s in (1.0, -1.0)))
 """Parts of the machine's size by which rounding may have carried a value out of its interval."""
 
-Way = tuple[DesignChange, ...]
 
-
-def changes(design: FiveRPURDesign, wanted: Posture) -> tuple[Way, ...]:
-    """For each way, one change for each limb at fault that together allow the wanted posture.
+def ways(design: FiveRPURDesign, wanted: Posture) -> Iterator[Way]:
+    """For each way, one change for each limb at fault that together may allow the wanted posture.
 
     The ways: of every limb the same number (the end of its stroke, its link, one coordinate of its
-    base or of its platform point), and of every limb the number that needs to change least. Each
-    way is tried on the design before it is told.
+    base or of its platform point), and of every limb the number that needs to change least.
 
     A limb to which no single number would give the pose has its link made long enough to close
     and the end of its stroke moved to where it then is.
-
-    Returns:
-        The way with the smallest sum of changes first.
     """
     at_fault = list(dict.fromkeys(reason.limb for reason in wanted.reasons))
     offered = [_of_limb(design, wanted, limb - 1) for limb in at_fault]
-    if not offered:
-        return ()
-    alike = [what for what in offered[0] if all(what in limb for limb in offered)]
-    chosen = [[limb[what] for limb in offered] for what in alike]
-    chosen.append([min(limb.values(), key=_amount) for limb in offered])
-    ways: set[Way] = {tuple(chain.from_iterable(each)) for each in chosen}
-    good = (way for way in ways if _allows(design, wanted, way))
-    return tuple(sorted(good, key=lambda way: (_amount(way), [c.label for c in way])))
+    for what in offered[0] if offered else ():
+        if all(what in limb for limb in offered):
+            yield tuple(chain.from_iterable(limb[what] for limb in offered))
+    least = (min(limb.values(), key=_amount) for limb in offered)
+    yield tuple(chain.from_iterable(least))
 
 
 def _amount(way: Way) -> float:
     return sum(abs(change.after - change.before) for change in way)
-
-
-def _allows(design: FiveRPURDesign, wanted: Posture, way: Way) -> bool:
-    try:
-        for change in way:
-            design = SCHEMA.changed(design, change.path, change.after)
-    except BohemiaError:
-        return False
-    return posture(design, wanted.pose, wanted.mode).reachable
 
 
 # --- one limb ------------------------------------------------------------------------------------
@@ -132,14 +114,13 @@ class _Closing:
                         yield float(np.hypot(self.y, h))
 
 
-_What = tuple[str | int, ...]
-_STROKE: _What = ("stroke",)
-_LINK: _What = ("link",)
+_STROKE: Path = ("stroke",)
+_LINK: Path = ("link",)
 
 
-def _of_limb(design: FiveRPURDesign, wanted: Posture, i: int) -> dict[_What, Way]:
+def _of_limb(design: FiveRPURDesign, wanted: Posture, i: int) -> dict[Path, Way]:
     """By what is changed: the smallest changes that do, or none where the pose is far away."""
-    single: dict[_What, Way] = {what: (change,) for what, change in _single(design, wanted, i)}
+    single: dict[Path, Way] = {what: (change,) for what, change in _single(design, wanted, i)}
     if not single:
         single[_STROKE] = single[_LINK] = _pair(design, wanted, i)
     return single
@@ -172,9 +153,7 @@ def _closing(design: FiveRPURDesign, wanted: Posture, i: int) -> _Closing:
     return _Closing(x, y, z, 1.0 if wanted.mode[i] == "+" else -1.0, design.limbs[i])
 
 
-def _single(
-    design: FiveRPURDesign, wanted: Posture, i: int
-) -> Iterator[tuple[_What, DesignChange]]:
+def _single(design: FiveRPURDesign, wanted: Posture, i: int) -> Iterator[tuple[Path, DesignChange]]:
     """What is changed, without the limb, and how; the number is the smallest that does."""
     limb = design.limbs[i]
     here = _closing(design, wanted, i)
@@ -224,11 +203,9 @@ def _least(shifts: Iterable[float], holds: Callable[[float], bool], size: float)
 # --- in words ------------------------------------------------------------------------------------
 
 
-def _change(design: FiveRPURDesign, path: tuple[str | int, ...], after: float) -> DesignChange:
+def _change(design: FiveRPURDesign, path: Path, after: float) -> DesignChange:
     field = next(f for f in SCHEMA.fields(design) if f.path == path)
-    label = f"{_NAMES.get(field.label, field.label)} of limb {int(path[1]) + 1}"
-    text = f"{label} from {field.value:g} to {outwards(field.value, after)} mm"
-    return DesignChange(path, label, field.value, after, text)
+    return change(field, after, _NAMES.get(field.label, ""))
 
 
 _NAMES = {
