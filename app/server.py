@@ -51,6 +51,7 @@ def run(
         InputError: it cannot listen there, or the session cannot be kept.
         ComputationError: the last change could not be saved.
     """
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # until the page takes over
     where = place(host, port, allowed)
     keeper = None if session is None else Keeper(session)
     try:

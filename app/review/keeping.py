@@ -22,8 +22,8 @@ from kinematics.storage import exists, sweep
 
 log = logging.getLogger(__name__)
 
-SETTLED = 0.6  # s without a change before it is saved
-LATEST = 2.0  # s after a change before it is saved, though others follow
+SETTLED = 0.4  # s without a change before it is saved
+LATEST = 1.0  # s after a change before it is saved, though others follow
 RETRY = 2.0  # s before a file that could not be written is tried again
 
 

@@ -20,7 +20,9 @@ BEGIN = "import os, runpy; os.write(1, b'!'); runpy.run_module('app', run_name='
 MAP = ("map", "rpur-table1", "--phi", "-40:40:40", "--theta", "-40:40:40", "--jobs", "2")
 
 
-def _interrupted(after: float, *words: str) -> tuple[int, str, int]:
+def _interrupted(
+    after: float, *words: str, how: signal.Signals = signal.SIGINT
+) -> tuple[int, str, int]:
     process = subprocess.Popen(
         [sys.executable, "-c", BEGIN, *words],
         cwd=ROOT,
@@ -33,7 +35,7 @@ def _interrupted(after: float, *words: str) -> tuple[int, str, int]:
     assert process.stdout.read(1) == b"!"
     time.sleep(after)
     if process.poll() is None:
-        os.killpg(process.pid, signal.SIGINT)
+        os.killpg(process.pid, how)
     try:
         _, said = process.communicate(timeout=60)
     except subprocess.TimeoutExpired:
@@ -72,11 +74,14 @@ def test_a_short_command_is_stopped_in_silence_or_done(after: float, words: str)
     assert "Traceback" not in said
 
 
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize("after", [0.05, 0.3, 1.0, 2.0])
-def test_a_server_that_starts_is_stopped_in_silence(after: float, tmp_path: Path) -> None:
+def test_a_server_that_starts_is_stopped_in_silence(
+    after: float, how: signal.Signals, tmp_path: Path
+) -> None:
     words = ("serve", "--no-browser", "--port", "0", "--session", str(tmp_path / "r.json"))
-    code, said, group = _interrupted(after, *words)
-    assert code in (0, 130, -signal.SIGINT)
+    code, said, group = _interrupted(after, *words, how=how)
+    assert code in (0, 130, -how)
     assert said == ""
     assert _group_is_gone(group)
     assert not [p for p in tmp_path.iterdir() if p.name != "r.json"]

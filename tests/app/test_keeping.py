@@ -66,7 +66,7 @@ def test_it_is_saved_while_changes_never_cease(review: Review, tmp_path: Path) -
             known = z_in(path)
             missing = [when for z, when in made.items() if known not in made or z > known]
             oldest = max(oldest, time.monotonic() - min(missing, default=time.monotonic()))
-        assert oldest < LATEST + 0.9  # and the disk
+        assert oldest < LATEST + 1.5  # and the disk
     assert z_in(path) == 59.0
 
 
@@ -74,7 +74,7 @@ def test_a_change_is_saved_once_it_has_settled(review: Review, tmp_path: Path) -
     path = tmp_path / "r.json"
     with keeps(path, review) as keeper:
         keeper.offer(at(review, 7.0))
-        until(lambda: z_in(path) == 7.0, LATEST)
+        until(lambda: z_in(path) == 7.0, LATEST + 2.0)
 
 
 def _full(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -124,7 +124,8 @@ def section(
         reach = facet.range(space.pose, modes)
     if kind:
         title = f"{machine.design.title or machine.design.name}, {where}, {spec.normal} = {at:g} mm"
-        output.write(files.section_bytes(found, spec, kind, title=title, unit=output.unit))
+        written = files.section_bytes(found, spec, kind, title=title, unit=output.unit)
+        output.write(written, output.unit_of(kind))
     moments = dict(zip(("yy", "zz", "yz"), found.second_moments.tolist(), strict=True))
     data = {
         **angles.entries(),
