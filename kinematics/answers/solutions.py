@@ -138,11 +138,14 @@ class Followed:
     warning: str = ""
 
 
+Severity = Literal["info", "warning"]
+
+
 @dataclass(frozen=True, slots=True)
 class Finding:
     """Something worth knowing about a design: an arrangement found, or a warning."""
 
-    severity: Literal["info", "warning"]
+    severity: Severity
     title: str
     text: str
     limbs: tuple[int, ...] = ()

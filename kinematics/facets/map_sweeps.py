@@ -240,7 +240,7 @@ def sweep(
         for start in range(0, len(level), chunk)
     )
     running: dict[Future[MapCells], tuple[Ints, int]] = {}
-    stop = cancelled or _never
+    stop = cancelled or (lambda: False)
     try:
         while (waiting or running) and not stop():
             while waiting and len(running) < in_flight:
@@ -263,10 +263,6 @@ def sweep(
             future.cancel()
     whole = (len(request.quantities), *request.shape)
     return Map(request, values.reshape(whole), errors.reshape(whole), done.reshape(request.shape))
-
-
-def _never() -> bool:
-    return False
 
 
 def _submit(executor: Executor, request: MapRequest, indices: Ints) -> Future[MapCells]:
@@ -298,13 +294,9 @@ def _cells(future: Future[MapCells], *, last: bool) -> MapCells | None:
 
 def _lost(error: BaseException) -> bool:
     """The worker failed, not the task: the processes died, or a connection did."""
+    # One of Dask's own, as KilledWorker, is told by its module: it need not be installed here.
     lost = isinstance(error, BrokenExecutor | CancelledError | OSError | EOFError)
-    return lost or _is_of_cluster(error)
-
-
-def _is_of_cluster(error: Any) -> bool:
-    """One of Dask's own, as KilledWorker; it need not be installed here."""
-    return type(error).__module__.partition(".")[0] == "distributed"
+    return lost or type(error).__module__.partition(".")[0] == "distributed"
 
 
 def _said(error: BaseException) -> str:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinematics.arrays import Array
+from kinematics.screws.spatial import cross_matrix
 from kinematics.screws.wrenches import normalised
 
 Vector = tuple[float, float, float]
@@ -316,14 +317,9 @@ def _moved(rows: Array, shift: Array) -> Array:
 def _meet(basis: Array, length: float, center: Array) -> Vector:
     """The point c of least size with c × F = T for all, mm."""
     force, moment = basis[:, :3], basis[:, 3:]
-    matrix = np.concatenate([-_cross_matrix(f) for f in force])
+    matrix = -cross_matrix(force).reshape(-1, 3)
     place = np.linalg.lstsq(matrix, moment.ravel(), rcond=1e-6)[0]
     return _vector(center + length * place)
-
-
-def _cross_matrix(f: Array) -> Array:
-    x, y, z = f
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
 def _couple_of(basis: Array) -> Array:

@@ -80,7 +80,10 @@ class Along:
             _, poses, rates, accelerations = moved(self.path, self.law, times)
         except InputError:  # somewhere a dependent coordinate has no value
             if len(times) == 1:
-                wrenches = 0 if load is None else self._wrenches()
+                home, statics = self.machine.home, self.machine.statics
+                wrenches = (
+                    0 if load is None else len(statics.wrenches([home.pose], home.mode).names)
+                )
                 return (
                     np.full((1, joints), nan),
                     np.full((1, joints), nan),
@@ -95,10 +98,6 @@ class Along:
         if load is not None:
             forces = self.machine.statics.forces(poses, self.mode, np.array(load)).forces
         return found.joint_rates, found.joint_accelerations, forces
-
-    def _wrenches(self) -> int:
-        home = self.machine.home
-        return len(self.machine.statics.wrenches([home.pose], home.mode).names)
 
 
 def moved(path: Path, law: TimeLaw, times: Array) -> tuple[Array, Array, Array, Array]:

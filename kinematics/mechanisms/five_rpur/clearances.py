@@ -61,7 +61,8 @@ class Clearances(NearestPose):
         found.sort(key=lambda c: c.distance)
         if posture.reachable:
             # A stroke that begins at zero ends at ρ = 0, but the workspace does not.
-            edge = next(c for c in found if c.bound != "rho_min" or design.stroke[_at(c), 0] > 0.0)
+            hollow = design.stroke[:, 0] > 0.0
+            edge = next(c for c in found if c.bound != "rho_min" or hollow[(c.limb or 1) - 1])
             found.insert(found.index(edge), _boundary(edge))
         return found
 
@@ -69,10 +70,6 @@ class Clearances(NearestPose):
         near = nearest_singularity(self.design, posture.pose, posture.mode)
         if near is not None:
             yield to_parallel(near.distance, near.point, near.error)
-
-
-def _at(clearance: Clearance) -> int:
-    return (clearance.limb or 1) - 1
 
 
 def _reach(i: int, across: float, link: float, position: Array, error: float) -> Clearance:

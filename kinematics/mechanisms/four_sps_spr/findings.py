@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from kinematics.answers.solutions import Finding
+from kinematics.answers.solutions import Finding, Severity
 from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.mechanisms.four_sps_spr.constraint import complete_pose
@@ -27,56 +27,50 @@ def findings(design: FourSPSSPRDesign) -> tuple[Finding, ...]:
     """Warnings about singular layouts and empty workspaces, and what kind of layout it is."""
     start = home(design)
     answer: list[Finding] = []
+
+    def tell(severity: Severity, title: str, text: str, limbs: tuple[int, ...] = ()) -> None:
+        answer.append(Finding(severity, title, text, limbs))
+
     ranks = _ranks(design, _sampled(design, level=False))
     level = _ranks(design, _sampled(design, level=True))
     here = _ranks(design, np.array([start.pose]))
     if ranks.size and ranks.max() < 6:
-        answer.append(
-            Finding(
-                "warning",
-                "Architecturally singular",
-                f"The wrench matrix has rank {ranks.max()} at every pose: the legs and the "
-                "constraint cannot hold the platform anywhere. Move base or platform points.",
-            )
+        tell(
+            "warning",
+            "Architecturally singular",
+            f"The wrench matrix has rank {ranks.max()} at every pose: the legs and the "
+            "constraint cannot hold the platform anywhere. Move base or platform points.",
         )
     elif level.size and level.max() < 6 and not any(start.pose[3:]):
-        answer.append(
-            Finding(
-                "warning",
-                "Singular at home",
-                f"The wrench matrix has rank {level.max()} whenever the platform is parallel to "
-                "the base, so the machine cannot be controlled there"
-                + _pentagons(design)
-                + "; tilt the platform, or use another layout.",
-            )
+        tell(
+            "warning",
+            "Singular at home",
+            f"The wrench matrix has rank {level.max()} whenever the platform is parallel to "
+            "the base, so the machine cannot be controlled there"
+            + _pentagons(design)
+            + "; tilt the platform, or use another layout.",
         )
     elif here.size and here.max() < 6:
-        answer.append(
-            Finding(
-                "warning",
-                "Singular at home",
-                f"The wrench matrix has rank {here.max()} at the home posture, where the machine "
-                "cannot be controlled; move base or platform points.",
-            )
+        tell(
+            "warning",
+            "Singular at home",
+            f"The wrench matrix has rank {here.max()} at the home posture, where the machine "
+            "cannot be controlled; move base or platform points.",
         )
     elif _ratio(design, np.array([start.pose]))[0] < ILL:
-        answer.append(
-            Finding(
-                "warning",
-                "Close to singular at home",
-                "The wrench matrix is nearly singular at the home posture: small loads there take "
-                "large leg forces; move base or platform points.",
-            )
+        tell(
+            "warning",
+            "Close to singular at home",
+            "The wrench matrix is nearly singular at the home posture: small loads there take "
+            "large leg forces; move base or platform points.",
         )
     if not start.reachable:
-        answer.append(
-            Finding(
-                "warning",
-                "Out of reach",
-                "No posture within all strokes was found: the workspace is empty or very small. "
-                + " ".join(reason.text for reason in start.reasons[:1]),
-                tuple(reason.limb for reason in start.reasons),
-            )
+        tell(
+            "warning",
+            "Out of reach",
+            "No posture within all strokes was found: the workspace is empty or very small. "
+            + " ".join(reason.text for reason in start.reasons[:1]),
+            tuple(reason.limb for reason in start.reasons),
         )
     planes = [
         name
@@ -84,13 +78,11 @@ def findings(design: FourSPSSPRDesign) -> tuple[Finding, ...]:
         if _planar(points)
     ]
     if len(planes) == 2:
-        answer.append(
-            Finding(
-                "info",
-                "Planar base and platform",
-                "Base and platform points each lie in a plane, so every assembly mode has a mirror "
-                "image in the plane of the base where the revolute axis lies in the platform's.",
-            )
+        tell(
+            "info",
+            "Planar base and platform",
+            "Base and platform points each lie in a plane, so every assembly mode has a mirror "
+            "image in the plane of the base where the revolute axis lies in the platform's.",
         )
     return tuple(answer)
 

@@ -180,10 +180,10 @@ def _common_points(first: Array, second: Array) -> tuple[Complex, NDArray[np.boo
 
     a0, a1, a2 = by_y(a)
     b0, b1, b2 = by_y(b)
-    outer = _minus(_times(a2, b0), _times(a0, b2))
-    upper = _minus(_times(a2, b1), _times(a1, b2))
-    lower = _minus(_times(a1, b0), _times(a0, b1))
-    quartic = _minus(_times(outer, outer), _times(upper, lower))[:, :5]
+    outer = _times(a2, b0) - _times(a0, b2)
+    upper = _times(a2, b1) - _times(a1, b2)
+    lower = _times(a1, b0) - _times(a0, b1)
+    quartic = (_times(outer, outer) - _times(upper, lower))[:, :5]
     size = np.abs(quartic).max(axis=-1)
     curve = size < _LOST
     quartic = np.where(curve[:, None], np.array([-1.0, 0, 0, 0, 1.0]), quartic)
@@ -207,10 +207,6 @@ def _times(a: Array, b: Array) -> Array:
     for n in range(a.shape[1]):
         found[:, n : n + b.shape[1]] += a[:, n : n + 1] * b
     return found
-
-
-def _minus(a: Array, b: Array) -> Array:
-    return a - b
 
 
 def _miss(h: float, k: float, square: Array, u: Complex) -> Array:

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from kinematics.answers.solutions import Finding, Posture
+from kinematics.answers.solutions import Finding, Posture, Severity
 from kinematics.arrays import Array
 from kinematics.facets.inverse import posture
 from kinematics.mechanisms.tripods import posing
@@ -87,15 +87,17 @@ def _widest(design: TripodDesign) -> Posture:
 def findings(design: TripodDesign) -> tuple[Finding, ...]:
     """What the radii mean for the machine."""
     found: list[Finding] = []
+
+    def tell(severity: Severity, title: str, text: str, limbs: tuple[int, ...] = ()) -> None:
+        found.append(Finding(severity, title, text, limbs))
+
     start = home(design)
     if not start.reachable:
-        found.append(
-            Finding(
-                "warning",
-                "Empty workspace",
-                "No pose was found within the strokes: "
-                f"{start.reasons[0].text}. Lengthen the stroke or bring the radii closer together.",
-            )
+        tell(
+            "warning",
+            "Empty workspace",
+            "No pose was found within the strokes: "
+            f"{start.reasons[0].text}. Lengthen the stroke or bring the radii closer together.",
         )
     elif start.pose[1] == 0.0:
         circles = []
@@ -105,22 +107,18 @@ def findings(design: TripodDesign) -> tuple[Finding, ...]:
             )
             text = f"{np.degrees(float(one.radius)):.2f}°" if np.isfinite(one.radius) else "none"
             circles.append(f"{text} in operation mode {mode}")
-        found.append(
-            Finding(
-                "info",
-                "Singularity-free circle",
-                f"From the level platform at Z = {start.pose[0]:g} mm the nearest actuation "
-                f"singularity is at a tilt of {' and '.join(circles)}.",
-            )
+        tell(
+            "info",
+            "Singularity-free circle",
+            f"From the level platform at Z = {start.pose[0]:g} mm the nearest actuation "
+            f"singularity is at a tilt of {' and '.join(circles)}.",
         )
     if design.spherical_radius == 2.0 * design.revolute_radius:
-        found.append(
-            Finding(
-                "warning",
-                "Self-motion with equal limbs",
-                "The triangle of the spherical joints is exactly twice as large as that of the "
-                "revolute ones: with three equal limbs there are poses in operation mode 2 where "
-                "the platform moves although all actuators are locked.",
-            )
+        tell(
+            "warning",
+            "Self-motion with equal limbs",
+            "The triangle of the spherical joints is exactly twice as large as that of the "
+            "revolute ones: with three equal limbs there are poses in operation mode 2 where "
+            "the platform moves although all actuators are locked.",
         )
     return tuple(found)

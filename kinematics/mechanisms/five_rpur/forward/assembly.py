@@ -119,7 +119,8 @@ class Solving(ForwardFacet[FiveRPURDesign]):
             f"{arrangements(design).name} solved in three stages (θ, free limbs, planar sextic)"
         )
         answer = []
-        for one, own in zip(rho, _parted(roots, owner, len(rho)), strict=True):
+        parted = np.split(roots, np.searchsorted(owner, np.arange(1, len(rho))), axis=1)
+        for one, own in zip(rho, parted, strict=True):
             count = own.shape[1]
             found = _All(own, np.ones(count, np.intp), count, expected, count == expected, method)
             if not found.complete:
@@ -167,11 +168,6 @@ def _by_homotopy(
         method,
         notes,
     )
-
-
-def _parted(values: Complex, owner: NDArray[np.intp], count: int) -> list[Complex]:
-    """Columns (K, N) by their owners, which rise from 0."""
-    return np.split(values, np.searchsorted(owner, np.arange(1, count)), axis=1)
 
 
 def _real(

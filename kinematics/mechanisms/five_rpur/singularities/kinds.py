@@ -171,7 +171,7 @@ def _named(design: FiveRPURDesign, posture: Posture) -> str:
     """What the paper calls the configuration, if it is one of its self-motions or next to one."""
     length = design.length
     within = NEAR * length
-    elbows = _elbows(design, posture)
+    elbows = joint_points(design, np.array(posture.pose), posture.mode)[1]
     merged = [g for g in arrangements(design).groups if _merged(g, posture.mode)]
     for k, one in enumerate(merged):
         first = elbows[one.limbs[0] - 1]
@@ -208,10 +208,6 @@ def _onto(apart: float, length: float) -> str:
 def _apart(one: Array, two: Array) -> float:
     """The distance of two lines along e1."""
     return float(np.hypot(one[0] - two[0], one[2] - two[2]))
-
-
-def _elbows(design: FiveRPURDesign, posture: Posture) -> Array:
-    return joint_points(design, np.array(posture.pose), posture.mode)[1]
 
 
 def _tuple(point: Array) -> tuple[float, float, float]:
