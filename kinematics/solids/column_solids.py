@@ -18,9 +18,10 @@ from scipy.spatial import cKDTree
 from kinematics.arrays import Array
 from kinematics.solids import meshes
 from kinematics.solids.column_mesh import BOTH, SIDE, ColumnMesh, column_mesh
-from kinematics.solids.columns import ROOT, Columned, Ints, Measured, measure
+from kinematics.solids.columns import ROOT, Columned, Ints
 from kinematics.solids.csg import BuiltSolid, Solid, finish
 from kinematics.solids.joining import parts
+from kinematics.solids.measuring import Measured, measure
 from kinematics.solids.meshes import TracedMesh
 from kinematics.solids.partition import LOCUS, assembled
 from kinematics.solids.refining import Fineness, areas, refined

@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinematics.arrays import Array
-from kinematics.solids.column_mesh import Stand, stand
-from kinematics.solids.columns import Columned, Ints, Layers, both, bounds, layers
+from kinematics.solids.columns import Columned, Ints, Layers, both, layers
+from kinematics.solids.curves import Stand, stand
 from kinematics.solids.joining import parts
+from kinematics.solids.measuring import bounds, changes
 from kinematics.solids.tiling import Tiling, Triangles
 
 _ROUNDS = 60
@@ -173,12 +174,7 @@ def _halve(
     tiling.keep(~empty)
     chosen, missed = chosen[~empty], missed[~empty].copy()
     rows = np.flatnonzero(chosen)
-    middle, half = tiling.middles()[rows], tiling.halves()[rows]
-    none = np.zeros(len(rows))
-    along = [
-        tiling.solid.spread(middle, np.stack(sides, axis=-1)).max(axis=1)
-        for sides in ((half[:, 0], none), (none, half[:, 1]))
-    ]
+    along = changes(tiling.solid, tiling.middles()[rows], tiling.halves()[rows])
     before = len(tiling.low)
     first = along[0] >= _ALIKE * along[1]
     able = tiling.split(rows[first], np.zeros(int(first.sum()), dtype=np.int64))

@@ -66,10 +66,6 @@ class Tiling:
     def halves(self) -> Array:
         return np.asarray(0.5 * self.size * self._step)
 
-    def areas(self) -> Array:
-        """(N,) in units of the base."""
-        return np.asarray((self.size * self._step).prod(axis=1))
-
     def split(self, chosen: NDArray[np.intp], side: Ints) -> NDArray[np.bool_]:
         """Halves cells across their sides 0 or 1; those that cannot be halved stay. Which were.
 

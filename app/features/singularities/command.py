@@ -323,8 +323,8 @@ def _surface_lines(data: dict[str, Any]) -> list[str]:
         "",
         f"together {data['volume_mm3']:,.0f} ± {data['volume_error_mm3']:,.0f} mm³",
         locus,
-        f"At {resolution} resolution: pieces thinner than a cell may be missed, and are told by a "
-        "finer one.",
+        f"At {resolution} resolution: pieces thinner than a cell, or smaller than the error, may "
+        "be missed, and are told by a finer one.",
         *([data["note"]] if data["note"] else []),
         "These are slices of the aspects at one orientation: pieces may be joined through others.",
         triangles,

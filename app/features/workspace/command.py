@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 WORKSPACE = "workspace"
 SOLIDS = ".stl, .3mf, .ply, .glb or .obj"
+_SMALLER = "Pieces smaller than the error of the volume may be missed."
 SIZES = ("area_mm2", "area_error_mm2", "perimeter_mm", "pieces")
 
 
@@ -149,6 +150,7 @@ def _solid(
         f"pieces     {tables.pieces_text(data['piece_volumes_mm3'])}",
         f"triangles  {built.triangles}{'' if built.watertight else ', not watertight'}",
         f"surface    {tables.surface_text(built)}",
+        *([_SMALLER] if built.volume_error > 0.0 else []),
         *([built.note] if built.note else []),
     ]
     return Answer(data, lines)

@@ -19,7 +19,7 @@ from kinematics.mechanisms.four_sps_spr.columns import FollowingAngle
 from kinematics.mechanisms.four_sps_spr.constraint import dependent_values
 from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
 from kinematics.screws.spatial import wrap_angle
-from kinematics.solids.columns import measure
+from kinematics.solids.measuring import measure
 from kinematics.solids.refining import Fineness
 
 if TYPE_CHECKING:  # manifold3d is loaded only where solids are built
