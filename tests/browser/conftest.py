@@ -28,6 +28,7 @@ PATIENCE = 60.0  # s; only a hang is caught by it
 
 # Small, because software draws every pixel here.
 SIZE = {"width": 900, "height": 640}
+SCALE = 1.0  # of a px on the screen
 
 ARGUMENTS = [
     "--no-sandbox",
@@ -143,8 +144,12 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
 class Tab:
     """A browser tab on the page, with what a person can do and see."""
 
-    def __init__(self, browser: Browser, address: str, shots: Path) -> None:
-        self.context = browser.new_context(viewport=SIZE, accept_downloads=True)
+    def __init__(
+        self, browser: Browser, address: str, shots: Path, node: str = "/solids/workspace"
+    ) -> None:
+        self.context = browser.new_context(
+            viewport=SIZE, device_scale_factor=SCALE, accept_downloads=True
+        )
         self.context.add_init_script(CALM)
         self.page = self.context.new_page()
         self.shots = shots
@@ -154,14 +159,14 @@ class Tab:
         self.page.on("request", self._request)
         self.page.goto(address)
         self.page.wait_for_function(
-            "() => window.__viserSceneTree && '/solids/workspace' in"
-            " window.__viserSceneTree.getState()",
+            "(node) => window.__viserSceneTree && node in window.__viserSceneTree.getState()",
+            arg=node,
             timeout=PATIENCE * 1000,
         )
         toast = self.page.locator("#webgl-software-rendering button")
         if toast.count():
             toast.first.click()
-        status = self.page.get_by_text("· mode ").locator("visible=true")
+        status = self.page.get_by_text("eachable · ").locator("visible=true")
         status.first.wait_for(timeout=PATIENCE * 1000)
 
     def _console(self, message: Any) -> None:

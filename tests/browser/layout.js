@@ -3,6 +3,7 @@
   const found = [], seen = [];
   const shown = (node) => {
     for (let at = node; at && at !== document.body; at = at.parentElement) {
+      if (at.className.includes && at.className.includes("Tooltip")) return false;
       const style = getComputedStyle(at);
       if (style.visibility === "hidden" || style.display === "none" || style.opacity === "0")
         return false;
@@ -26,12 +27,14 @@
     }
     return { ...box, cutter };
   };
-  const panel = document.querySelector("[role=tablist]").closest(".mantine-ScrollArea-viewport");
+  const panel = document.querySelector(".status").closest(".mantine-ScrollArea-viewport");
   const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
   while (texts.nextNode()) {
     const node = texts.currentNode, parent = node.parentElement;
     const text = node.textContent.trim();
-    if (!text || parent.closest("script,style,canvas,title,option") || !shown(parent)) continue;
+    if (!text || parent.closest("script,style,canvas,title,option,[role=tooltip]")) continue;
+    if (parent.closest("details:not([open])") && !parent.closest("summary")) continue;
+    if (!shown(parent)) continue;
     const box = clip(parent);
     const range = document.createRange();
     range.selectNodeContents(node);
