@@ -19,8 +19,7 @@ if TYPE_CHECKING:
 pytestmark = pytest.mark.browser
 
 PANEL = (  # what scrolls the status
-    "//*[contains(@class,'status')]"
-    "/ancestor::*[contains(@class,'mantine-ScrollArea-viewport')]"
+    "//*[contains(@class,'status')]/ancestor::*[contains(@class,'mantine-ScrollArea-viewport')]"
 )
 FAULTS = (Path(__file__).parent / "layout.js").read_text(encoding="utf-8")
 LAPTOP, ZOOMED = (1280, 800, 1.0), (1024, 640, 1.25)  # the same screen at 125 %
