@@ -18,9 +18,6 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.browser
 
-PANEL = (  # what scrolls the status
-    "//*[contains(@class,'status')]/ancestor::*[contains(@class,'mantine-ScrollArea-viewport')]"
-)
 FAULTS = (Path(__file__).parent / "layout.js").read_text(encoding="utf-8")
 LAPTOP, ZOOMED = (1280, 800, 1.0), (1024, 640, 1.25)  # the same screen at 125 %
 
@@ -44,19 +41,25 @@ def at_size(
         assert tab.faults == []
 
 
+def _scroll(tab: Tab, by: int) -> int:
+    """Scroll the panel; where it stands then."""
+    script = """(e, by) => { const panel = e.closest('.mantine-ScrollArea-viewport');
+        panel.scrollBy({top: by, behavior: 'instant'}); return panel.scrollTop; }"""
+    return int(tab.page.locator(".status").evaluate(script, by))
+
+
 def _faults(tab: Tab) -> list[str]:
     """What is wrong in the open tab, as it is scrolled from top to bottom."""
-    panel = tab.page.locator(PANEL).last
     found: list[str] = []
+    at = _scroll(tab, -9999)
     for _ in range(8):
         tab.page.mouse.move(5, 5)  # no tooltips
         tab.page.wait_for_timeout(350)
         found += tab.page.evaluate(FAULTS)
-        before = panel.evaluate("e => e.scrollTop")
-        panel.evaluate("e => e.scrollBy(0, 300)")
-        if panel.evaluate("e => e.scrollTop") == before:
+        before, at = at, _scroll(tab, 300)
+        if at == before:
             break
-    panel.evaluate("e => e.scrollTo(0, 0)")
+    _scroll(tab, -9999)
     return list(dict.fromkeys(found))
 
 
@@ -116,11 +119,9 @@ def test_the_status_has_one_height_and_stays_in_sight(tab: Tab) -> None:
     assert place() == home
     legend = tab.page.locator(".legend")
     assert legend.evaluate("e => e.scrollHeight - e.clientHeight") <= 1
-    panel = tab.page.locator(PANEL).last
-    panel.evaluate("e => e.scrollTo(0, 400)")
+    assert _scroll(tab, 400) > 100
     tab.page.wait_for_timeout(300)
     top, height, _ = place()
-    assert panel.evaluate("e => e.scrollTop") > 100
     assert top >= 0
     middle = tab.page.locator(".status").evaluate(
         """e => { const r = e.getBoundingClientRect();
