@@ -29,7 +29,7 @@ from app.review.changes import Change
 from app.review.history import History
 from app.review.keeping import Keeper
 from app.review.state import Options, Review
-from app.scene.camera import fit
+from app.scene.camera import Look, look
 from app.scene.machine import Scene
 from app.widgets.desk import Command, Desk, Group, Hands, Panel, Sheet, safely
 from app.widgets.header import Header
@@ -96,8 +96,11 @@ class Page:
     def redo(self, looks: bool = False) -> None:
         self._inbox.put(lambda: self._redo(looks))
 
+    def look(self, name: Look, client: viser.ClientHandle | None = None) -> None:
+        self._inbox.put(lambda: self._look(name, client))
+
     def fit_view(self) -> None:
-        self._inbox.put(self._fit)
+        self.look("fit")
 
     def cancel(self) -> None:
         busy = self._longest_work()
@@ -285,7 +288,7 @@ class Page:
             framed = review.design, self._view.beside is None
             if self._framed != framed:
                 self._framed = framed
-                self._fit()
+                self._look()
         self.server.flush()
 
     def sheet(self) -> Sheet:
@@ -331,10 +334,10 @@ class Page:
         at_work = [busy for busy in self._busy.values() if busy.title]  # "" has one of its own
         return min(at_work, key=lambda busy: busy.since, default=None)
 
-    def _fit(self) -> None:
-        """Show all that there is."""
+    def _look(self, name: Look | None = None, client: viser.ClientHandle | None = None) -> None:
+        """Show all that there is, from one side or as at first."""
         bounds = [b for part in self._parts if (b := part.bounds) is not None]
-        fit(self.server, self._view, bounds)
+        look(self.server, self._view, bounds, name, client)
 
 
 def _superseded(item: _Asked, later: Sequence[Any]) -> bool:

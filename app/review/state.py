@@ -112,13 +112,15 @@ class Options(Slice):
 
     filed_as: ClassVar[str] = "options"
     LOOKS: ClassVar[frozenset[str]] = frozenset(
-        ("machine", "labels", "frames", "axes", "grid", "handle", "dark")
+        ("machine", "labels", "frames", "axes", "grid", "scale", "parallel", "handle", "dark")
     )
     machine: bool = True
     labels: bool = False
     frames: bool = True
     axes: bool = False
     grid: bool = True
+    scale: bool = False
+    parallel: bool = False
     handle: bool = True
     dark: bool = False
 

@@ -1,60 +1,142 @@
-"""Where the scene is seen from."""
+"""Where the scene is seen from: named views, each with everything that is shown whole in it."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import viser
 
-from app.review.state import is_planar
+from app.review.state import Options, is_planar
 from app.review.view import View
-from app.scene.machine import machine_bounds
+from kinematics.answers.drawings import Drawing
 from kinematics.arrays import Array
 
-FIELD_OF_VIEW = math.radians(38.0)  # vertical; narrow, as engineers draw
+Look = Literal["isometric", "plan", "front", "side", "fit"]
+"""From where: "fit" stays where a person looks from."""
 
-UP = {False: (0.0, 0.0, 1.0), True: (0.0, 1.0, 0.0)}  # by whether it is in the x-y plane
+FIELD_OF_VIEW = math.radians(30.0)  # vertical; narrow, as engineers draw
+NARROW = math.radians(6.0)  # from afar: viser has no parallel camera, and this is nearly one
+FILLED = 0.84  # of the picture
+ISOMETRIC = np.array([0.55, -0.83, 0.36])
+# By whether the machine is in the x-y plane, where up is y. Not quite along what is up: such a
+# picture could be turned either way.
+_TOWARD = {
+    False: {
+        "isometric": ISOMETRIC,
+        "plan": np.array([0.0, -1e-3, 1.0]),
+        "front": np.array([0.0, -1.0, 0.0]),
+        "side": np.array([1.0, 0.0, 0.0]),
+    },
+    True: {
+        "isometric": np.array([0.35, -0.55, 0.75]),
+        "plan": np.array([0.0, 0.0, 1.0]),
+        "front": np.array([0.0, -1.0, 1e-3]),
+        "side": np.array([1.0, 0.0, 0.0]),
+    },
+}
+UP = {False: (0.0, 0.0, 1.0), True: (0.0, 1.0, 0.0)}
+ASPECT = 1.0  # of a picture that is not known yet
 
 Bounds = tuple[Array, Array]
 """The least and the largest corner of a box, (3,) mm each."""
 
 
-def fit(server: viser.ViserServer, view: View, more: Sequence[Bounds]) -> None:
-    """Show the machine whole, and ``more`` boxes, in every browser and in those to come."""
-    boxes = [machine_bounds(view.drawing), *more]
-    low = np.min([low for low, _ in boxes], axis=0)
-    high = np.max([high for _, high in boxes], axis=0)
-    planar, size = is_planar(view.review.machine), view.drawing.size
+def look(
+    server: viser.ViserServer,
+    view: View,
+    more: Sequence[Bounds],
+    name: Look | None = None,
+    client: viser.ClientHandle | None = None,
+) -> None:
+    """Show the machine whole, and ``more`` boxes.
 
-    up = UP[planar]
-
-    def aim(camera: Any, aspect: float) -> None:
-        camera.near, camera.far = size / 100.0, size * 80.0
-        camera.fov = FIELD_OF_VIEW
-        seen = frame((low, high), from_above=planar, aspect=aspect)
-        camera.position, camera.look_at = seen
-
-    server.initial_camera.up = up
-    aim(server.initial_camera, 1.0)
-    for client in server.get_clients().values():
-        with client.atomic():
-            client.camera.up_direction = up
-            aim(client.camera, client.camera.aspect)
-
-
-def frame(bounds: Bounds, *, from_above: bool = False, aspect: float = 1.0) -> tuple[Array, Array]:
-    """Camera position and target that show a box whole, from the front right above.
-
-    A machine in the x-y plane is seen ``from_above``, as it is drawn. ``aspect``: width by height
-    of what it is seen in; a high one needs more distance.
+    Args:
+        name: from where; None is as the machine is shown at first.
+        client: in this browser; None in every one and in those to come.
     """
-    low, high = bounds
-    centre = 0.5 * (low + high)
-    radius = 0.5 * float(np.linalg.norm(high - low))
-    toward = np.array([0.0, 0.0, 1.0] if from_above else [0.62, -0.95, 0.42])
-    half = math.atan(math.tan(0.5 * FIELD_OF_VIEW) * min(max(aspect, 0.2), 1.0))
-    distance = 1.02 * radius / math.sin(half)
-    return centre + distance * toward / np.linalg.norm(toward), centre
+    planar, size = is_planar(view.review.machine), view.drawing.size
+    points = np.concatenate([_corners(b) for b in (machine_bounds(view.drawing), *more)])
+    parallel = view.review[Options].parallel
+
+    def aim(camera: Any, aspect: float, toward: Array, narrow: bool) -> None:
+        fov = NARROW if narrow else FIELD_OF_VIEW
+        position, target = frame(points, toward, fov, aspect, flat=planar)
+        camera.fov = fov
+        camera.near = size / 100.0
+        camera.far = 80.0 * size + 2.0 * float(np.linalg.norm(position - target))
+        camera.position, camera.look_at = position, target
+
+    if client is None:
+        server.initial_camera.up = UP[planar]
+        aim(server.initial_camera, ASPECT, toward_of(planar), parallel)
+    for each in server.get_clients().values() if client is None else (client,):
+        kept = name == "fit"
+        toward = _seen_from(each.camera) if kept else toward_of(planar, name)
+        narrow = parallel or name in ("plan", "front", "side")
+        if kept:
+            narrow |= each.camera.fov < 0.5 * (NARROW + FIELD_OF_VIEW)
+        with each.atomic():
+            each.camera.up_direction = UP[planar]
+            aim(each.camera, each.camera.aspect, toward, narrow)
+
+
+def toward_of(planar: bool, name: Look | None = None) -> Array:
+    """From where a named view is seen, (3,); None: that at first."""
+    toward: Array = _TOWARD[planar][name or ("plan" if planar else "isometric")]
+    return toward
+
+
+def _seen_from(camera: Any) -> Array:
+    """From where a person looks, as a vector."""
+    seen: Array = np.asarray(camera.position) - np.asarray(camera.look_at)
+    return seen
+
+
+def _corners(bounds: Bounds) -> Array:
+    """The corners of a box (8, 3)."""
+    return np.array([[bounds[n >> k & 1][k] for k in range(3)] for n in range(8)])
+
+
+def axes_of(toward: Array, *, flat: bool = False) -> tuple[Array, Array, Array]:
+    """Right, up and towards the eye, (3,) each, of a picture that is seen from there.
+
+    ``flat``: up is y, not z.
+    """
+    back = toward / np.linalg.norm(toward)
+    right = np.cross(UP[flat], back)
+    right /= np.linalg.norm(right)
+    return right, np.cross(back, right), back
+
+
+def frame(
+    points: Array, toward: Array, fov: float, aspect: float, *, flat: bool = False
+) -> tuple[Array, Array]:
+    """Camera position and target (3,) from which points (N, 3) fill `FILLED` of the picture.
+
+    Args:
+        toward: (3,) where from.
+        fov: rad, vertical.
+        aspect: width by height of the picture.
+    """
+    right, up, back = axes_of(toward, flat=flat)
+    depth = points @ back
+    tall = FILLED * math.tan(0.5 * fov)
+    place, away = [], []
+    for axis, half in ((right, tall * max(aspect, 0.2)), (up, tall)):
+        # |p·a − c·a| ≤ half (c·back − p·back) for every point p, of the camera c.
+        above, below = (float((half * depth + s * (points @ axis)).max()) for s in (1.0, -1.0))
+        place.append(0.5 * (above - below))
+        away.append(0.5 * (above + below) / half)
+    middle = 0.5 * float(depth.min() + depth.max())
+    distance = max(*away, float(depth.max()) + 1e-6)
+    flat_place = place[0] * right + place[1] * up
+    return flat_place + distance * back, flat_place + middle * back
+
+
+def machine_bounds(drawing: Drawing) -> tuple[Array, Array]:
+    """The box around a machine, mm."""
+    points = np.array([p for bar in drawing.bars for p in (bar.start, bar.end)])
+    return points.min(axis=0), points.max(axis=0)

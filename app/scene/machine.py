@@ -1,26 +1,30 @@
-"""The machine in the scene: its bars and bodies, frames, marks, the ground, the handle to drag."""
+"""The machine in the scene: bars and bodies, frames, marks, the handle to drag; and the light."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import viser
 
-from app.review.state import Options
+from app.review.state import Options, is_planar
 from app.review.view import View, short_title
 from app.scene import palette
+from app.scene.ground import Ground
+from app.scene.labels import labels
 from app.scene.nodes import NO_LINE, Nodes
 from app.scene.shapes import CYLINDER, body_mesh, turns_z_to
-from kinematics.answers.drawings import Bar, Body, Drawing, Mark
+from kinematics.answers.drawings import Bar, Body
 from kinematics.arrays import Array
 from kinematics.machine import machine_of
 from kinematics.mechanism import Coordinate
 
-GRID = 100.0  # mm
-CLOSE = 0.12  # of the size: points that share a label
+HANDLE = 0.3  # of the size: its arrows
+RAIL = 0.55  # of its radius: how thick a rail is drawn
+OUTLINE = 0.004  # of the size: how far the silhouette of a body stands out, about 1 px
 
 
 class Scene(Nodes):
@@ -29,20 +33,23 @@ class Scene(Nodes):
     Attributes:
         handle: what a person drags the platform by.
         held: a hand holds it, and decides where it is.
+        lowest: of the solids that are shown, mm.
     """
 
     def __init__(self, server: viser.ViserServer) -> None:
         super().__init__(server)
         self.handle: Any = None
         self.held = False
+        self.lowest = math.inf
         self._nodes: dict[str, Any] = {}
         self._shape: dict[str, object] = {}  # what a node was made of
+        self._rims: dict[str, Any] = {}
         self._slots: dict[str, int] = {}  # of bars in their batch
 
     def clear(self) -> None:
         super().clear()
-        self.held = False
-        for known in (self._nodes, self._shape, self._slots):
+        self.held, self.lowest = False, math.inf
+        for known in (self._nodes, self._rims, self._shape, self._slots):
             known.clear()
 
     def prepare(self, axes: Sequence[Coordinate]) -> None:
@@ -53,13 +60,19 @@ class Scene(Nodes):
         # draws without a GPU is four times as fast.
         scene.configure_environment_map(None)
         scene.configure_default_lights(False)
-        scene.add_light_ambient("/lights/all", intensity=0.6)
-        scene.add_light_hemisphere(
-            "/lights/sky", sky_color=(255, 255, 255), ground_color=(168, 174, 184), intensity=1.1
+        # A second one from behind and the edges of bodies tell their form, without shadows.
+        scene.add_light_ambient("/lights/all", intensity=0.5)
+        self._nodes["/lights/sky"] = scene.add_light_hemisphere(
+            "/lights/sky", sky_color=(255, 255, 255), intensity=1.0
         )
-        scene.add_light_directional(
-            "/lights/sun", intensity=2.2, cast_shadow=False, position=(0.5, -0.8, 1.0)
-        )
+        for name, strength, place in (
+            ("sun", 2.1, (0.5, -0.7, 1.3)),
+            ("fill", 0.5, (-0.9, 0.4, 0.5)),
+        ):
+            scene.add_light_directional(
+                f"/lights/{name}", intensity=strength, cast_shadow=False, position=place
+            )
+        self._ground = Ground(self)
         # What is told of how the platform is held stands below this, and is hidden with it.
         self._nodes["/control"] = scene.add_frame("/control", show_axes=False)
         # A machine in a plane is dragged in it; one that turns may shift on the way, so any axis.
@@ -73,12 +86,14 @@ class Scene(Nodes):
             depth_test=False,
             opacity=0.85,
         )
-        self.handle = self.sized(handle, scale=0.42)
+        self.handle = self.sized(handle, scale=HANDLE)
 
     def show(self, view: View, *, dragging: bool) -> None:
         """Bring the machine, its frames and marks to a view."""
         options, drawing = view.review[Options], view.drawing
         self.resize(drawing.size)
+        self.colors = palette.scheme(options.dark)
+        self.set(self._nodes["/lights/sky"], ground_color=palette.rgb(self.colors.below))
         rows, bars, bodies = view.joints, drawing.bars, drawing.bodies
         if view.beside is not None:
             other = view.beside
@@ -89,9 +104,9 @@ class Scene(Nodes):
             self._body(body, view.platform, options.machine)
         self._hide_others(bodies)
         self._name_machines(view)
-        self._marks(drawing, options)
+        self._marks(view, options)
         self._frames(view, options.frames)
-        self._grid(view, options)
+        self._ground.show(view, self.lowest)
         if self.handle is not None:
             self.set(self.handle, visible=options.handle)
             if not dragging:
@@ -115,8 +130,9 @@ class Scene(Nodes):
         for bar in bars:
             n = self._slots[bar.name]
             start[n], along[n] = bar.start, np.subtract(bar.end, bar.start)
-            radius[n] = bar.radius
-            colors[n] = palette.linear(palette.bar_color(bar, levels.get(bar.limb or 0, "good")))
+            radius[n] = RAIL * bar.radius if bar.role == "rail" else bar.radius
+            level = levels.get(bar.limb or 0, "good")
+            colors[n] = palette.linear(palette.bar_color(bar, level, self.colors))
         length = np.linalg.norm(along, axis=1)
         radius[length < 1e-6] = 0.0  # a bar that is not there this time has no size
         arrays: dict[str, Any] = {
@@ -136,20 +152,22 @@ class Scene(Nodes):
         self.set(node, visible=visible, **arrays)
 
     def _body(self, body: Body, platform: Array, visible: bool) -> None:
+        """A body, and behind it a larger one of which only the rim is seen: its silhouette."""
         name = f"/machine/{body.name}"
         shape = (body.points, body.radius)
-        node = self._nodes.get(name)
-        if node is None or self._shape.get(name) != shape:
-            vertices, faces = body_mesh(body)
-            if node is None:
-                color = palette.PLATFORM if body.role == "platform" else palette.BASE
-                node = self._nodes[name] = self.server.scene.add_mesh_simple(
-                    name, vertices, faces, color=palette.rgb(color)
-                )
-            else:
-                node.vertices, node.faces = vertices, faces
+        node, rim = self._nodes.get(name), self._rims.get(name)
+        if node is None or rim is None:
+            node = self._nodes[name] = self.mesh(name, palette.BASE, None, "front")
+            rim = self._rims[name] = self.mesh(f"{name}/rim", palette.BASE, None, "back")
+            self.set(rim, visible=True)
+        if self._shape.get(name) != shape:
             self._shape[name] = shape
-        self.set(node, visible=visible)
+            node.vertices, node.faces = body_mesh(body)
+            wider = body.radius + OUTLINE * self.size
+            rim.vertices, rim.faces = body_mesh(replace(body, radius=wider))
+        color = self.colors.platform if body.role == "platform" else self.colors.base
+        self.set(node, color=palette.rgb(color), visible=visible)
+        self.set(rim, color=palette.rgb(self.colors.silhouette))
         if body.frame == "platform":
             self.pose(node, platform)
 
@@ -170,11 +188,16 @@ class Scene(Nodes):
             at = place + np.array([0.0, -1.2 * view.drawing.size, 0.0])
             self._label(f"/labels/machine{n}", kind, at if kind else None)
 
-    def _marks(self, drawing: Drawing, options: Options) -> None:
-        shown = labels(drawing) if options.labels else {}
+    def _marks(self, view: View, options: Options) -> None:
+        drawing, shown = view.drawing, {}
+        if options.labels:
+            origin, flat = view.platform[:3, 3], is_planar(view.review.machine)
+            shown = labels(drawing, origin, HANDLE * drawing.size, flat=flat)
         for mark in drawing.points:
-            self._label(f"/labels/{mark.name}", *shown.get(mark.name, ("", None)))
-        ink = palette.INK_DARK if options.dark else palette.INK
+            name, named = f"/labels/{mark.name}", shown.get(mark.name)
+            self._label(name, named.text if named else "", named.at if named else None)
+            if named is not None:
+                self.set(self._nodes[name], anchor=named.anchor)
         for mark in drawing.axes:
             name, start, along = f"/axes/{mark.name}", np.array(mark.position), mark.direction
             end = start + 0.55 * drawing.size * np.array(along)
@@ -182,7 +205,7 @@ class Scene(Nodes):
                 self._nodes[name] = self.arrows(name, 0.006)
             node = self._nodes[name]
             if options.axes:
-                self.set(node, colors=np.array(palette.rgb(ink), dtype=np.uint8))
+                self.set(node, colors=np.array(palette.rgb(self.colors.ink), dtype=np.uint8))
             self.points(node, np.stack([start, end])[None] if options.axes else NO_LINE[:0])
             tip = end + 0.03 * drawing.size * np.array(along)
             self._label(f"/labels/{mark.name}", mark.text, tip if options.axes else None)
@@ -200,61 +223,3 @@ class Scene(Nodes):
                 self._nodes[name] = self.sized(frame, **parts)
             self.set(self._nodes[name], visible=visible)
             self.pose(self._nodes[name], at)
-
-    def _grid(self, view: View, options: Options) -> None:
-        base = next(b for b in view.drawing.bodies if b.name == "base")
-        floor = min(p[2] for p in base.points) - base.radius
-        size, name = view.drawing.size, "/grid"
-        shape = (round(floor, 3), size, options.dark)
-        reach = GRID * math.ceil(4.0 * size / GRID)
-        if self._shape.get(name) != shape:
-            cell, section = (
-                ((64, 68, 74), (84, 90, 98)) if options.dark else ((214, 218, 224), (188, 194, 202))
-            )
-            self._nodes[name] = self.server.scene.add_grid(
-                name,
-                width=reach,
-                height=reach,
-                cell_size=GRID,
-                section_size=5 * GRID,
-                cell_color=cell,
-                section_color=section,
-                cell_thickness=1.0,
-                section_thickness=1.4,
-                shadow_opacity=0.0,
-                fade_distance=20.0 * size,
-                position=(0.0, 0.0, floor),
-            )
-            self._shape[name] = shape
-            self.forget(name)
-        self.set(self._nodes[name], visible=options.grid)
-
-
-def labels(drawing: Drawing) -> dict[str, tuple[str, Array]]:
-    """The names of points and where they stand, by the first mark of each.
-
-    Points that are close to each other share one; the others are put outwards from the middle.
-    """
-    points = np.array([mark.position for mark in drawing.points]).reshape(-1, 3)
-    found: list[tuple[Array, list[Mark]]] = []
-    for point, mark in zip(points, drawing.points, strict=True):
-        for place, marks in found:
-            if np.linalg.norm(place - point) < CLOSE * drawing.size:
-                marks.append(mark)
-                break
-        else:
-            found.append((point, [mark]))
-    placed = {}
-    for place, marks in found:
-        out = place - points.mean(axis=0)
-        out[2] = 0.0
-        out /= max(float(np.linalg.norm(out)), 1e-9)
-        lift = drawing.size * np.array([0.1 * out[0], 0.1 * out[1], 0.05])
-        placed[marks[0].name] = " ".join(m.text for m in marks), place + lift
-    return placed
-
-
-def machine_bounds(drawing: Drawing) -> tuple[Array, Array]:
-    """The box around a machine, mm."""
-    points = np.array([p for bar in drawing.bars for p in (bar.start, bar.end)])
-    return points.min(axis=0), points.max(axis=0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import viser
@@ -16,7 +16,10 @@ from kinematics.arrays import Array
 NO_LINE = np.zeros((1, 2, 3), dtype=np.float32)
 NOTHING = np.zeros((3, 3), dtype=np.float32)  # a mesh of no area
 ONE_FACE = np.array([[0, 1, 2]], dtype=np.uint32)
+LABEL = 0.85  # of viser's size of labels: 11 px
 LIMBS = 8  # nodes of edges; more than any mechanism has
+Side = Literal["front", "back", "double"]
+"""From which sides the faces of a mesh are seen."""
 _ELSEWHERE = {"position": (-1e5, -1e5, -1e5), "wxyz": (0.0, 0.0, 0.0, 1.0)}
 
 
@@ -27,6 +30,7 @@ class Nodes:
         self.server = server
         self._set: dict[tuple[str, str], object] = {}
         self.size = 1.0  # of the machine, mm
+        self.colors = palette.LIGHT  # of the page
         self._sized: list[tuple[Any, dict[str, float]]] = []
 
     def clear(self) -> None:
@@ -48,15 +52,17 @@ class Nodes:
             visible=visible,
         )
 
-    def mesh(self, name: str, color: str, opacity: float | None = 0.3) -> Any:
-        """A mesh without shadows, seen from both sides."""
+    def mesh(
+        self, name: str, color: str, opacity: float | None = 0.3, side: Side = "double"
+    ) -> Any:
+        """A mesh without shadows."""
         return self.server.scene.add_mesh_simple(
             name,
             NOTHING,
             ONE_FACE,
             color=palette.rgb(color),
             opacity=opacity,
-            side="double",
+            side=side,
             cast_shadow=False,
             receive_shadow=False,
             visible=False,
@@ -93,7 +99,9 @@ class Nodes:
 
     def label(self, name: str) -> Any:
         """A text above a point."""
-        return self.server.scene.add_label(name, "", anchor="bottom-center", visible=False)
+        return self.server.scene.add_label(
+            name, "", anchor="bottom-center", font_screen_scale=LABEL, visible=False
+        )
 
     def dragged(self, handle: Any, act: Callable[[str, int | None, Any], None]) -> None:
         """Call ``act(phase, client, handle)`` when a hand moves a handle."""

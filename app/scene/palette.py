@@ -6,6 +6,9 @@ and for beyond a limit, nothing else; the workspace a quiet blue-grey.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+
 from kinematics.answers.drawings import Bar
 from kinematics.facets.solids import SolidSpec
 
@@ -27,32 +30,127 @@ def linear(code: str) -> Rgb:
 
 
 LIMBS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9")
-BEYOND = "#D55E00"  # singular, or beyond a limit
 NEAR = "#F0E442"  # close to the end of a stroke
-WORKSPACE = "#8397AD"
-STEEL = "#C3C9D1"
-JOINT = "#4B525C"
-BASE = "#B9BFC8"
-PLATFORM = "#5D6B7E"
-GHOST, GHOST_DARK = "#3A4450", "#C3CBD5"  # the platform in another assembly mode
+
+
+@dataclass(frozen=True, slots=True)
+class Scheme:
+    """The colours of a page that is light or dark; those of limbs are the same on both.
+
+    Attributes:
+        panel: what text stands on.
+        ink, quiet: text, and text of less weight.
+        good, near, bad: text about how something stands.
+        beyond: singular, or beyond a limit: surfaces, curves, bands.
+        workspace, edge: solids of workspaces, and their edges.
+        cut: the cap of a solid that is cut.
+        ghost, dot: the platform in another assembly mode, and one that is far.
+        aspects: by the sign of the determinant, the largest first: cool where it is positive, warm
+            where it is negative.
+        silhouette: around the bodies of the machine.
+        cell, section: the lines of the ground, and every fifth.
+        below: the light from the ground.
+        counterpart: a machine that is compared with.
+    """
+
+    panel: str
+    ink: str
+    quiet: str
+    good: str
+    near: str
+    bad: str
+    beyond: str
+    workspace: str
+    edge: str
+    cut: str
+    ghost: str
+    dot: str
+    aspects: Mapping[int, tuple[str, ...]]
+    steel: str
+    joint: str
+    base: str
+    platform: str
+    silhouette: str
+    cell: str
+    section: str
+    below: str
+    counterpart: str
+
+
+LIGHT = Scheme(
+    panel="#FBFCFD",
+    ink="#1F2933",
+    quiet="#5B6672",
+    good="#00724F",
+    near="#7A5C00",
+    bad="#B04A00",
+    beyond="#D55E00",
+    workspace="#54677C",
+    edge="#6C7F94",
+    cut="#A9B8C9",
+    ghost="#3A4450",
+    dot="#8A94A1",
+    aspects={
+        1: ("#C9D2DC", "#B5C1CE", "#DCE3EA"),
+        -1: ("#5F5240", "#4A4033", "#6A5940"),
+        0: ("#8B9097", "#A4A9AF", "#747A82"),
+    },
+    steel="#C4CAD2",
+    joint="#39414B",
+    base="#D3D8DF",
+    platform="#46525F",
+    silhouette="#39414B",
+    cell="#E4E7EC",
+    section="#D0D5DC",
+    below="#BEC4CE",
+    counterpart="#A0522D",
+)
+DARK = Scheme(
+    panel="#1B1F24",
+    ink="#E4E9EF",
+    quiet="#9DA8B5",
+    good="#4CC39A",
+    near="#E3C44A",
+    bad="#F0803C",
+    beyond="#F0803C",
+    workspace="#8FA9C6",
+    edge="#8299B2",
+    cut="#5C6E82",
+    ghost="#C3CBD5",
+    dot="#8A94A1",
+    aspects={
+        1: ("#8FA9C6", "#B5C1CE", "#5F7388"),
+        -1: ("#D2BE98", "#E6D9BF", "#BFA878"),
+        0: ("#8B9097", "#A4A9AF", "#747A82"),
+    },
+    steel="#B8C0CA",
+    joint="#AEB7C2",
+    base="#59626D",
+    platform="#9AA7B6",
+    silhouette="#20252B",
+    cell="#262B32",
+    section="#383F48",
+    below="#59626D",
+    counterpart="#D98A5F",
+)
+
+
+def scheme(dark: bool) -> Scheme:
+    """The colours of a page."""
+    return DARK if dark else LIGHT
+
+
+# Of what is drawn on a light ground whatever the page: files, pictures, plots.
+BEYOND, WORKSPACE, STEEL, PLATFORM = LIGHT.beyond, LIGHT.workspace, LIGHT.steel, LIGHT.platform
+INK, COUNTERPART, ASPECTS, BASE = LIGHT.ink, LIGHT.counterpart, LIGHT.aspects, LIGHT.base
+INK_DARK = DARK.ink
 WORKSPACE_DEEP = "#3F5B7C"  # a machine's curves in a plot
-COUNTERPART = "#8C7355"  # and those of the machine it is compared with
 LOAD = "#2E343C"  # what acts on the platform
 VELOCITY, ACCELERATION = "#3F5B7C", "#8C7355"
 FREE = "#A9B7C6"  # a ball without a singularity
-INK = "#2E343C"
-INK_DARK = "#D8DEE6"  # ink on a dark page
-
-# Aspects: cool where the determinant of the wrenches is positive, warm where it is negative, the
-# largest first; too grey to be taken for limbs.
-ASPECTS = {
-    1: ("#6E87A3", "#8FA3B8", "#57708C", "#AEBDCC", "#455C75"),
-    -1: ("#A3937B", "#B8AB97", "#8A7A62", "#CCC2B2", "#71634E"),
-    0: ("#8B9097", "#A4A9AF", "#747A82", "#BDC1C6", "#5F656D"),
-}
 
 # Parts of one limb's vertex space: its colour mixed with white (> 0) or black (< 0).
-_PART_TINT = {"body": 0.45, "plus": 0.2, "minus": -0.25, "H1": 0.3, "H2": -0.35, "H3": -0.15}
+_PART_TINT = {"body": 0.45, "plus": 0.2, "minus": -0.25, "H1": 0.3, "H2": -0.45}
 
 
 def limb_color(limb: int) -> str:
@@ -60,38 +158,38 @@ def limb_color(limb: int) -> str:
     return BEYOND if limb == 0 else LIMBS[(limb - 1) % len(LIMBS)]
 
 
-def bar_color(bar: Bar, level: str) -> str:
+def bar_color(bar: Bar, level: str, of: Scheme = LIGHT) -> str:
     """A bar's colour; ``level`` is how its limb stands ("good", "near", "bad")."""
-    limb = limb_color(bar.limb) if bar.limb else STEEL
+    limb = limb_color(bar.limb) if bar.limb else of.steel
     match bar.role:
         case "cylinder":
             return limb
         case "link":
-            return mixed(limb, 0.35)
+            return mixed(limb, 0.25)
         case "rail":
-            return mixed(limb, 0.55)
+            return mixed(limb, 0.5)
         case "rod":
-            return {"bad": BEYOND, "near": NEAR}.get(level, STEEL)
+            return {"bad": of.beyond, "near": NEAR}.get(level, of.steel)
         case "gap":
-            return BEYOND
+            return of.beyond
         case "joint" | "stop":
-            return JOINT
+            return of.joint
         case "platform":
-            return PLATFORM
+            return of.platform
         case "base":
-            return BASE
+            return of.base
 
 
-def solid_color(spec: SolidSpec) -> str:
+def solid_color(spec: SolidSpec, of: Scheme = LIGHT) -> str:
     """The colour of a solid: its limb's, shaded by the part it is."""
     if spec.limb is None:
-        return WORKSPACE
+        return of.workspace
     return mixed(limb_color(spec.limb), _PART_TINT.get(spec.key.partition("/")[2], 0.0))
 
 
-def aspect_color(sign: int, rank: int) -> str:
+def aspect_color(sign: int, rank: int, of: Scheme = LIGHT) -> str:
     """The colour of an aspect: the sign of its determinant, and which one of those it is."""
-    shades = ASPECTS[sign]
+    shades = of.aspects[sign]
     return shades[rank % len(shades)]
 
 

@@ -20,6 +20,7 @@ from app.review.history import History
 from app.review.state import Review, Slice
 from app.review.view import View
 from app.scene import palette
+from app.scene.camera import Look
 from app.widgets.texts import aged
 from kinematics.errors import BohemiaError
 from kinematics.machine import Machine
@@ -81,6 +82,8 @@ class Desk(Room, Protocol):
 
     def redo(self, looks: bool = False) -> None: ...
     def cancel(self) -> None: ...
+    def look(self, name: Look, client: Client = None) -> None:
+        """Show everything from one side, in one browser or in all."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from functools import partial
 from typing import Any
 
 from app.jobs.lane import Busy
@@ -11,11 +12,19 @@ from app.review.state import Options, Review
 from app.review.units import sentence
 from app.review.view import Clear, Legend, Moment
 from app.scene import palette
-from app.scene.machine import GRID
+from app.scene.camera import Look
+from app.scene.ground import ground_cell
 from app.widgets.boxes import TYPED_WHEN_LEFT
 from app.widgets.desk import Group, Sheet, put_prop
 from app.widgets.texts import AGED_STYLE, aged, bar, box, chip, esc, faint, styled, tone
 
+LOOKS: dict[Look, str] = {
+    "isometric": "From the front right above",
+    "plan": "From above, x to the right",
+    "front": "Along y, x to the right",
+    "side": "From the right, along x",
+}
+"""Views that have a key of their own, 1 to 4, and from where each is."""
 PATIENCE = 0.6  # s; work that ends sooner is not worth a progress bar
 
 
@@ -33,6 +42,8 @@ class Header(Group):
         self.key("Undo", "Take back the last change", "ctrl+Z", desk.undo)
         self.key("Redo", "Do it again", "ctrl+Y", desk.redo)
         self.key("Fit the view", "Show the machine and its solids whole", "F", desk.fit_view)
+        for n, (name, what) in enumerate(LOOKS.items(), 1):
+            self.key(f"{sentence(name)} view", what, str(n), partial(desk.look, name))
         self._clear = Clear("", stale=False)
         self._away = False  # the machine is not shown where the review has it
         self._more: tuple[tuple[str, str], ...] = ()
@@ -137,7 +148,8 @@ def _legend(sheet: Sheet, more: tuple[tuple[str, str], ...]) -> str:
         (palette.WORKSPACE, "workspace"),
         *more,
     )
-    grid = [f"grid {GRID:.0f} mm"] if sheet.view.review[Options].grid else []
+    cell = f"grid {ground_cell(sheet.view.drawing):g} mm"
+    grid = [cell] if sheet.view.review[Options].grid else []
     chips = "".join(f"{chip(palette.limb_color(n))}{n} " for n in limbs)
     words = [f"limbs {chips}", *(chip(color) + esc(text) for color, text in entries), *grid]
     spans = " ".join(styled(each, "white-space:nowrap;margin-right:0.9em") for each in words)

@@ -10,7 +10,13 @@ from typing import Literal
 from app.scene import palette
 
 Tone = Literal["good", "near", "bad", "quiet"]
-_TONES = {"good": "#009E73", "near": "#B59B00", "bad": palette.BEYOND, "quiet": "#7A828C"}
+# The style sheet has those of a dark page; without it they are those of a light one.
+_TONES = {
+    "good": f"var(--bo-good,{palette.LIGHT.good})",
+    "near": f"var(--bo-near,{palette.LIGHT.near})",
+    "bad": f"var(--bo-bad,{palette.LIGHT.bad})",
+    "quiet": f"var(--bo-dim,{palette.LIGHT.quiet})",
+}
 NUMERIC = "text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums"
 # What is of before fades, once it has been so for longer than a moving hand leaves it.
 AGED_STYLE = (
@@ -55,7 +61,7 @@ def aged(content: str, stale: bool, tag: str = "div") -> str:
 
 def red(text: str) -> str:
     """A block that tells what is wrong."""
-    return box(styled(esc(text), f"color:{palette.BEYOND}", "b"))
+    return box(styled(esc(text), f"color:{tone('bad')}", "b"))
 
 
 def quiet(text: str) -> str:

@@ -310,7 +310,8 @@ def test_nothing_of_the_last_machine_stays(opened: Open) -> None:
         axes = {f"/axes/{m.name}" for m in drawing.axes}
         assert set(page.seen("/axes/")) == axes
         bodies = {f"/machine/{body.name}" for body in drawing.bodies}
-        assert set(page.seen("/machine/")) == bodies | {"/machine/bars"}
+        rims = {f"{body}/rim" for body in bodies}
+        assert set(page.seen("/machine/")) == bodies | rims | {"/machine/bars"}
         flat = page.review.machine.region_specs
         assert bool(page.seen("/regions/")) == bool(flat)
         at = page.page.view.platform
@@ -375,7 +376,7 @@ def test_side_by_side_with_its_counterpart(opened: Open, name: str) -> None:
     other = "3-SPR" if name == "rps-3" else "3-RPS"
     alone = len(page.seen("/machine/"))
     page.put(f"Beside the {other}", True)
-    assert len(page.seen("/machine/other ")) == 2
+    assert len(page.seen("/machine/other ")) == 4  # base and platform, each with its rim
     labels = [page.node(n).text for n in page.seen("/labels/machine")]
     assert labels == ["3-RPS", "3-SPR"] if name == "rps-3" else ["3-SPR", "3-RPS"]
     beside = page.page.view.beside

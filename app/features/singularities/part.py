@@ -21,7 +21,7 @@ from app.jobs.parts import Client, Grip, Part, Stage
 from app.review.changes import Change
 from app.review.state import Review
 from app.review.view import Clear, View
-from app.scene.machine import machine_bounds
+from app.scene.camera import machine_bounds
 from app.widgets.desk import Sheet
 from kinematics.answers.loci import LocusCurves
 from kinematics.arrays import Array

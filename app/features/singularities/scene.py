@@ -12,7 +12,6 @@ import numpy as np
 from app.features.section.scene import Ball
 from app.features.singularities.compute import Here
 from app.features.singularities.state import Control
-from app.review.state import Options
 from app.review.units import how_far
 from app.review.view import View
 from app.scene import palette
@@ -60,12 +59,12 @@ class Held:
         """Bring them to what is known of the present place."""
         control, size = view.review[Control], view.drawing.size
         wrenches = here.wrenches if here is not None and control.wrenches else None
-        self._show_wrenches(wrenches, size, view.review[Options].dark)
+        self._show_wrenches(wrenches, size)
         self._show_clearances(view, here if control.clearances else None)
         self._ball.show(ball)
 
-    def _show_wrenches(self, system: WrenchSystem | None, size: float, dark: bool) -> None:
-        ink = palette.INK_DARK if dark else palette.INK
+    def _show_wrenches(self, system: WrenchSystem | None, size: float) -> None:
+        ink = self._nodes.colors.ink
         forces: list[Arrow] = []
         couples: list[Arrow] = []
         rows = () if system is None else zip(system.names, system.rows, system.point, strict=True)

@@ -305,5 +305,5 @@ class SolutionsPart(Part):
         solutions = explorer.shown(view)
         self._ghosts.show(view, solutions.atlas, solutions.fold)
         self.stage.tell(solutions)
-        ghost = palette.GHOST_DARK if options.dark else palette.GHOST
+        ghost = palette.scheme(options.dark).ghost
         self.stage.tell(Legend(((ghost, "other solutions"),) if wanted.ghosts else ()))

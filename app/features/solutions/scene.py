@@ -72,7 +72,7 @@ class Ghosts:
         # Fainter while they belong to other actuators.
         dark = view.review[Options].dark
         tint = (-0.55 if dark else 0.6) if atlas.stale else 0.0
-        shade = palette.mixed(palette.GHOST_DARK if dark else palette.GHOST, tint)
+        shade = palette.mixed(self._nodes.colors.ghost, tint)
         colors = np.where(
             new[:, None], palette.linear(palette.PLATFORM), palette.linear(shade)
         ).astype(np.uint8)

@@ -1,0 +1,170 @@
+"""Where the scene is seen from, what the ground is divided into, and where names stand."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from app.review.changes import SetOption, change
+from app.review.state import is_planar, new_review
+from app.review.view import View, view
+from app.scene import labels as naming
+from app.scene.camera import FIELD_OF_VIEW, FILLED, NARROW, axes_of, frame, toward_of
+from app.scene.ground import base_floor, footprint, ground_cell, scale_of
+from app.scene.machine import HANDLE
+from kinematics.designs.files import load_design
+from tests.app.seats import seat
+
+MACHINES = ("rpur-table1", "rpur-table2", "sps-spr", "rps-3", "spr-3", "five-bar")
+
+
+def _view(name: str) -> View:
+    return view(new_review(load_design(name)))
+
+
+def _seen(
+    points: np.ndarray, position: np.ndarray, toward: np.ndarray, *, flat: bool
+) -> np.ndarray:
+    """Points (N, 3) in a picture: to the right and up by the distance, (N, 2)."""
+    right, up, back = axes_of(toward, flat=flat)
+    away = points - position
+    return np.stack([away @ right, away @ up], axis=1) / (-away @ back)[:, None]
+
+
+@pytest.mark.parametrize("flat", [False, True])
+@pytest.mark.parametrize("name", ["isometric", "plan", "front", "side"])
+def test_a_view_fills_its_share_of_the_picture(name: str, flat: bool) -> None:
+    points = np.random.default_rng(4).uniform(-1.0, 1.0, (60, 3)) * [300.0, 150.0, 200.0] + 40.0
+    toward = toward_of(flat, name)  # type: ignore[arg-type]
+    for fov, aspect in itertools.product((FIELD_OF_VIEW, NARROW), (0.6, 1.0, 1.8)):
+        position, target = frame(points, toward, fov, aspect, flat=flat)
+        away = position - target
+        assert away / np.linalg.norm(away) == pytest.approx(toward / np.linalg.norm(toward))
+        seen = _seen(points, position, toward, flat=flat) / (math.tan(0.5 * fov) * FILLED)
+        share = np.abs(seen / [aspect, 1.0]).max(axis=0)
+        assert share.max() == pytest.approx(1.0, abs=1e-6)
+        assert (share <= 1.0 + 1e-6).all()
+
+
+def test_in_plan_x_is_to_the_right_and_y_up() -> None:
+    for flat in (False, True):
+        right, up, _ = axes_of(toward_of(flat, "plan"), flat=flat)
+        assert right == pytest.approx([1.0, 0.0, 0.0], abs=2e-3)
+        assert up == pytest.approx([0.0, 1.0, 0.0], abs=2e-3)
+
+
+def test_a_planar_machine_opens_in_plan_and_others_from_the_front_right_above() -> None:
+    assert toward_of(True) == pytest.approx([0.0, 0.0, 1.0])
+    assert toward_of(False) == pytest.approx([0.55, -0.83, 0.36])
+    for name in ("five-bar", "rpur-table1"):
+        with seat(name) as page:
+            camera = page.server.initial_camera
+            away = camera.position - camera.look_at
+            toward = toward_of(is_planar(page.review.machine))
+            assert away / np.linalg.norm(away) == pytest.approx(toward / np.linalg.norm(toward))
+            assert camera.fov == pytest.approx(FIELD_OF_VIEW)
+            page.do(SetOption("parallel", True))
+            page.page.fit_view()
+            page.settle()
+            assert camera.fov == pytest.approx(NARROW)
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_five_to_fifteen_cells_span_the_base(name: str) -> None:
+    drawing = _view(name).drawing
+    base = next(b for b in drawing.bodies if b.name == "base")
+    span = np.ptp(np.array(base.points)[:, :2], axis=0).max() + 2.0 * base.radius
+    cell = ground_cell(drawing)
+    assert 5.0 <= span / cell <= 15.0
+    assert f"{cell:e}"[0] in "125"
+    assert f"{cell:e}"[1:9] == ".000000e"
+
+
+def test_the_ground_is_below_everything_that_is_shown() -> None:
+    with seat("rpur-table1") as page:
+        drawing = page.page.view.drawing
+        cell = ground_cell(drawing)
+        floor = page.node("/grid").position[2]
+        assert floor < base_floor(drawing)
+        assert floor > base_floor(drawing) - 1.2 * cell
+        page.page.scene.lowest = -234.0
+        page.page.put("redraw")
+        page.settle()
+        assert -234.0 - 1.2 * cell < page.node("/grid").position[2] < -234.0
+        assert page.node("/footprint").position[2] > page.node("/grid").position[2]
+
+
+def test_a_footprint_covers_the_base_from_above() -> None:
+    points = np.array([[0.0, 0.0, 5.0], [40.0, 0.0, 9.0], [40.0, 30.0, 5.0], [0.0, 30.0, 5.0]])
+    vertices, faces = footprint(points, 2.0)
+    a, b, c = (vertices[faces[:, n], :2] for n in range(3))
+    area = 0.5 * float(np.sum((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]))
+    assert area == pytest.approx(40 * 30 + 2 * 2 * 70 + math.pi * 4, rel=2e-3)
+    assert not vertices[:, 2].any()
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_a_scale_has_round_numbers_where_they_belong(name: str) -> None:
+    seen = _view(name)
+    cell = ground_cell(seen.drawing)
+    lines, numbers = scale_of(seen, cell, -500.0)
+    assert [bool(axis) for axis in numbers] == [True, True, not is_planar(seen.review.machine)]
+    assert np.isfinite(lines).all()
+    for k, axis in enumerate(numbers):
+        for n, (text, at) in enumerate(axis):
+            assert at is not None
+            bare = text.strip("xyz m").replace("−", "-")
+            assert float(bare) == pytest.approx(at[k])
+            assert (text.startswith("xyz"[k]) and text.endswith(" mm")) == (n == len(axis) - 1)
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_names_are_apart_in_the_picture_at_rest(name: str) -> None:
+    seen = _view(name)
+    drawing, origin = seen.drawing, seen.platform[:3, 3]
+    flat = is_planar(seen.review.machine)
+    placed = naming.labels(drawing, origin, HANDLE * drawing.size, flat=flat)
+    texts = " ".join(named.text for named in placed.values()).split()
+    assert sorted(texts) == sorted(word for mark in drawing.points for word in mark.text.split())
+    at = np.array([named.at for named in placed.values()])
+    screen, _, _ = naming.on_screen(drawing, at, origin, 0.0, flat=flat)
+    rects = [
+        naming.rect_of(point, named.text, named.anchor)
+        for point, named in zip(screen, placed.values(), strict=True)
+    ]
+    for one, two in itertools.combinations(rects, 2):
+        apart = (one[:2] >= two[2:] - 1e-9) | (two[:2] >= one[2:] - 1e-9)
+        assert apart.any()
+    assert len(placed) >= len(drawing.points) // 2
+
+
+def test_close_points_share_a_name_and_others_stand_outwards() -> None:
+    seen = _view("rpur-table1")
+    drawing, origin = seen.drawing, seen.platform[:3, 3]
+    placed = naming.labels(drawing, origin, HANDLE * drawing.size, flat=False)
+    assert placed["limb1/A"].anchor == "top-right"  # at the left of the machine, below its middle
+    near = tuple(
+        type(mark)(mark.name, mark.text, drawing.points[0].position) for mark in drawing.points[:2]
+    )
+    both = type(drawing)(drawing.bars, drawing.bodies, near, (), drawing.size)
+    (only,) = naming.labels(both, origin, 0.0, flat=False).values()
+    assert only.text == "A₁ B₁"
+
+
+def test_the_scale_is_shown_on_demand() -> None:
+    with seat("rps-3") as page:
+        assert not page.seen("/scale")
+        page.do(SetOption("scale", True))
+        assert page.seen("/scale") == ["/scale"]
+        texts = [getattr(page.node(n), "text", "") for n in page.seen("/labels/")]
+        assert any(text.startswith("x ") and text.endswith(" mm") for text in texts)
+
+
+def test_options_of_looking_are_no_changes_of_the_review() -> None:
+    review = new_review(load_design("five-bar"))
+    for name in ("scale", "parallel"):
+        after, _ = change(review, SetOption(name, True))
+        assert after.shown_as(review) == review
