@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from app.review.units import number, page_unit
 from app.scene import palette
-from app.widgets.svg import in_mm, label, line, tag
+from app.widgets.svg import DIM, EDGE, RULE, TEXT, in_mm, label, line
 from kinematics.mechanism import Coordinate
 
 Range = tuple[float, float]
@@ -20,9 +20,30 @@ Bounds = tuple[Range, Range]
 Named = tuple[str, str]
 """A symbol and its unit."""
 Words = Callable[[float], str] | None
+Table = tuple[Sequence[str], Sequence[Sequence[str]]]
+"""Heads with their units, and rows."""
 MARGIN = 0.06  # of the size of what is shown to scale, left free around it
 STEPS = (1.0, 2.0, 5.0)  # round numbers, times powers of ten
 TURN = (1.5, 3.0, 4.5, 9.0)  # round degrees, times powers of ten
+MOST = 5  # steps between ticks, which are one more
+ROWS = 25  # of a table behind a plot, at the most
+CLOSEST = 1e-4  # of an axis, the least that is zoomed to
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """How a person looks at a plot.
+
+    Attributes:
+        part: of its axes that is shown; None for the whole of them.
+        size: px for it; None where it is not known, or is the same everywhere.
+    """
+
+    part: Bounds | None = None
+    size: tuple[float, float] | None = None
+
+
+WHOLE = Look()
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +59,14 @@ class Axes:
     x: Range
     y: Range
     digits: int = 1  # of a px, along lines
+    whole: Bounds | None = None  # of which a part is shown
+
+    def seen(self, look: Look) -> Axes:
+        """The part of these axes that a person looks at."""
+        if look.part is None:
+            return self
+        x, y = (_cut(part, span) for part, span in zip(look.part, (self.x, self.y), strict=True))
+        return replace(self, x=x, y=y, whole=(self.x, self.y))
 
     @property
     def inner(self) -> tuple[float, float]:
@@ -79,6 +108,14 @@ class Axes:
         return self.left + u * wide, self.top + (1.0 - v) * high
 
 
+def _cut(part: Range, span: Range) -> Range:
+    """A part of a span, as large as it is asked for if the span is."""
+    whole = span[1] - span[0]
+    size = min(max(part[1] - part[0], CLOSEST * whole), whole)
+    low = min(max(part[0], span[0]), span[1] - size)
+    return low, low + size
+
+
 def equal_axes(
     bounds: Bounds, width: float, height: float, left: float, top: float, bottom: float
 ) -> Axes:
@@ -106,6 +143,9 @@ class Figure:
         tips: what to tell of each cell, rows running fastest.
         idle: what to tell otherwise.
         name: for who does not see it.
+        table: makes the numbers behind it, for who cannot see or point.
+        title, unit: stand above it.
+        span: what the cells fill; None for what is shown.
     """
 
     axes: Axes
@@ -115,6 +155,10 @@ class Figure:
     tips: Sequence[str]
     idle: str
     name: str
+    table: Callable[[], Table]
+    title: str = ""
+    unit: str = ""
+    span: Bounds | None = None
 
 
 def ticks(low: float, high: float, most: int, steps: Sequence[float] = STEPS) -> list[float]:
@@ -134,47 +178,49 @@ def scales(
     y_ticks: Sequence[float],
     words: tuple[Words, Words] = (number, number),
 ) -> str:
-    """The box of a plot with ticks and titles, in the page's own colour; ``words`` of its ticks,
-    None for none.
-    """
+    """Two axes, left and below, with ticks and titles; ``words`` of the ticks, None for none."""
     wide, high = axes.inner
     left, low = axes.left, axes.top + high
     marks, texts = [], []
     for value in x_ticks:
         x, _ = axes.px(value, axes.y[0])
-        marks.append(f"M{x:.2f} {low:g}v4")
-        texts.append(label(x, low + 15, words[0](value) if words[0] else ""))
+        marks.append(f"M{x:.2f} {low:g}v3")
+        texts.append(label(x, low + 15, words[0](value) if words[0] else "", fill=TEXT))
     for value in y_ticks:
         _, y = axes.px(axes.x[0], value)
-        marks.append(f"M{left:g} {y:.2f}h-4")
-        texts.append(label(left - 6, y + 3.85, words[1](value) if words[1] else "", "end"))
+        marks.append(f"M{left:g} {y:.2f}h-3")
+        text = words[1](value) if words[1] else ""
+        texts.append(label(left - 6, y + 3.85, text, "end", fill=TEXT))
     middle = axes.top + high / 2
-    place = {"x": left, "y": axes.top, "width": wide, "height": high}
-    box = tag("rect", **place, fill="none", stroke="currentColor", stroke_opacity=0.45)
+    corner = f"M{left:g} {axes.top:g}V{low:g}H{left + wide:g}"
     return (
-        f"{box}{tag('path', d=''.join(marks), stroke='currentColor', stroke_opacity=0.6)}"
-        f"{''.join(texts)}"
-        f"{label(left + wide / 2, low + 29, x_title)}"
-        f"{label(12, middle, y_title, transform=f'rotate(-90 12 {middle:g})')}"
+        f"{line(corner + ''.join(marks), EDGE, 1, class_='axes')}{''.join(texts)}"
+        f"{label(left + wide / 2, low + 29, x_title, fill=DIM)}"
+        f"{label(12, middle, y_title, fill=DIM, transform=f'rotate(-90 12 {middle:g})')}"
     )
 
 
-def named_scales(axes: Axes, x: Named, y: Named, most: int = 6) -> str:
-    """Those of two quantities, with so many ticks at the most."""
+def named_scales(axes: Axes, x: Named, y: Named) -> str:
+    """Those of two quantities."""
     titles = [f"{symbol} ({unit})" for symbol, unit in (x, y)]
-    found = [
-        ticks(*span, most, TURN if unit == "°" else STEPS)
+    return scales(axes, titles[0], titles[1], *named_ticks(axes, x, y))
+
+
+def named_ticks(axes: Axes, x: Named, y: Named) -> tuple[list[float], list[float]]:
+    """Round numbers along both axes."""
+    first, second = (
+        ticks(*span, MOST, TURN if unit == "°" else STEPS)
         for span, (_, unit) in ((axes.x, x), (axes.y, y))
-    ]
-    return scales(axes, titles[0], titles[1], found[0], found[1])
+    )
+    return first, second
 
 
-def grid(axes: Axes, xs: Iterable[float], ys: Iterable[float], opacity: float) -> str:
-    """Faint lines across the box at these places."""
+def grid(axes: Axes, xs: Iterable[float], ys: Iterable[float]) -> str:
+    """Hair lines across the box at these places."""
     wide, high = axes.inner
-    up = "".join(f"M{axes.px(x, 0.0)[0]:.2f} {axes.top:g}v{high:g}" for x in xs)
-    across = "".join(f"M{axes.left:g} {axes.px(0.0, y)[1]:.2f}h{wide:g}" for y in ys)
-    return line(up + across, stroke_opacity=opacity)
+    up = "".join(f"M{axes.px(x, axes.y[0])[0]:.2f} {axes.top:g}v{high:g}" for x in xs)
+    across = "".join(f"M{axes.left:g} {axes.px(axes.x[0], y)[1]:.2f}h{wide:g}" for y in ys)
+    return line(up + across, RULE, 1, class_="grid")
 
 
 def upright(axes: Axes, x: float) -> str:
@@ -182,7 +228,7 @@ def upright(axes: Axes, x: float) -> str:
     if not axes.x[0] <= x <= axes.x[1]:
         return ""
     at, low = axes.px(x, axes.y[0])
-    return line(f"M{at:.1f} {axes.top:g}V{low:.1f}", "currentColor", 1.5)
+    return line(f"M{at:.1f} {axes.top:g}V{low:.1f}", TEXT, 1.2, class_="cursor")
 
 
 def middles(span: Range, count: int) -> NDArray[np.float64]:
@@ -202,6 +248,11 @@ def pointed(axes: Axes, x: Named, y: Named, count: int) -> tuple[list[str], list
 def thinned(count: int, most: int) -> NDArray[np.int64]:
     """About so many at the most of the indices of some points, evenly, and the last one."""
     return np.unique(np.append(np.arange(0, count, max(1, count // most)), count - 1))
+
+
+def sampled(count: int, most: int = ROWS) -> list[int]:
+    """The indices of no more than so many of some things, evenly, both ends among them."""
+    return sorted({round(n) for n in np.linspace(0, count - 1, min(count, most)).tolist()})
 
 
 def named(axis: Coordinate) -> Named:
@@ -227,12 +278,14 @@ def runs(cells: NDArray[np.bool_]) -> Iterator[tuple[int, int, int]]:
     yield from zip(rows.tolist(), first.tolist(), (behind - first).tolist(), strict=True)
 
 
-def columns(axes: Axes, cells: NDArray[np.bool_]) -> str:
-    """Cells (N, M) that fill the box, the second upwards, as a path of rectangles."""
-    wide, high = axes.inner[0] / cells.shape[0], axes.inner[1] / cells.shape[1]
+def columns(axes: Axes, cells: NDArray[np.bool_], span: Bounds | None = None) -> str:
+    """Cells (N, M) that fill a span, or the box, the second upwards, as a path of rectangles."""
+    (x0, x1), (y0, y1) = span or (axes.x, axes.y)
+    (left, low), (right, top) = axes.px(x0, y0), axes.px(x1, y1)
+    wide, high = (right - left) / cells.shape[0], (low - top) / cells.shape[1]
     path = []
     for column, first, count in runs(cells):
-        x, y = axes.left + column * wide, axes.top + (cells.shape[1] - first - count) * high
+        x, y = left + column * wide, top + (cells.shape[1] - first - count) * high
         path.append(f"M{x:.2f} {y:.2f}h{wide:.2f}v{count * high:.2f}h{-wide:.2f}z")
     return "".join(path)
 

@@ -271,11 +271,10 @@ class Group:
         made = self.gui.add_upload_button(label, mime_type=kinds, color=QUIET, icon=icon, hint=hint)
         uploaded(self.desk, made, act)
 
-    def window(self, title: str, width: int, *, visible: bool) -> tuple[Any, Any]:
-        """A panel of its own beside the scene, ``width`` px, and its tab."""
+    def window(self, title: str, width: int, height: int, *, visible: bool) -> tuple[Any, Any]:
+        """A panel of its own over the lower left of the scene, px, and its tab."""
         made = self.gui.add_panel(visible=visible)
-        made.dock_left()
-        made.set_width(width)
+        made.float(x=0, y=-1, width=width, height=height)
         return made, made.add_tab(title)
 
     def put(self, handle: Any, value: Any) -> None:

@@ -16,6 +16,7 @@ from app.scene.camera import Look
 from app.scene.ground import ground_cell
 from app.widgets.boxes import TYPED_WHEN_LEFT
 from app.widgets.desk import Group, Sheet, put_prop
+from app.widgets.plots import PLOTTED
 from app.widgets.texts import AGED_STYLE, aged, bar, box, chip, esc, faint, styled, tone
 
 LOOKS: dict[Look, str] = {
@@ -32,7 +33,7 @@ class Header(Group):
     """A line that is always true, what the colours mean, and what is being computed."""
 
     def build(self, review: Review) -> None:
-        self.gui.add_html(TYPED_WHEN_LEFT + AGED_STYLE)
+        self.gui.add_html(TYPED_WHEN_LEFT + AGED_STYLE + PLOTTED)
         self._status = self.gui.add_html("")
         self._legend = self.gui.add_html("")
         self._doing = self.gui.add_html(_doing("", 0.0))

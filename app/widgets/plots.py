@@ -1,133 +1,242 @@
-"""Plots that a person can point at: inline SVG whose pointer events reach the server.
+"""Plots of one family: what is seen of them, what a person does on them, and the numbers behind.
 
-viser reports no clicks on HTML. So the drawing's own handlers turn the pointer's place into the
-plot's units and write it into a text box beside it, hidden, that viser does report. What is under
-the pointer is told by the drawing itself, without the server. The drawing stays in the page while
-a person drags on it: what moves is a second drawing that lies over it.
+A plot is inline SVG; what a person does on it comes as text through a hidden box (`plots.js`). The
+drawing stays in the page while a person drags on it: what moves is a second drawing over it.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
 
-from app.widgets.axes import Figure
+from app.widgets.axes import Bounds, Figure, Look
 from app.widgets.desk import Client, Desk, answer, put_prop
+from app.widgets.svg import DIM, heading
 from app.widgets.texts import esc
 
-# Runs in the browser for every pointer event on a plot; `s` is the drawing, `e` the event. First
-# where the pointer is in the box, u and v from 0 to 1, and what the drawing tells of it.
-WHERE = """
-const d=s.dataset,b=d.box.split(' ').map(Number),
-p=new DOMPoint(e.clientX,e.clientY).matrixTransform(s.getScreenCTM().inverse()),
-u=(p.x-b[0])/b[2],v=1-(p.y-b[1])/b[3],inside=u>=0&&u<=1&&v>=0&&v<=1,
-t=s.querySelector('.tip');
-if(t){const n=d.grid.split(' ').map(Number),a=s.tips||(s.tips=d.tips.split('|')),
-x=Math.min(Math.floor(u*n[0]),n[0]-1),y=Math.min(Math.floor(v*n[1]),n[1]-1);
-t.textContent=inside&&e.type!=='pointerleave'?d.columns.split('|')[x]+d.rows.split('|')[y]
-+a[x*n[1]+y]:d.idle;}
-const c=(w)=>Math.min(Math.max(w,0),1),
-at=(u,v)=>(b[4]+c(u)*(b[5]-b[4]))+' '+(b[6]+c(v)*(b[7]-b[6])),
-send=(text)=>{const i=s.closest('.plot').parentElement.nextElementSibling.nextElementSibling
-.querySelector('input');
-Object.getOwnPropertyDescriptor(HTMLInputElement.prototype,'value').set.call(i,text);
-i.dispatchEvent(new Event('input',{bubbles:true}));};
-"""
-# Then what a plot does with it: every place is reported, while the button is held.
-_POINT = """
-if(e.type==='pointerdown'){if(!inside||e.button)return;s.held=1;s.setPointerCapture(e.pointerId);}
-if(!s.held)return;
-if(e.type==='pointermove'&&e.timeStamp-s.sent<60)return;
-s.sent=e.timeStamp;
-send(at(u,v)+' '+e.timeStamp);
-if(e.type!=='pointerdown'&&e.type!=='pointermove')s.held=0;
-"""
-_EVENTS = ("pointerdown", "pointermove", "pointerup", "pointercancel", "pointerleave")
-_STYLE = (
-    "<style>div:has(>.plot)+div+div{visibility:hidden;position:absolute;height:0;overflow:hidden}"
-    ".plot svg,.over svg{display:block;width:100%;height:auto;font-family:inherit;font-size:11px}"
-    ".plot svg[data-box]{touch-action:none;user-select:none;cursor:crosshair}"
-    ".over{pointer-events:none;position:relative}</style>"
+_STYLE = """<style>
+:root{--bo-workspace:#54677C}[data-mantine-color-scheme=dark]{--bo-workspace:#8FA9C6}
+div:has(>.plot)+div+div{visibility:hidden;position:absolute;height:0;overflow:hidden}
+.plot,.over{position:relative;padding:0 4px}
+.plot svg,.over svg{display:block;width:100%;height:auto;font-family:inherit;font-size:11px;
+font-variant-numeric:tabular-nums;color:var(--bo-ink,#1F2933)}
+.plot svg[data-box]{touch-action:none;user-select:none;cursor:crosshair}
+.over{pointer-events:none}
+.plot .tools{position:absolute;right:6px;bottom:2px;display:flex;gap:2px}
+.plot .tools button{border:0;background:var(--bo-bg,#FBFCFD);padding:0 5px;font:inherit;
+font-size:11px;line-height:16px;border-radius:3px;color:var(--bo-dim,#5B6672);cursor:pointer}
+.plot .tools button:hover,.plot .tools button[aria-pressed=true]{color:var(--bo-ink,#1F2933);
+text-decoration:underline}
+.plot .behind{overflow:auto;box-sizing:border-box;padding:4px 8px 22px}
+.plot .behind table{width:100%;border-collapse:collapse;font-size:12px;line-height:18px;
+font-variant-numeric:tabular-nums;color:var(--bo-ink,#1F2933)}
+.plot .behind caption{font-weight:600;text-align:left;line-height:20px}
+.plot .behind th{font-size:11px;font-weight:400;color:var(--bo-dim,#5B6672);
+position:sticky;top:-4px;background:var(--bo-bg,#FBFCFD);
+border-bottom:1px solid var(--bo-rule,#DDE2E8)}
+.plot .behind td,.plot .behind th{text-align:right;padding:2px 6px;white-space:nowrap}
+</style>"""
+_SOURCE = esc(Path(__file__).with_suffix(".js").read_text(encoding="utf-8"))
+_DOT = "data:image/gif;base64,R0lGODlhAQABAIAAAAAAAP///yH5BAEAAAAALAAAAAABAAEAAAIBRAA7"
+# Once for a page, in the browser.
+PLOTTED = f'{_STYLE}<img alt="" style="display:none" src="{_DOT}" onload="{_SOURCE}">'
+_FIT = (
+    f'<img alt="" style="display:none" src="{_DOT}" '
+    'onload="window.bohemiaPlots&amp;&amp;bohemiaPlots.fit(this.parentElement)">'
 )
 
 
 class Plot:
-    """A place for a figure in a panel, and what it does when a person points at it."""
+    """A place for a figure in a panel, and what it does when a person points at it.
 
-    script = _POINT
+    ``both``: a zoom is of both axes, to one scale. ``alone``: it stands in a window over the scene
+    and is drawn as large as that; the wheel zooms, as nothing scrolls there.
+    """
 
-    def __init__(self, desk: Desk, act: Callable[[float, float, Client], None]) -> None:
+    ACT = "point"
+
+    def __init__(
+        self,
+        desk: Desk,
+        act: Callable[[float, float, Client], None],
+        *,
+        both: bool = False,
+        alone: bool = False,
+    ) -> None:
         gui = desk.gui
-        self._act = act
-        self._base = gui.add_html(_base(None, self.script))
+        self._act, self._both, self._alone = act, both, alone
+        self.figure: Figure | None = None
+        self.look = Look()
+        self._base = gui.add_html(f'<div class="plot"{self._fitted()}></div>')
         self._over = gui.add_html("")
         # Neighbours in the page: the style hides this box, and the script finds it there.
-        answer(desk, gui.add_text("Pointed at", ""), self._pointed)
-        self.figure: Figure | None = None
+        answer(desk, gui.add_text("Pointed at", ""), self._heard)
+        self._make: Callable[[Look], Figure | None] = lambda look: None
         self._shown: tuple[object, bool] = (None, False)
-        self._marked = ""
+        self._marks: Callable[[Figure], str] = lambda figure: ""
+        self._behind = False
 
     def draw(
-        self, of: object, make: Callable[[], Figure | None] = lambda: None, *, stale: bool = False
+        self,
+        of: object,
+        make: Callable[[Look], Figure | None] = lambda look: None,
+        *,
+        stale: bool = False,
     ) -> None:
         """Show the figure that ``make`` makes of something, None for nothing; faded if it is of
-        before. It is made again only when it is of something else.
+        before. It is made again only when it is of something else, or is looked at otherwise.
         """
         if (of, stale) == self._shown:
             return
-        self._shown = of, stale
-        self.figure = None if of is None else make()
-        base = _base(self.figure, self.script)
-        if stale:
-            base = base.replace('class="plot"', 'class="plot aged"', 1)
-        put_prop(self._base, "content", base)
+        self._shown, self._make = (of, stale), make
+        self._redraw()
+
+    def mark(self, make: Callable[[Figure], str] = lambda figure: "") -> None:
+        """Show SVG elements over the figure: those that ``make`` makes for it."""
+        self._marks = make
         self._cover()
 
-    def mark(self, content: str) -> None:
-        """Show SVG elements over the figure."""
-        if content != self._marked:
-            self._marked = content
-            self._cover()
+    def _redraw(self) -> None:
+        of, stale = self._shown
+        self.figure = None if of is None else self._make(self.look)
+        put_prop(self._base, "content", self._html(stale))
+        self._cover()
 
     def _cover(self) -> None:
-        if self.figure is None or not self._marked:
+        marked = "" if self.figure is None or self._behind else self._marks(self.figure)
+        if self.figure is None or not marked:
             put_prop(self._over, "content", "")
             return
-        axes = self.figure.axes
+        wide, high = self.figure.axes.width, self.figure.axes.height
+        # As high as the drawing, which it is put over; the padding is that of both.
         put_prop(
             self._over,
             "content",
-            f'<div class="over" style="margin-top:-{100 * axes.height / axes.width:.4f}%">'
-            f'<svg viewBox="0 0 {axes.width:g} {axes.height:g}">{self._marked}</svg></div>',
+            f'<div class="over" style="margin-top:calc((8px - 100%)*{high / wide:.6f})">'
+            f'<svg viewBox="0 0 {wide:g} {high:g}">{marked}</svg></div>',
         )
 
-    def _pointed(self, text: str, client: Client) -> None:
-        """A person pointed at a place; what no plot wrote is nothing."""
-        try:
-            x, y, _ = map(float, text.split())
-        except ValueError:
+    # --- what a person does
+
+    def _heard(self, text: str, client: Client) -> None:
+        """What the browser wrote; what no plot wrote is nothing."""
+        word, *rest = text.split() or [""]
+        match word:
+            case "zoom":
+                self._zoom(_numbers(rest, 5))
+            case "whole":
+                self._seen(replace(self.look, part=None))
+            case "size":
+                if size := _numbers(rest, 3):
+                    wide, high = (min(max(v, 80.0), 8000.0) for v in size[:2])
+                    self._seen(replace(self.look, size=(wide, high)))
+            case "table":
+                self._behind = not self._behind
+                self._redraw()
+            case _:
+                self._pointed(text, client)
+
+    def _zoom(self, ends: Sequence[float]) -> None:
+        if not ends or self.figure is None:
             return
-        if math.isfinite(x) and math.isfinite(y):
-            self._act(x, y, client)
+        x, y = (ends[0], ends[1]), (ends[2], ends[3])
+        if x[0] < x[1] and y[0] < y[1]:
+            part: Bounds = (x, y if self._both else (-math.inf, math.inf))
+            whole = self.figure.axes.whole
+            widest = whole is not None and x[0] <= whole[0][0] and x[1] >= whole[0][1]
+            self._seen(replace(self.look, part=None if widest else part))
+
+    def _seen(self, look: Look) -> None:
+        if look != self.look:
+            self.look = look
+            self._redraw()
+
+    def _pointed(self, text: str, client: Client) -> None:
+        """A person pointed at a place."""
+        if place := _numbers(text.split(), 3):
+            self._act(place[0], place[1], client)
+
+    # --- the drawing
+
+    def _fitted(self) -> str:
+        """Has the browser tell how large it is."""
+        if not self._alone:
+            return ""
+        size = "" if self.look.size is None else "known"
+        return f' data-fit="{id(self)}" data-size="{size}"'
+
+    def _html(self, stale: bool) -> str:
+        figure = self.figure
+        look = 'class="plot aged"' if stale else 'class="plot"'
+        if figure is None:
+            return f"<div {look}{self._fitted()}>{_FIT if self._alone else ''}</div>"
+        flags = ' data-both="1"' * self._both + ' data-wheel="1"' * self._alone
+        drawn = behind(figure) if self._behind else drawing(figure, self.ACT, flags)
+        tools = _tools(zoomed=figure.axes.whole is not None, behind=self._behind)
+        fit = _FIT if self._alone else ""
+        return f"<div {look}{self._fitted()}>{drawn}{tools}{fit}</div>"
 
 
-def _base(figure: Figure | None, act: str = _POINT) -> str:
-    if figure is None:
-        return f'{_STYLE}<div class="plot"></div>'
+MOST = 600  # points of a stroke that the browser sends
+
+
+def drawing(figure: Figure, act: str = "point", flags: str = "") -> str:
+    """A figure with what the browser needs to answer the pointer; ``flags`` are attributes."""
     a = figure.axes
     box = " ".join(f"{v:.12g}" for v in (a.left, a.top, *a.inner, *a.x, *a.y))
-    script = esc(f"(function(s,e){{{WHERE}{act}}})(this,event)".replace("\n", " "))
-    handlers = " ".join(f'on{event}="{script}"' for event in _EVENTS)
+    span = "" if figure.span is None else " ".join(f"{v:.12g}" for s in figure.span for v in s)
+    end = a.width - a.right
     return (
-        f'{_STYLE}<div class="plot"><svg viewBox="0 0 {a.width:g} {a.height:g}" role="img" '
+        f'<svg viewBox="0 0 {a.width:g} {a.height:g}" role="img" '
         f'aria-label="{esc(figure.name)}" font-size="11" data-box="{box}" '
+        f'data-act="{act}"{flags} data-span="{span}" data-most="{MOST}" '
         f'data-grid="{len(figure.columns)} {len(figure.rows)}" '
         f'data-columns="{_listed(figure.columns)}" data-rows="{_listed(figure.rows)}" '
-        f'data-tips="{_listed(figure.tips)}" data-idle="{esc(figure.idle)}" {handlers}>'
+        f'data-tips="{_listed(figure.tips)}" data-idle="{esc(figure.idle)}">'
         f'<rect width="{a.width:g}" height="{a.height:g}" fill="transparent"/>{figure.content}'
-        f'<text class="tip" x="{a.left:g}" y="{a.top - 7:g}" fill="currentColor">'
-        f"{esc(figure.idle)}</text></svg></div>"
+        f'<rect class="band" x="0" y="{a.top:g}" width="0" height="{a.inner[1]:g}" '
+        f'fill="currentColor" fill-opacity="0.12"/>'
+        f"{heading(a.left, a.top - 9, figure.title, figure.unit)}"
+        f'<text class="tip" x="{end:g}" y="{a.top - 9:g}" text-anchor="end" '
+        f'fill="{DIM}">{esc(figure.idle)}</text></svg>'
     )
+
+
+def behind(figure: Figure) -> str:
+    """The numbers of a figure as a table, as high as its drawing."""
+    heads, rows = figure.table()
+    a = figure.axes
+    head = "".join(f'<th scope="col">{esc(text)}</th>' for text in heads)
+    body = "".join(f"<tr>{''.join(f'<td>{esc(text)}</td>' for text in row)}</tr>" for row in rows)
+    return (
+        f'<div class="behind" tabindex="0" role="region" aria-label="{esc(figure.name)}, table" '
+        f'style="aspect-ratio:{a.width:g}/{a.height:g}"><table><caption>{esc(figure.name)}'
+        f"</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>"
+    )
+
+
+def _tools(*, zoomed: bool, behind: bool) -> str:
+    """Small buttons at the foot of a plot."""
+    known = [("whole", "Whole", "Show the whole again (double click)")] * zoomed
+    known += [("copy", "SVG", "Copy the plot as SVG")] * (not behind)
+    word = "Plot" if behind else "Table"
+    known.append(("table", word, "The numbers as a table" if not behind else "The plot again"))
+    made = "".join(
+        f'<button type="button" data-do="{do}" title="{hint}">{title}</button>'
+        for do, title, hint in known
+    )
+    return f'<div class="tools">{made}</div>'
+
+
+def _numbers(words: Sequence[str], count: int) -> list[float]:
+    """So many finite numbers; none where something else stands there."""
+    try:
+        values = [float(word) for word in words]
+    except ValueError:
+        return []
+    return values if len(values) == count and all(map(math.isfinite, values)) else []
 
 
 def _listed(texts: Sequence[str]) -> str:

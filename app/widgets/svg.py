@@ -11,6 +11,13 @@ from xml.etree import ElementTree
 from app.scene.palette import INK
 from app.widgets.texts import esc
 
+# What the page's style sheet sets for light and dark; in a file the light colour that is named.
+TEXT, DIM = "var(--bo-ink,#1F2933)", "var(--bo-dim,#5B6672)"
+EDGE, RULE = "var(--bo-line,#7F8996)", "var(--bo-rule,#DDE2E8)"
+FIELD, BACK = "var(--bo-field,#FFFFFF)", "var(--bo-bg,#FBFCFD)"
+LOST, BAD = "var(--bo-singular,#D55E00)", "var(--bo-bad,#B04A00)"
+AREA = "var(--bo-workspace,#54677C)"
+TAGGED = {"paint_order": "stroke", "stroke": FIELD, "stroke_width": 3.0}  # of a text over lines
 FONT = "system-ui, Segoe UI, Helvetica, Arial, sans-serif"
 SIZE = 11.0  # px of a letter, which is about 0.56 of it wide
 Entry = tuple[str, str, str | None]
@@ -46,6 +53,19 @@ def label(x: float, y: float, text: str, anchor: str = "middle", /, **look: obje
     """A text, in the page's own colour as a rule; nothing for none."""
     looks = {"text_anchor": anchor, "fill": "currentColor"} | look
     return tag("text", esc(text), x=x, y=y, **looks) if text else ""
+
+
+def heading(x: float, y: float, title: str, unit: str = "") -> str:
+    """A plot's title with its unit; nothing for none."""
+    said = {"font_size": SIZE, "font_weight": 400, "fill": DIM, "dx": 8}
+    whole = esc(title) + (tag("tspan", esc(unit), **said) if unit else "")
+    look = {"font_size": 12, "font_weight": 600, "fill": TEXT}
+    return tag("text", whole, class_="title", x=x, y=y, **look) if title else ""
+
+
+def plain(picture: str) -> str:
+    """A picture with the light colours, for a file, which knows no style sheet."""
+    return re.sub(r"var\(--[\w-]+,([^()]*)\)", r"\1", picture)
 
 
 def legend(entries: Sequence[Entry], width: float, height: float) -> tuple[str, float]:
@@ -98,7 +118,7 @@ def document(
         font_family=FONT,
         font_size=SIZE,
     )
-    return f'<?xml version="1.0" encoding="UTF-8"?>\n{drawn}\n' if paper else drawn
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{plain(drawn)}\n' if paper else drawn
 
 
 _WORD = re.compile(r"[A-Za-z]|-?\d*\.?\d+(?:e[+-]?\d+)?")

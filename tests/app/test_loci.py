@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from app.features.singularities import plot
 from app.scene import palette
+from app.widgets.svg import LOST
 from kinematics.answers.circles import OrientationCircle, Profile, ProfileCurve
 from kinematics.answers.loci import LocusCurves, LocusSpec
 from kinematics.designs.files import load_design
@@ -85,14 +86,14 @@ def test_a_polar_chart_is_round_and_its_circles_are_to_scale() -> None:
     assert drawn.axes.inner[0] == drawn.axes.inner[1]  # the same scale across and up
     root = _svg(drawn.content)
     (curve,) = [p for p in root.iter("path") if p.get("class") == "locus parallel"]
-    assert curve.get("stroke") == palette.BEYOND
+    assert curve.get("stroke") == LOST
     places = np.array(re.findall(r"([\d.]+) ([\d.]+)", curve.get("d", "")), dtype=float)
     middle = np.array(drawn.axes.px(0.0, 0.0))
     radii = np.linalg.norm(places - middle, axis=1)
     (micr,) = [c for c in root.iter("circle") if c.get("class") == "micr"]
     assert radii == pytest.approx(np.full(len(radii), float(micr.get("r", ""))), abs=0.15)
     assert (float(micr.get("cx", "")), float(micr.get("cy", ""))) == pytest.approx(middle)
-    dots = [c for c in root.iter("circle") if c.get("fill") == palette.BEYOND]
+    dots = [c for c in root.iter("circle") if c.get("fill") == LOST]
     assert len(dots) == 2
     for dot in dots:
         at = np.array([float(dot.get("cx", "")), float(dot.get("cy", ""))])
@@ -124,7 +125,7 @@ def test_serial_curves_are_dashed_in_their_limbs_colour() -> None:
         plot.figure(PLAIN, _curves(run, run, bounds=bounds, kinds=("parallel", "serial"))).content
     )
     lost, serial = (p for p in root.iter("path") if "locus" in p.get("class", ""))
-    assert (lost.get("stroke"), lost.get("stroke-dasharray")) == (palette.BEYOND, None)
+    assert (lost.get("stroke"), lost.get("stroke-dasharray")) == (LOST, None)
     assert serial.get("stroke") == palette.limb_color(1)
     assert serial.get("stroke-dasharray")
 
@@ -162,7 +163,8 @@ def test_profiles_of_two_machines_are_told_apart_and_escaped() -> None:
     x = np.linspace(0.0, 3.0, 40)
     one, two = _profile("<one>", x, 0.3, 0.4, 0.5), _profile("two", x, 0.2, 0.1)
     drawn = plot.profile_figure([("A&B", one), ("C", two)])
-    paths = [p for p in _svg(drawn.content).iter("path") if p.get("fill") == "none"]
+    (curves,) = _svg(drawn.content).findall("svg")
+    paths = [p for p in curves.iter("path") if p.get("fill") == "none"]
     assert [p.get("stroke") for p in paths] == 3 * [plot.MACHINES[0]] + 2 * [plot.MACHINES[1]]
     titles = [t.text for t in _svg(drawn.content).iter("title")]
     assert titles[0] == "A&B, mode 1, <one>"
@@ -189,7 +191,7 @@ def test_the_curves_of_every_machine_make_a_sound_picture(name: str) -> None:
         assert len(paths) == len(curves.kinds)
         assert "nan" not in drawn.content
         # The curves stand in a picture of their own, which clips them.
-        (clip,) = root.iter("svg") if root.tag != "svg" else list(root)[:1]
+        (clip,) = root.findall("svg")
         assert clip.get("viewBox")
         assert set(paths) <= set(clip.iter("path"))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import math
+import re
 from xml.etree import ElementTree
 
 import numpy as np
@@ -17,8 +18,9 @@ from app.features.map.state import Chart, Span
 from app.features.section.html import profile
 from app.review.state import new_review
 from app.scene import palette
-from app.widgets.axes import STEPS, TURN, Axes, Figure, scales, ticks
-from app.widgets.plots import _base
+from app.widgets.axes import STEPS, TURN, Axes, Bounds, Figure, Look, scales, ticks
+from app.widgets.plots import behind, drawing
+from app.widgets.svg import LOST, RULE, document
 from kinematics.answers.sections import Quantity, SectionSpec, Volume
 from kinematics.designs.files import load_design
 from kinematics.facets.map_sweeps import Map, map_request
@@ -59,14 +61,25 @@ def test_no_text_breaks_out_of_the_drawing() -> None:
     nasty = "\"><script>alert(1)</script>|'&"
     axes = Axes(100, 80, 20, 20, 5, 20, (0.0, 1.0), (0.0, 1.0))
     figure = Figure(
-        axes, scales(axes, nasty, nasty, [0.5], [0.5]), [nasty], [""], [""], nasty, nasty
+        axes,
+        scales(axes, nasty, nasty, [0.5], [0.5]),
+        [nasty],
+        [""],
+        [""],
+        nasty,
+        nasty,
+        lambda: ((nasty,), ((nasty,),)),
+        title=nasty,
+        unit=nasty,
     )
-    text = _base(figure)
+    text = drawing(figure)
     assert "<script" not in text
-    svg = ElementTree.fromstring(text[text.index("<svg") : text.index("</svg>") + 6])
+    svg = ElementTree.fromstring(text)
     assert svg.get("data-columns") == nasty.replace("|", "/")
     assert svg.get("data-idle") == nasty
     assert svg.get("aria-label") == nasty
+    table = ElementTree.fromstring(behind(figure))
+    assert [cell.text for cell in table.iter("td")] == [nasty]
 
 
 def _map(values: np.ndarray, quantity: str = "volume") -> Map:
@@ -192,3 +205,84 @@ def test_a_map_of_one_value_has_one_colour() -> None:
     drawn = maps.figure(_map(np.full((3, 2), 5.0), "pieces"), stale=False).content
     assert drawn.count("shape-rendering") == 1
     assert "max 5" in drawn
+
+
+# --- one family of plots
+
+
+def _area(part: Bounds | None = None) -> Figure:
+    at = np.linspace(-50.0, 50.0, 41)
+    area = 2e4 + 1e4 * np.cos(at / 20.0)
+    volume = Volume(
+        2e6, 1.0, np.zeros(3), (2e6,), at, area, events=np.array([-50.0, 0.0, 50.0]), sections=41
+    )
+    found = profile(volume, SPEC, Look(part=part))
+    assert found is not None
+    return found
+
+
+def test_a_zoom_shows_a_part_to_the_same_ticks_and_never_more_than_the_whole() -> None:
+    whole = _area()
+    assert whole.axes.whole is None
+    part = _area(((-20.0, 10.0), (-math.inf, math.inf)))
+    assert part.axes.x == pytest.approx((-20.0, 10.0))
+    assert part.axes.y == whole.axes.y
+    assert part.axes.whole == (whole.axes.x, whole.axes.y)
+    # What is told of a place is the same, to the width of a pixel.
+    told = part.columns[len(part.columns) // 2]
+    assert told.startswith("x′ = −5")
+    beyond = _area(((30.0, 90.0), (-math.inf, math.inf)))
+    assert beyond.axes.x == pytest.approx((-10.0, 50.0))  # as much, moved to where something is
+    assert _area(((-900.0, 900.0), (-math.inf, math.inf))).axes.x == whole.axes.x
+    tiny = _area(((3.0, 3.0), (-math.inf, math.inf))).axes.x
+    assert tiny[0] < tiny[1]
+
+
+def test_a_zoomed_map_tells_of_the_cells_that_it_shows() -> None:
+    values = np.linspace(1e7, 2e7, 20).reshape(5, 4)
+    whole = maps.figure(_map(values), stale=False)
+    look = Look(part=((0.0, 12.0), (0.0, 20.0)))
+    part = maps.figure(_map(values), look, stale=False)
+    assert part.span == (whole.axes.x, whole.axes.y)
+    assert part.axes.x == (0.0, 12.0)
+    assert part.tips == whole.tips
+    # The cells stand where the axes say: the right edge of the middle column is at 2.5°.
+    edges = re.findall(r"M([-\d.]+) [-\d.]+h([-\d.]+)v", part.content)
+    ends = {round(float(x) + float(wide), 1) for x, wide in edges}
+    assert round(part.axes.px(2.5, 0.0)[0], 1) in ends
+
+
+def test_the_numbers_behind_a_plot_are_those_of_the_plot() -> None:
+    heads, rows = _area().table()
+    assert heads == ("x′ (mm)", "area (cm²)")
+    assert len(rows) == 25
+    assert [row[0] for row in (rows[0], rows[-1])] == ["−50.0", "50.0"]
+    assert float(rows[12][1]) == pytest.approx(300.0, abs=0.5)
+    values = np.linspace(1e7, 2e7, 20).reshape(5, 4)
+    heads, rows = maps.figure(_map(values), stale=False).table()
+    assert heads == ("θ (°) \\ φ (°), dm³", "−10.0", "−5.0", "0.0", "5.0", "10.0")
+    assert [row[0] for row in rows] == ["30.0", "20.0", "10.0", "0.0"]
+    assert rows[-1][1:] == tuple(f"{v * 1e-6:.4g}" for v in values[:, 0])
+
+
+def test_axes_are_left_and_below_only_with_hair_lines_and_true_minus() -> None:
+    figure = _area()
+    root = ElementTree.fromstring(f"<svg>{figure.content}</svg>")
+    (corner,) = [p for p in root.iter("path") if p.get("class") == "axes"]
+    low = figure.axes.top + figure.axes.inner[1]
+    assert corner.get("d", "").startswith(
+        f"M{figure.axes.left:g} {figure.axes.top:g}V{low:g}H{figure.axes.width - 12:g}"
+    )
+    (lines,) = [p for p in root.iter("path") if p.get("class") == "grid"]
+    assert lines.get("stroke") == RULE
+    shown = [t.text or "" for t in root.iter("text")]
+    assert "−40" in shown
+    assert not any(text.startswith("-") for text in shown)
+    assert len([t for t in root.iter("text") if t.get("text-anchor") == "middle"]) <= 6 + 2
+    assert "max 300 at 0 mm" in shown
+
+
+def test_a_file_has_the_light_colours_and_no_variables() -> None:
+    drawn = document((10.0, 10.0), f'<g fill="{LOST}" stroke="{RULE}"/>', paper="#FFFFFF")
+    assert "var(" not in drawn
+    assert 'fill="#D55E00" stroke="#DDE2E8"' in drawn

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -10,11 +11,13 @@ import pytest
 
 from app.features.move.state import Flip, Move
 from app.features.section import compute
+from app.features.section.plot import section_figure
 from app.features.section.state import MoveCut
 from app.features.singularities.state import SetControl
 from app.features.workspace.state import ChooseModes, Show
 from app.review.changes import change
 from app.review.state import Options, Review, new_review
+from app.scene.palette import limb_color
 from kinematics.answers.sections import Section
 from kinematics.designs.files import load_design
 from kinematics.machine import machine_of
@@ -86,9 +89,15 @@ def test_the_platform_is_marked_only_where_it_stands_in_the_plane(review: Review
     assert compute.wish(change(turned, MoveCut(at + 1.0))[0]).mark is None
 
 
-def test_a_dark_page_asks_for_another_plot(review: Review) -> None:
+def test_a_dark_page_shows_the_same_drawing_whose_colours_the_style_sheet_sets(
+    review: Review,
+) -> None:
     dark = review.having(replace(review[Options], dark=True))
-    assert compute.wish(dark) != compute.wish(review)
+    assert compute.wish(dark) == compute.wish(review)
+    content = section_figure(compute.draw(compute.wish(review)).picture).content
+    # Only what means a limb has the same colour on both pages.
+    fixed = set(re.findall(r'(?:fill|stroke)="(#\w+)"', content))
+    assert fixed <= {limb_color(limb) for limb in range(1, 6)}
 
 
 def test_lost_control_is_drawn_where_the_present_mode_comes(review: Review) -> None:
@@ -102,11 +111,12 @@ def test_lost_control_is_drawn_where_the_present_mode_comes(review: Review) -> N
     poses = compute.placed(machine_of(design), review.pose, middles)
     held = [machine_of(design).inverse.posture(pose, review.mode).reachable for pose in poses]
     assert np.mean(held) > 0.95  # all but where the curve leaves
-    assert 'class="lost"' in drawn.svg
-    assert 'class="lost-beyond"' in drawn.svg
-    assert 'class="shade"' in drawn.svg
+    content = section_figure(drawn.picture).content
+    assert 'class="lost"' in content
+    assert 'class="lost-beyond"' in content
+    assert 'class="shade"' in content
     # Another mode than those that are cut has nothing to tell here.
     other = change(review, ChooseModes(("-----",)))[0]
     drawn = compute.draw(compute.wish(other))
     assert len(drawn.locus) == 0
-    assert 'class="shade"' not in drawn.svg
+    assert 'class="shade"' not in section_figure(drawn.picture).content

@@ -223,14 +223,15 @@ def test_strips_are_in_page_units_and_show_limits(bar: Computed) -> None:
     assert any("too fast" in column for column in drawn.columns)
     cursor = mark(bar, "all", drawn.axes, 1.0)
     middle = np.degrees(bar.found.joints[10, 0])
-    assert f"θ₁ {middle:.1f}" in cursor
+    told = [t.text for t in ElementTree.fromstring(f"<g>{cursor}</g>").iter("text")]
+    assert told[:2] == ["θ₁", f"{middle:.1f}"]  # the larger of the two, beside its chip
     assert figure(bar, "rates").axes.height < drawn.axes.height
 
 
 def test_the_saved_plot_is_a_picture_of_its_own(bar: Computed) -> None:
     text = plots_svg(bar, "all", 'A <"machine">')
     root = ElementTree.fromstring(text)
-    assert root.get("width") == "430"
+    assert root.get("width") == "860"
     assert "θ₂" in text
     assert "<machine" not in text
 

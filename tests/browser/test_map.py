@@ -33,7 +33,7 @@ def _place(plot: Locator, phi: float, theta: float) -> tuple[float, float]:
     """Where on the page the map shows an orientation (degrees)."""
     box: Any = plot.bounding_box()
     left, top, wide, high, x0, x1, y0, y1 = map(float, str(plot.get_attribute("data-box")).split())
-    scale = box["width"] / 400.0
+    scale = box["width"] / float(str(plot.get_attribute("viewBox")).split()[2])
     return (
         box["x"] + scale * (left + wide * (phi - x0) / (x1 - x0)),
         box["y"] + scale * (top + high * (1 - (theta - y0) / (y1 - y0))),

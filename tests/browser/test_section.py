@@ -37,7 +37,7 @@ def section(tab: Tab) -> Iterator[Tab]:
 
 def _plot(tab: Tab) -> Locator:
     """The profile of areas, once it is there."""
-    found = tab.page.locator(".plot svg[data-box]").locator("visible=true")
+    found = tab.page.get_by_role("img", name="Area of the section").locator("visible=true")
     found.first.wait_for(timeout=60_000)
     found.first.scroll_into_view_if_needed()
     return found.first
@@ -47,7 +47,7 @@ def _place(plot: Locator, x: float) -> tuple[float, float]:
     """Where on the page the profile shows an x′."""
     box: Any = plot.bounding_box()
     left, top, wide, high, low, end, *_ = map(float, str(plot.get_attribute("data-box")).split())
-    scale = box["width"] / 400.0
+    scale = box["width"] / float(str(plot.get_attribute("viewBox")).split()[2])
     return (
         box["x"] + scale * (left + wide * (x - low) / (end - low)),
         box["y"] + scale * (top + 0.5 * high),

@@ -76,7 +76,7 @@ class MapPanel(Panel):
         self._stop = self.asks("Cancel", part.give_up, icon=viser.Icon.PLAYER_STOP, visible=False)
         self._state = gui.add_html("")
         self._progress = gui.add_progress_bar(0.0, visible=False, animated=True)
-        self._plot = Plot(desk, self._pointed)
+        self._plot = Plot(desk, self._pointed, both=True)
         self._extremes = gui.add_html("")
         self._known: Charted | None = None
         self.asks_for(
@@ -116,9 +116,9 @@ class MapPanel(Panel):
         self._draw_cross()
 
     def _draw_cross(self) -> None:
-        pose, drawn = self.review.pose, self._plot.figure
+        pose = self.review.pose
         x, y = (c.outer(pose[n]) for c, n in zip(self._axes, self._indices, strict=True))
-        self._plot.mark("" if drawn is None else cross(drawn.axes, x, y, 8.0))
+        self._plot.mark(lambda figure: cross(figure.axes, x, y, 8.0))
 
     def _edit(self, _: Span, client: Client) -> None:
         """Take the spans as soon as all can be used."""

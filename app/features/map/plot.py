@@ -2,12 +2,27 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 
 from app.review.units import minus, number, page_unit, volume_text, with_error
 from app.scene import palette
-from app.widgets.axes import Axes, Figure, columns, named, named_scales, ticks
+from app.widgets.axes import (
+    MOST,
+    WHOLE,
+    Axes,
+    Bounds,
+    Figure,
+    Look,
+    Table,
+    columns,
+    named,
+    named_scales,
+    sampled,
+    ticks,
+)
 from app.widgets.svg import label, line, tag
 from kinematics.answers.sections import Quantity
 from kinematics.facets.map_sweeps import Map
@@ -15,7 +30,7 @@ from kinematics.facets.map_sweeps import Map
 SHADES = 48
 
 
-def figure(found: Map, *, stale: bool) -> Figure:
+def figure(found: Map, look: Look = WHOLE, *, stale: bool) -> Figure:
     """A map as a drawing: a cell for each point, in the page's units."""
     quantity = found.request.quantities[0]
     first, second = found.request.coordinates
@@ -23,7 +38,8 @@ def figure(found: Map, *, stale: bool) -> Figure:
         np.array([c.outer(v) for v in given])
         for c, given in ((first, found.request.first), (second, found.request.second))
     )
-    axes = Axes(400, 342, 46, 24, 74, 38, _ends(x), _ends(y))
+    span = _ends(x), _ends(y)
+    axes = Axes(396, 342, 46, 28, 74, 38, *span).seen(look)
     values, errors = found.values[0], found.errors[0]
     known = np.isfinite(values)
     there = values[known & (values != 0.0)]
@@ -33,13 +49,13 @@ def figure(found: Map, *, stale: bool) -> Figure:
     if known.any():
         # Where nothing was computed yet stands the nearest that was.
         where = distance_transform_edt(~known, return_distances=False, return_indices=True)
-        content = _cells(axes, _shares(values[tuple(where)], low, high))
-        content += _bar(axes, unit, low * scale, high * scale)
+        cells = _cells(axes, _shares(values[tuple(where)], low, high), span)
+        content = axes.clipped(cells) + _bar(axes, unit, low * scale, high * scale)
         content += _marks(axes, found, x, y, scale)
     return Figure(
         axes,
         tag("g", content, class_="map", opacity=".35" if stale else None)
-        + named_scales(axes, named(first), named(second), 7),
+        + named_scales(axes, named(first), named(second)),
         [f"{first.symbol} {_places(v)}{page_unit(first)}, " for v in x.tolist()],
         [f"{second.symbol} {_places(v)}{page_unit(second)}: " for v in y.tolist()],
         [
@@ -51,9 +67,27 @@ def figure(found: Map, *, stale: bool) -> Figure:
                 strict=True,
             )
         ],
-        f"{quantity.title}: point to read, click to turn the machine there",
+        "press a cell to turn the machine there",
         f"Map of {quantity.title}",
+        partial(_table, found, x, y, scale, unit),
+        title=quantity.title,
+        unit=unit,
+        span=span,
     )
+
+
+def _table(found: Map, x: np.ndarray, y: np.ndarray, scale: float, unit: str) -> Table:
+    """The values by both coordinates, thinned; the first one to the right."""
+    (first, one), (second, other) = map(named, found.request.coordinates)
+    across, down = sampled(len(x), 7), sampled(len(y))[::-1]
+    corner = f"{second} ({other}) \\ {first} ({one})" + (f", {unit}" if unit else "")
+    values = found.values[0]
+    rows = [(_places(y[j]), *(_plain(values[i, j] * scale) for i in across)) for j in down]
+    return (corner, *(_places(x[i]) for i in across)), rows
+
+
+def _plain(value: float) -> str:
+    return minus(f"{value:.4g}") if np.isfinite(value) else "–"
 
 
 def told(quantity: Quantity, value: float, error: float) -> str:
@@ -142,13 +176,18 @@ def _marks(axes: Axes, found: Map, x: np.ndarray, y: np.ndarray, scale: float) -
     return drawn
 
 
-def _cells(axes: Axes, shares: np.ndarray) -> str:
+def _cells(axes: Axes, shares: np.ndarray, span: Bounds | None = None) -> str:
     """One path for each shade; neighbours upwards of one shade are one rectangle."""
     shades = np.clip(np.rint(shares * (SHADES - 1)), 0, SHADES - 1).astype(int)
     shades[shares == 0.0] = -1  # an empty workspace has no colour
     look = {"shape_rendering": "crispEdges"}
     return "".join(
-        tag("path", d=columns(axes, shades == n), fill=palette.ramp_color(n / (SHADES - 1)), **look)
+        tag(
+            "path",
+            d=columns(axes, shades == n, span),
+            fill=palette.ramp_color(n / (SHADES - 1)),
+            **look,
+        )
         for n in np.unique(shades[shades >= 0]).tolist()
     )
 
@@ -168,7 +207,7 @@ def _bar(axes: Axes, unit: str, low: float, high: float) -> str:
         )
         for n in range(SHADES)
     ]
-    for value in ticks(low, high, 6) if high > low else [high]:
+    for value in ticks(low, high, MOST) if high > low else [high]:
         y = axes.top + tall * (1.0 - (value - low) / (high - low) if high > low else 0.0)
         parts.append(line(f"M{left + 13:g} {y:.1f}h4", stroke_opacity=0.6))
         parts.append(label(left + 19, y + 3.8, number(value), "start"))

@@ -15,13 +15,13 @@ from typing import Any
 
 import numpy as np
 
-from app.features.section.plot import Bounds, Shade, section_bounds, section_svg
+from app.features.section.plot import Bounds, Picture, Shade, section_bounds
 from app.features.section.state import Cut, point_in_section
 from app.features.singularities.compute import placed
 from app.features.singularities.state import Control
 from app.features.workspace.state import Workspace, solver_modes
 from app.jobs.answers import Question
-from app.review.state import Options, Review
+from app.review.state import Review
 from app.scene.painting import scale
 from kinematics.answers.sections import Box, Section, Sphere, Volume
 from kinematics.arrays import Array
@@ -37,7 +37,6 @@ CELLS = 100  # of a measure's picture, along its longer side
 STEP = 6.0  # mm, the longest chord of an arc in the scene
 HATCHES = 40  # lines across a square as large as the extent
 ON_PLANE = 0.05  # mm; the platform is in a plane that it is not farther from
-PLOT = (320.0, 640.0)  # px
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +59,7 @@ def prepare(kind: str) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """A section to draw: of what, where (mm), for a light or a dark page.
+    """A section to draw: of what, where (mm).
 
     ``mark`` is where the platform stands in the plane, mm.
     """
@@ -68,7 +67,6 @@ class Wish:
     region: Region
     at: float
     mark: tuple[float, float] | None
-    dark: bool
     lost: Lost | None = None
 
 
@@ -109,7 +107,7 @@ class Drawn:
         line_limb: (S,) from 1.
         hatch: (H, 2, 3) mm, lines that fill the region.
         locus: (L, 2, 3) mm along the curves where control is lost, likewise.
-        svg: the plot.
+        picture: for the plot.
     """
 
     wish: Wish
@@ -119,7 +117,7 @@ class Drawn:
     line_limb: np.ndarray
     hatch: Array
     locus: Array
-    svg: str
+    picture: Picture
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -156,7 +154,7 @@ def wish(review: Review) -> Wish:
     """The section that a review shows."""
     x, y, z = point_in_section(review)
     mark = (y, z) if abs(x - review[Cut].at) < ON_PLANE else None
-    return Wish(region(review), review[Cut].at, mark, review[Options].dark, _lost(review))
+    return Wish(region(review), review[Cut].at, mark, _lost(review))
 
 
 def _lost(review: Review) -> Lost | None:
@@ -185,13 +183,9 @@ def draw(wanted: Wish) -> Drawn:
     hatch = hatched(lines, reach.across) if reach.across and len(lines) else lines[:0]
     held = _held(wanted, section)
     curves, beyond = _parted(_curves(wanted), held)
-    svg = section_svg(
+    picture = Picture(
         section,
         spec,
-        width=PLOT[0],
-        height=PLOT[1],
-        dark=wanted.dark,
-        standalone=False,
         mark=wanted.mark,
         bounds=reach.across,
         curves=curves,
@@ -207,7 +201,7 @@ def draw(wanted: Wish) -> Drawn:
         limbs,
         _raised(hatch, at),
         _raised(segments(curves), at),
-        svg,
+        picture,
     )
 
 

@@ -2,12 +2,28 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from app.review.units import area_text, number, plural, spaced, tenths
 from app.scene import palette
-from app.widgets.axes import Axes, Figure, middles, scales, thinned, ticks, upright
-from app.widgets.svg import line, tag
+from app.widgets.axes import MOST as MARKS
+from app.widgets.axes import (
+    WHOLE,
+    Axes,
+    Figure,
+    Look,
+    Table,
+    grid,
+    middles,
+    sampled,
+    scales,
+    thinned,
+    ticks,
+    upright,
+)
+from app.widgets.svg import AREA, EDGE, TAGGED, TEXT, label, line, tag
 from app.widgets.texts import box, chip, esc, faint, table
 from kinematics.answers.sections import Section, SectionSpec, Volume
 
@@ -59,12 +75,13 @@ def numbers_html(section: Section, spec: SectionSpec, along: tuple[float, float]
     return box(f"{body}{details}")
 
 
-def profile_axes(volume: Volume) -> Axes | None:
+def profile_axes(volume: Volume, look: Look = WHOLE) -> Axes | None:
     """The axes of the profile, area in cm²; None of an empty workspace."""
     if not len(volume.at) or volume.value <= 0.0:
         return None
     x, area = _curve(volume)
-    return Axes(400, 150, 52, 22, 12, 36, (float(x[0]), float(x[-1])), (0.0, area.max() / 92.0))
+    span = (float(x[0]), float(x[-1]))
+    return Axes(396, 158, 40, 28, 12, 36, span, (0.0, area.max() / 80.0)).seen(look)
 
 
 def _curve(volume: Volume) -> tuple[np.ndarray, np.ndarray]:
@@ -81,43 +98,61 @@ def profile_places(axes: Axes) -> np.ndarray:
     return np.round(middles(axes.x, COLUMNS), DIGITS)
 
 
-def mark(volume: Volume, at: float) -> str:
+def mark(volume: Volume, axes: Axes, at: float) -> str:
     """Where the plane stands on the profile; nothing beyond its ends."""
-    axes = profile_axes(volume)
-    if axes is None or not axes.x[0] <= at <= axes.x[1]:
+    if not axes.x[0] <= at <= axes.x[1]:
         return ""
     x, y = axes.px(at, float(np.interp(at, *_curve(volume))) / 100.0)
-    return upright(axes, at) + tag("circle", cx=x, cy=y, r=3.5, fill="currentColor")
+    return upright(axes, at) + tag("circle", cx=x, cy=y, r=3.5, fill=TEXT)
 
 
-def profile(volume: Volume, spec: SectionSpec) -> Figure | None:
+def profile(volume: Volume, spec: SectionSpec, look: Look = WHOLE) -> Figure | None:
     """The area of the sections against the place of the plane; None of an empty workspace."""
-    axes = profile_axes(volume)
+    axes = profile_axes(volume, look)
     if axes is None:
         return None
     x, area = _curve(volume)
     kept = thinned(len(x), MOST)
     path = axes.path(np.column_stack([x, 0.01 * area])[kept].tolist())[1:]
     base = axes.px(0.0, 0.0)[1]
-    left, right = axes.px(axes.x[0], 0.0)[0], axes.px(axes.x[1], 0.0)[0]
-    events = "".join(
-        f"M{axes.px(float(e), 0.0)[0]:.1f} {base:g}v-7"
-        for e in volume.events
-        if axes.x[0] <= e <= axes.x[1]
-    )
-    look = {"fill_opacity": 0.4, "stroke": palette.WORKSPACE, "stroke_width": 1.6}
+    left, right = axes.px(x[0], 0.0)[0], axes.px(x[-1], 0.0)[0]
+    events = "".join(f"M{axes.px(float(e), 0.0)[0]:.1f} {base:g}v-6" for e in volume.events)
     closed = f"M{left:.1f} {base:g}L{path}L{right:.1f} {base:g}Z"
-    content = tag("path", d=closed, fill=palette.WORKSPACE, **look)
-    content += line(events, stroke_opacity=0.7)
+    xs, ys = ticks(*axes.x, MARKS), ticks(*axes.y, 3)
+    look_of = {"fill_opacity": 0.16, "stroke": AREA, "stroke_width": 1.8}
+    content = tag("path", class_="curve", d=closed, fill=AREA, **look_of) + line(events, EDGE)
     places = profile_places(axes)
     areas = np.interp(places, x, area)
     return Figure(
         axes,
-        content
-        + scales(axes, f"{spec.normal} (mm)", "area (cm²)", ticks(*axes.x, 7), ticks(*axes.y, 3)),
+        grid(axes, (), ys)
+        + axes.clipped(content)
+        + _largest(axes, x, area)
+        + scales(axes, f"{spec.normal} (mm)", "", xs, ys),
         [f"{spec.normal} = {number(round(p, 1))} mm: " for p in places.tolist()],
         ("",),
         [area_text(a) for a in areas.tolist()],
-        f"Area of the section against {spec.normal}: point to cut there",
+        "drag to cut there",
         "Area of the section",
+        partial(_table, spec, x, area),
+        title=f"Area along {spec.normal}",
+        unit="cm²",
     )
+
+
+def _largest(axes: Axes, x: np.ndarray, area: np.ndarray) -> str:
+    """The largest area and where it is, above the curve."""
+    n = int(area.argmax())
+    u, v = axes.px(float(x[n]), 0.01 * float(area[n]))
+    if not axes.left <= u <= axes.width - axes.right:
+        return ""
+    text = f"max {0.01 * area[n]:.4g} at {number(round(float(x[n]), 1))} mm"
+    room = 0.5 * 5.8 * len(text)
+    middle = min(max(u, axes.left + room), axes.width - axes.right - room)
+    stem = line(f"M{u:.1f} {v:.1f}v-4", TEXT, 1)
+    return stem + label(middle, v - 6, text, class_="largest", fill=TEXT, **TAGGED)
+
+
+def _table(spec: SectionSpec, x: np.ndarray, area: np.ndarray) -> Table:
+    rows = [(tenths(float(x[n])), f"{0.01 * area[n]:.2f}") for n in sampled(len(x))]
+    return (f"{spec.normal} (mm)", "area (cm²)"), rows

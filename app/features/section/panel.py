@@ -7,8 +7,9 @@ from functools import partial
 from typing import Any
 
 from app.features.section.compute import Sections
-from app.features.section.html import mark, numbers_html, profile, profile_places
+from app.features.section.html import mark, numbers_html, profile, profile_axes, profile_places
 from app.features.section.part import SectionPart
+from app.features.section.plot import section_figure
 from app.features.section.state import Cut, MoveCut, point_in_section
 from app.review.state import Review
 from app.widgets.axes import nearest
@@ -20,7 +21,7 @@ from kinematics.answers.sections import Volume
 from kinematics.machine import Machine
 
 KINDS = ("SVG", "DXF", "CSV")
-WIDTH = 320  # px of the plot's own panel; workspaces are higher than wide
+WINDOW = 384, 505  # px of the drawing over the scene; workspaces are higher than wide
 FIRST = "Computing the first section …<br>On the first start on a machine this takes a minute."
 HINT = "Show the section to see it in the scene and as a plot."
 
@@ -66,9 +67,9 @@ class SectionPanel(Panel):
             digits=TYPED,
         )
         self.button("Through the platform", self._go_through)
-        self._window, tab = self.window(spec.title, WIDTH, visible=review[Cut].on)
+        self._window, tab = self.window(spec.title, *WINDOW, visible=review[Cut].on)
         with tab:
-            self._plot = gui.add_html("")
+            self._drawing = Plot(desk, lambda _x, _y, _client: None, both=True, alone=True)
         self._numbers = gui.add_html("")
         self._profile = Plot(desk, self._pointed)
         self._known: Sections | None = None
@@ -82,7 +83,8 @@ class SectionPanel(Panel):
         low, high = min(self._range[0], cut.at), max(self._range[1], cut.at)
         self._at.draw(math.floor(low), math.ceil(high), cut.at)
         if self._profile_of is not None:
-            self._profile.mark(mark(self._profile_of, cut.at))
+            known_volume, at = self._profile_of, cut.at
+            self._profile.mark(lambda figure: mark(known_volume, figure.axes, at))
         self.see(cut.on, self._window)
         if not cut.on:
             self.say(self._numbers, box(HINT))
@@ -92,10 +94,8 @@ class SectionPanel(Panel):
             self.say(self._numbers, box(FIRST))
         else:
             drawn = known.drawn
-            svg = drawn.svg.replace(
-                "<svg ", '<svg style="display:block;width:100%;height:auto" ', 1
-            )
-            self.say(self._plot, svg, known.stale)
+            figure = partial(section_figure, drawn.picture)
+            self._drawing.draw(drawn, figure, stale=known.stale)
             told = numbers_html(drawn.section, self._spec, drawn.extent.along)
             self.say(self._numbers, told, known.stale)
 
@@ -105,13 +105,14 @@ class SectionPanel(Panel):
         self._known, drawn = news, news.drawn
         volume = self._profile_of = news.volume or news.old_volume
         if volume is not None:
-            figure_of = partial(profile, volume, self._spec)
-            self._profile.draw(volume, figure_of, stale=news.volume is None)
+            self._profile.draw(
+                volume, partial(profile, volume, self._spec), stale=news.volume is None
+            )
         else:
             self._profile.draw(None)
-        figure = self._profile.figure
-        if news.volume is not None and figure is not None:
-            self._range = figure.axes.x
+        axes = None if news.volume is None else profile_axes(news.volume)
+        if axes is not None:
+            self._range = axes.x
         elif drawn is not None and not news.stale and drawn.extent.along is not None:
             self._range = drawn.extent.along  # sooner known than the volume
         self.draw(sheet)

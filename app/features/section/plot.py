@@ -8,15 +8,45 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import atan2, ceil, cos, hypot, isfinite, pi, sin
+from functools import partial
+from math import atan2, ceil, cos, floor, hypot, isfinite, log10, pi, sin
+from typing import Any
 
 import numpy as np
 
+from app.review.units import number, tenths
 from app.scene.painting import Scale
-from app.scene.palette import BEYOND, INK, INK_DARK, WORKSPACE, limb_color
-from app.widgets.axes import Axes, equal_axes, grid, runs, scales, ticks
+from app.scene.palette import limb_color
+from app.widgets.axes import MOST as MARKS
+from app.widgets.axes import (
+    STEPS,
+    WHOLE,
+    Axes,
+    Figure,
+    Look,
+    Named,
+    Table,
+    equal_axes,
+    grid,
+    pointed,
+    runs,
+    sampled,
+    scales,
+    ticks,
+)
 from app.widgets.axes import Bounds as Bounds
-from app.widgets.svg import Entry, document, label, legend, line, tag
+from app.widgets.svg import (
+    AREA,
+    LOST,
+    TAGGED,
+    TEXT,
+    Entry,
+    document,
+    label,
+    legend,
+    line,
+    tag,
+)
 from kinematics.answers.sections import BOUNDS, Construction, EdgeBound, Section, SectionSpec
 from kinematics.arrays import Array
 
@@ -28,14 +58,16 @@ BOUND_TITLES: dict[EdgeBound, str] = {
 }
 DASHES: dict[EdgeBound, str | None] = {
     "rho_max": None,
-    "rho_min": "6 4",
+    "rho_min": "7 4",
     "link": "1.5 3",
     "parallel": None,
 }
 
 _PARALLEL = BOUNDS.index("parallel")
-PAPER, PAPER_DARK = "#FFFFFF", "#1A1D21"
+PAPER = "#FFFFFF"
 LEFT = 58.0  # px
+SIZE = 372.0, 440.0  # px, on the page until it is known how much room there is
+CELLS = 120  # columns and rows of which the place under the pointer is told
 LARGEST_TURN = 2.0  # rad; longer arcs are several, as SVG's flags are unsure near half a turn
 
 
@@ -51,32 +83,12 @@ class Shade:
     part: Section | None = None
 
 
-def section_svg(
-    section: Section,
-    spec: SectionSpec,
-    *,
-    width: float,
-    height: float,
-    dark: bool = False,
-    faint: bool = True,
-    standalone: bool = True,
-    true_size: bool = False,
-    mark: Sequence[float] | None = None,
-    title: str = "",
-    bounds: Bounds | None = None,
-    curves: Sequence[Array] = (),
-    beyond: Sequence[Array] = (),
-    shade: Shade | None = None,
-    fills: Sequence[tuple[Section, str]] = (),
-) -> str:
-    """A section as SVG text, equal scale in both directions.
+@dataclass(frozen=True, eq=False, slots=True)
+class Picture:
+    """What is drawn of a section.
 
-    Args:
-        width, height: px of the whole picture, legend and labels included.
-        dark: for a dark page.
-        faint: also the curves that made the section.
-        standalone: a file of its own, with background; otherwise to be put into HTML.
-        true_size: in mm of the plane instead of pixels, a mm as large as it is.
+    Attributes:
+        faint: also the curves that made it.
         mark: (2,) mm, the platform point in the plane, drawn as a small cross.
         bounds: mm to be seen at least; None to fit the section. Keeps the picture still while
             the plane moves.
@@ -85,49 +97,128 @@ def section_svg(
         shade: a measure to colour the section by.
         fills: the parts of which the section consists, each with its colour; none: all in one.
     """
-    limbs = sorted({*section.limb.tolist(), *section.construction.circle_limb.tolist()})
-    # An edge where control is lost, or a curve of it: in its own colour, if there is any.
-    lost = bool(len(curves) or len(beyond)) or bool((section.bound == _PARALLEL).any())
-    key, legend_height = _legend(limbs, width, height, spec.joint, lost=lost)
-    top = 32.0 if title else 14.0
-    within = bounds or section_bounds(section)
-    frame = equal_axes(within, width, height, LEFT, top, 44.0 + legend_height)
-    wide, high = frame.inner
-    xs, ys = ticks(*frame.x, int(wide / 60.0)), ticks(*frame.y, int(high / 60.0))
-    inner = [grid(frame, xs, ys, 0.1)]
+
+    section: Section
+    spec: SectionSpec
+    faint: bool = True
+    mark: Sequence[float] | None = None
+    bounds: Bounds | None = None
+    curves: Sequence[Array] = ()
+    beyond: Sequence[Array] = ()
+    shade: Shade | None = None
+    fills: Sequence[tuple[Section, str]] = ()
+
+    @property
+    def axes(self) -> tuple[Named, Named]:
+        first, second = self.spec.axes
+        return (first, "mm"), (second, "mm")
+
+
+def section_svg(
+    section: Section,
+    spec: SectionSpec,
+    *,
+    width: float,
+    height: float,
+    true_size: bool = False,
+    title: str = "",
+    **what: Any,
+) -> str:
+    """A section as an SVG file, equal scale in both directions.
+
+    Args:
+        width, height: px of the whole picture, legend and labels included.
+        true_size: in mm of the plane instead of pixels, a mm as large as it is.
+        what: of a `Picture`.
+    """
+    picture = Picture(section, spec, **what)
+    key, high = _legend(picture, width, height)
+    frame = equal_axes(_within(picture), width, height, LEFT, 32.0 if title else 14.0, 44.0 + high)
+    parts = [label(LEFT, 20, title, "start", font_size=13, font_weight=600)]
+    parts += [_content(picture, frame), key]
+    name = title or f"{spec.title} = {section.at:g} mm"
+    drawn = document((width, height), "".join(parts), name=name, paper=PAPER)
+    return frame.true_size(drawn) if true_size else drawn
+
+
+def section_figure(picture: Picture, look: Look = WHOLE) -> Figure:
+    """A section as the page shows it."""
+    wide, high = look.size or SIZE
+    key, foot = _legend(picture, wide, high - 16.0)  # above the buttons
+    frame = equal_axes(_within(picture), wide, high, 44.0, 28.0, 60.0 + foot).seen(look)
+    at = f"{picture.spec.normal} = {tenths(picture.section.at)} mm"
+    return Figure(
+        frame,
+        _content(picture, frame) + key,
+        *pointed(frame, *picture.axes, CELLS),
+        [""] * CELLS**2,
+        "",
+        f"Section at {at}",
+        partial(_table, picture),
+        title=f"Section {at}",
+    )
+
+
+def _table(picture: Picture) -> Table:
+    """The edges: whose they are, what bounds them, from where to where."""
+    section, rows = picture.section, []
+    first, second = picture.spec.axes
+    for n in sampled(len(section.limb)) if len(section.limb) else ():
+        limb, bound = int(section.limb[n]), BOUNDS[section.bound[n]]
+        ends = (*section.start[n].tolist(), *section.end[n].tolist())
+        title = BOUND_TITLES[bound].format(picture.spec.joint)
+        radius = float(section.radius[n])
+        size = tenths(radius) if isfinite(radius) else "straight"
+        rows.append((f"{limb}" if limb else "–", title, *map(tenths, ends), size))
+    places = (f"{axis} {end} (mm)" for end in ("from", "to") for axis in (first, second))
+    return ("limb", "bound", *places, "radius (mm)"), rows
+
+
+def _within(picture: Picture) -> Bounds:
+    return picture.bounds or section_bounds(picture.section)
+
+
+def _content(picture: Picture, frame: Axes) -> str:
+    """The section on its axes."""
+    section, shade = picture.section, picture.shade
+    xs, ys = (ticks(*span, MARKS) for span in (frame.x, frame.y))
+    inner = [grid(frame, xs, ys)]
     if section.loops and shade is not None:
-        inner.append(_shaded(section, frame, shade, dark))
+        inner.append(_shaded(section, frame, shade))
     elif section.loops:
         inner += [
-            _plain(_region(part, frame), dark, color)
-            for part, color in fills or [(section, WORKSPACE)]
+            _plain(_region(part, frame), color)
+            for part, color in picture.fills or [(section, AREA)]
         ]
-    if faint:
+    if picture.faint:
         inner += _faint(section.construction, frame)
     inner += _strong(section, frame)
-    inner += [_curve(run, frame, faint=True) for run in beyond]
-    inner += [_curve(run, frame) for run in curves]
-    if mark is not None:
-        x, y = frame.px(*mark)
-        cross = f"M{x - 5:.2f} {y:.2f}h10M{x:.2f} {y - 5:.2f}v10"
-        inner.append(line(cross, "currentColor", 1.6, class_="mark"))
-    first, second = (f"{axis} (mm)" for axis in spec.axes)
+    inner += [_curve(run, frame, faint=True) for run in picture.beyond]
+    inner += [_curve(run, frame) for run in picture.curves]
+    if picture.mark is not None:
+        x, y = frame.px(*picture.mark)
+        cross = f"M{x - 6:.2f} {y:.2f}h12M{x:.2f} {y - 6:.2f}v12"
+        inner.append(line(cross, TEXT, 1.6, class_="mark"))
+        inner.append(label(x + 8, y - 6, "O′", "start", fill=TEXT))
+    inner.append(_bar(frame))
+    first, second = (f"{symbol} ({unit})" for symbol, unit in picture.axes)
     empty = "" if section.loops else "The section is empty here."
-    parts = [
-        label(LEFT, 20, title, "start", font_size=13, font_weight=600),
-        frame.clipped("".join(inner)),
-        scales(frame, first, second, xs, ys),
-        label(LEFT + wide / 2, top + 24, empty, font_size=13),
-        key,
-    ]
-    drawn = document(
-        (width, height),
-        "".join(parts),
-        name=title or f"{spec.title} = {section.at:g} mm",
-        ink=INK_DARK if dark else INK,
-        paper=(PAPER_DARK if dark else PAPER) if standalone else "",
+    return (
+        frame.clipped("".join(inner))
+        + scales(frame, first, second, xs, ys)
+        + label(frame.left + frame.inner[0] / 2, frame.top + 24, empty, font_size=13)
     )
-    return frame.true_size(drawn) if true_size else drawn
+
+
+def _bar(frame: Axes) -> str:
+    """How long some mm are, at the lower right."""
+    most = 0.3 * (frame.x[1] - frame.x[0])
+    decade = 10.0 ** floor(log10(most))
+    size = max(step * decade for step in STEPS if step * decade <= most)
+    wide = size * _scale(frame)
+    right, low = frame.left + frame.inner[0] - 8.0, frame.top + frame.inner[1] - 10.0
+    text = label(right - wide / 2, low - 5, f"{number(size)} mm", class_="bar", fill=TEXT, **TAGGED)
+    return line(f"M{right - wide:.2f} {low:.2f}h{wide:.2f}", TEXT, 2, class_="bar") + text
 
 
 def section_bounds(section: Section) -> Bounds:
@@ -157,13 +248,20 @@ def _scale(axes: Axes) -> float:
     return axes.inner[0] / (axes.x[1] - axes.x[0])
 
 
-def _legend(
-    limbs: Sequence[int], width: float, height: float, joint: str, *, lost: bool
-) -> tuple[str, float]:
+def _legend(picture: Picture, width: float, height: float) -> tuple[str, float]:
     """Which colour is which limb and which dash which bound; and how high that is."""
+    section = picture.section
+    limbs = sorted({*section.limb.tolist(), *section.construction.circle_limb.tolist()})
+    # An edge where control is lost, or a curve of it: in its own colour, if there is any.
+    lost = bool(len(picture.curves) or len(picture.beyond))
+    lost |= bool((section.bound == _PARALLEL).any())
     entries: list[Entry] = [(f"limb {limb}", limb_color(limb), None) for limb in limbs]
     entries += [
-        (BOUND_TITLES[bound].format(joint), BEYOND if bound == "parallel" else "currentColor", dash)
+        (
+            BOUND_TITLES[bound].format(picture.spec.joint),
+            LOST if bound == "parallel" else TEXT,
+            dash,
+        )
         for bound, dash in DASHES.items()
         if lost or bound != "parallel"
     ]
@@ -184,13 +282,14 @@ def _region(section: Section, frame: Axes) -> str:
     return "".join(path)
 
 
-def _plain(path: str, dark: bool, color: str = WORKSPACE) -> str:
+def _plain(path: str, color: str = AREA) -> str:
     """A region; its holes by the even-odd rule."""
-    look = {"fill": color, "fill_opacity": 0.5 if dark else 0.38, "fill_rule": "evenodd"}
+    opacity = 0.16 if color == AREA else 0.38
+    look = {"fill": color, "fill_opacity": opacity, "fill_rule": "evenodd"}
     return tag("path", class_="region", d=path, stroke="none", **look)
 
 
-def _shaded(section: Section, frame: Axes, shade: Shade, dark: bool) -> str:
+def _shaded(section: Section, frame: Axes, shade: Shade) -> str:
     """The measure's cells in steps of colour, and over all that does not have it paper, or what
     the region is else drawn with.
     """
@@ -213,10 +312,10 @@ def _shaded(section: Section, frame: Axes, shade: Shade, dark: bool) -> str:
     part = _region(section if shade.part is None else shade.part, frame)
     across, up = frame.inner
     outside = f"M{frame.left - 1:g} {frame.top - 1:g}h{across + 2:g}v{up + 2:g}h{-across - 2:g}z"
-    look = {"fill": PAPER_DARK if dark else PAPER, "fill_rule": "evenodd", "stroke": "none"}
+    look = {"fill": f"var(--bo-bg,{PAPER})", "fill_rule": "evenodd", "stroke": "none"}
     parts.append(tag("path", class_="paper", d=outside + part, **look))
     if shade.part is not None:
-        parts.append(_plain(_region(section, frame) + part, dark))
+        parts.append(_plain(_region(section, frame) + part))
     return "".join(parts)
 
 
@@ -224,8 +323,8 @@ def _curve(points: Array, frame: Axes, *, faint: bool = False) -> str:
     """One of the curves where control is lost."""
     path = "M" + "L".join("{:.3f} {:.3f}".format(*frame.px(*p)) for p in points.tolist())
     if faint:
-        return line(path, BEYOND, 1.2, class_="lost-beyond", stroke_opacity=0.45)
-    return line(path, BEYOND, 2.2, class_="lost")
+        return line(path, LOST, 1.2, class_="lost-beyond", stroke_opacity=0.45)
+    return line(path, LOST, 2.2, class_="lost")
 
 
 def _strong(section: Section, frame: Axes) -> Iterator[str]:
@@ -241,7 +340,7 @@ def _strong(section: Section, frame: Axes) -> Iterator[str]:
                     path.append(_move(frame, section.start[edge]))
                 path.append(_to(section, edge, frame))
             look = {"class_": f"edge limb{limb} {bound}", "stroke_dasharray": DASHES[bound]}
-            yield line("".join(path), limb_color(limb), 2.4, **look)
+            yield line("".join(path), limb_color(limb) if limb else LOST, 2.4, **look)
 
 
 def _faint(made: Construction, frame: Axes) -> Iterator[str]:
@@ -249,7 +348,7 @@ def _faint(made: Construction, frame: Axes) -> Iterator[str]:
 
     def made_of(path: str, limb: int, bound: EdgeBound) -> str:
         look = {"class_": f"made limb{limb} {bound}", "stroke_dasharray": DASHES[bound]}
-        return line(path, limb_color(limb), 1, stroke_opacity=0.45, **look)
+        return line(path, limb_color(limb), 1, stroke_opacity=0.18, **look)
 
     circles = zip(made.center, made.radius, made.circle_limb, made.circle_bound, strict=True)
     for center, radius, limb, n in circles:

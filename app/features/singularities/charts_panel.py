@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import partial
 from typing import Any
 
@@ -14,6 +15,7 @@ from app.features.singularities.state import Control, SetControl
 from app.review.state import Review
 from app.review.units import number
 from app.review.view import short_title
+from app.widgets.axes import Figure
 from app.widgets.boxes import Typed, typed_numbers
 from app.widgets.desk import Client, Group, Sheet
 from app.widgets.plots import Plot
@@ -36,8 +38,8 @@ class ChartFolder(Group):
         titles = {spec.title: spec.key for spec in specs(review.machine)}
         with gui.add_folder("Singular curves"):
             self.menu("Chart", {NOTHING: ""} | titles, Control, "chart")
-            self._plot = Plot(desk, self._pointed)
-            self._plot_beside = Plot(desk, self._pointed)
+            self._plot = Plot(desk, self._pointed, both=True)
+            self._plot_beside = Plot(desk, self._pointed, both=True)
             self._named_beside = gui.add_html("")
             self._curves = gui.add_html("")
             self._save = self.saving(("CSV", "SVG"), part.save_curves)
@@ -80,10 +82,10 @@ class ChartFolder(Group):
         spec = self._spec()
         at = None if spec is None else _chart_place(self.review, spec)
         for plot in (self._plot, self._plot_beside):
-            if spec is None or at is None or plot.figure is None:
-                plot.mark("")
+            if spec is None or at is None:
+                plot.mark()
             else:
-                plot.mark(loci.mark(spec, plot.figure.axes, at))
+                plot.mark(partial(_cross, spec, at))
 
     def _spec(self) -> LocusSpec | None:
         chart = self.review[Control].chart
@@ -138,9 +140,8 @@ class ProfileFolder(Group):
         named = [(short_title(machine_of(d)), p) for d, p in profiles]
         of = tuple(p.curves for _, p in profiles) or None
         self._plot.draw(of, partial(loci.profile_figure, named))
-        figure = self._plot.figure
-        at = "" if figure is None else loci.profile_mark(figure.axes, profiles[0][1].at)
-        self._plot.mark(at)
+        at = profiles[0][1].at if profiles else math.inf
+        self._plot.mark(lambda figure: loci.profile_mark(figure.axes, at))
 
     def _set_ratios(self, _: str, client: Client) -> None:
         self.desk.send(SetControl("ratios", self._ratios.read()), client)
@@ -158,6 +159,10 @@ class ProfileFolder(Group):
 def specs(machine: Machine[Any]) -> tuple[LocusSpec, ...]:
     """The charts that stand in this tab."""
     return tuple(s for s in machine.singularities.loci if s.key != PLANE)
+
+
+def _cross(spec: LocusSpec, at: tuple[float, float], figure: Figure) -> str:
+    return loci.mark(spec, figure.axes, at)
 
 
 def _chart_place(review: Review, spec: LocusSpec) -> tuple[float, float] | None:

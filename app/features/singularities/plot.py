@@ -5,39 +5,47 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
-from app.review.units import number
+from app.review.units import number, tenths
 from app.scene import palette
+from app.widgets.axes import MOST as MARKS
 from app.widgets.axes import (
     STEPS,
     TURN,
+    WHOLE,
     Axes,
     Figure,
+    Look,
     Named,
+    Table,
     cross,
     equal_axes,
+    grid,
     middles,
     named_scales,
+    named_ticks,
     pointed,
+    sampled,
     scales,
     thinned,
     ticks,
     upright,
 )
-from app.widgets.svg import document, label, legend, line, tag
+from app.widgets.svg import AREA, LOST, RULE, document, label, legend, line, tag
 from app.widgets.texts import esc
 from kinematics.answers.circles import OrientationCircle, Profile
 from kinematics.answers.loci import LocusCurves, LocusSpec
 from kinematics.answers.singularities import SingularityKind
 from kinematics.arrays import Array
 
-WIDTH, HEIGHT = 400.0, 360.0
+WIDTH, HEIGHT = 396.0, 360.0
 FILE = 560.0, 500.0
 CELLS = 90  # columns and rows of which the place under the pointer is told
 MOST = 4000  # points of all curves that are drawn
-MACHINES = (palette.WORKSPACE_DEEP, palette.COUNTERPART)
+MACHINES = (AREA, palette.COUNTERPART)
 DASHES = (None, "6 3", "2 3")
 _DASH: dict[SingularityKind, str] = {
     "serial": "5 3",
@@ -84,6 +92,7 @@ def figure(
     spec: LocusSpec,
     curves: LocusCurves,
     circle: OrientationCircle | None = None,
+    look: Look = WHOLE,
     *,
     leads: bool = True,
 ) -> Figure:
@@ -91,7 +100,9 @@ def figure(
 
     ``leads``: the machine goes to where a person points.
     """
-    axes = chart_axes(spec, curves)
+    axes = chart_axes(spec, curves, top=28).seen(look)
+    titles = _titles(spec)
+    lines = "" if spec.polar else grid(axes, *named_ticks(axes, *titles))
     content = [_rings(spec, axes)] if spec.polar else []
     if spec.polar and circle is not None:
         content.append(_circle(spec, axes, circle))
@@ -99,13 +110,28 @@ def figure(
     columns, rows = _told(spec, axes)
     return Figure(
         axes,
-        axes.clipped("".join(content)) + named_scales(axes, *_titles(spec)),
+        lines + axes.clipped("".join(content)) + named_scales(axes, *titles),
         columns,
         rows,
         [""] * (len(columns) * len(rows)),
-        f"{spec.title}{': point to go there' if leads else ''}",
+        "point to go there" if leads else "",
         spec.title,
+        partial(_table, spec, curves),
+        title=spec.title,
     )
+
+
+def _table(spec: LocusSpec, curves: LocusCurves) -> Table:
+    """Points of the curves, each with what is lost there."""
+    (first, unit), (second, other) = _names(spec)
+    scale = [math.degrees(1.0) if u == "rad" else 1.0 for u in spec.units]
+    rows = []
+    for n in sampled(len(curves.points)) if len(curves.points) else ():
+        c = int(np.searchsorted(curves.start, n, side="right")) - 1
+        limb = int(curves.limb[c])
+        x, y = (tenths(v) for v in (curves.points[n] * scale).tolist())
+        rows.append((curves.kinds[c], f"{limb}" if limb else "–", x, y))
+    return ("lost", "limb", f"{first} ({unit})", f"{second} ({other})"), rows
 
 
 def _names(spec: LocusSpec) -> tuple[Named, Named]:
@@ -168,7 +194,7 @@ def _paths(spec: LocusSpec, curves: LocusCurves, axes: Axes) -> list[str]:
         kept = thinned(len(run), max(MOST * len(run) // len(points), 1))
         limb, width = int(curves.limb[c]), 1.4 if kind == "serial" else 2.2
         look = {"class_": f"locus {kind}", "stroke_dasharray": _DASH.get(kind)}
-        color = palette.limb_color(limb) if limb else palette.BEYOND
+        color = palette.limb_color(limb) if limb else LOST
         paths.append(line(axes.path(run[kept].tolist()), color, width, **look))
     return paths
 
@@ -179,33 +205,34 @@ def _circle(spec: LocusSpec, axes: Axes, circle: OrientationCircle) -> str:
     radius = in_units(spec, np.array([[circle.radius, 0.0]]))[0, 0]
     contacts = in_units(spec, np.array(circle.contacts).reshape(-1, 2)).tolist()
     dots = "".join(
-        tag("circle", cx=x, cy=y, r=3.2, fill=palette.BEYOND)
+        tag("circle", cx=x, cy=y, r=3.2, fill=LOST)
         for x, y in (axes.px(*point) for point in contacts)
     )
     size = radius * axes.inner[0] / (axes.x[1] - axes.x[0])
-    look = {"fill": palette.WORKSPACE, "fill_opacity": 0.3, "stroke": palette.WORKSPACE}
-    return tag("circle", class_="micr", cx=x0, cy=y0, r=size, stroke_width=1.6, **look) + dots
+    look = {"fill": AREA, "fill_opacity": 0.16, "stroke": AREA}
+    return tag("circle", class_="micr", cx=x0, cy=y0, r=size, stroke_width=1.8, **look) + dots
 
 
-def profile_figure(profiles: Sequence[tuple[str, Profile]]) -> Figure:
+def profile_figure(profiles: Sequence[tuple[str, Profile]], look: Look = WHOLE) -> Figure:
     """Radii against a ratio of lengths: of each machine, named, and of further ratios."""
     first = profiles[0][1]
     top = max(float(np.degrees(c.radius).max()) for _, p in profiles for c in p.curves)
-    axes = Axes(WIDTH, 250, 46, 22, 12, 38, (0.0, float(first.x[-1])), (0.0, min(1.05 * top, 182)))
+    spans = (0.0, float(first.x[-1])), (0.0, min(1.05 * top, 182))
+    axes = Axes(WIDTH, 250, 46, 28, 12, 38, *spans).seen(look)
     content = []
     modes = list(dict.fromkeys(c.mode for c in first.curves))
     for n, (name, profile) in enumerate(profiles):
         for curve in profile.curves:
             points = np.stack([profile.x, np.degrees(curve.radius)], axis=1).tolist()
             title = f"{esc(name)}, mode {esc(curve.mode)}, {esc(curve.title)}"
-            look = {
+            look_of = {
                 "stroke": MACHINES[n % len(MACHINES)],
                 "stroke_opacity": 1 if curve.own else 0.4,
-                "stroke_width": 2 if curve.own else 1.2,
+                "stroke_width": 1.8 if curve.own else 1.2,
                 "stroke_dasharray": DASHES[modes.index(curve.mode) % len(DASHES)],
             }
             path = axes.path(points)
-            content.append(tag("path", tag("title", title), d=path, fill="none", **look))
+            content.append(tag("path", tag("title", title), d=path, fill="none", **look_of))
     columns = [
         f"{first.across} = {x:.2f}: "
         + " · ".join(
@@ -214,18 +241,35 @@ def profile_figure(profiles: Sequence[tuple[str, Profile]]) -> Figure:
             for c in p.curves
             if c.own
         )
-        for x in np.linspace(0.0, first.x[-1], CELLS).tolist()
+        for x in middles(axes.x, CELLS).tolist()
     ]
-    box = scales(axes, first.across, f"{first.up} (°)", ticks(*axes.x, 6), ticks(*axes.y, 5, TURN))
+    xs, ys = ticks(*axes.x, MARKS), ticks(*axes.y, 4, TURN)
     return Figure(
         axes,
-        axes.clipped("".join(content)) + box,
+        grid(axes, (), ys)
+        + axes.clipped("".join(content))
+        + scales(axes, first.across, "", xs, ys),
         columns,
         ("",),
         [""] * CELLS,
-        f"{first.title} ({first.figure}); full mode {modes[0]}, dashed mode {modes[-1]}",
+        f"{first.figure}; full mode {modes[0]}, dashed mode {modes[-1]}",
         first.title,
+        partial(_radii, profiles),
+        title=first.up,
+        unit="°",
     )
+
+
+def _radii(profiles: Sequence[tuple[str, Profile]]) -> Table:
+    own = [(name, p, c) for name, p in profiles for c in p.curves if c.own]
+    first = profiles[0][1]
+    heads = [first.across, *(f"{name}, mode {c.mode} (°)" for name, _, c in own)]
+    places = first.x[sampled(len(first.x))].tolist()
+    rows = [
+        (f"{x:.2f}", *(tenths(math.degrees(np.interp(x, p.x, c.radius))) for _, p, c in own))
+        for x in places
+    ]
+    return heads, rows
 
 
 def profile_mark(axes: Axes, at: float) -> str:
@@ -235,7 +279,7 @@ def profile_mark(axes: Axes, at: float) -> str:
 
 def _rings(spec: LocusSpec, axes: Axes) -> str:
     """Circles of equal radius and rays of equal azimuth, as on a compass."""
-    reach = axes.x[1] / 1.04
+    reach = (axes.whole[0] if axes.whole else axes.x)[1] / 1.04
     x0, y0 = axes.px(0.0, 0.0)
     scale = axes.inner[0] / (axes.x[1] - axes.x[0])
     rings = [r for r in ticks(0.0, reach, 5, TURN if spec.units[0] == "rad" else STEPS) if r]
@@ -247,7 +291,7 @@ def _rings(spec: LocusSpec, axes: Axes) -> str:
     look = {"fill_opacity": 0.6, "font_size": 9}
     labels = (label(x0 + 3, y0 - r * scale - 2, number(r), "start", **look) for r in rings)
     drawn = circles + tag("path", d=rays)
-    faint = tag("g", drawn, fill="none", stroke="currentColor", stroke_opacity=0.16)
+    faint = tag("g", drawn, fill="none", stroke=RULE)
     return faint + "".join(labels)
 
 

@@ -42,7 +42,7 @@ PLOTS = {
 }
 PACES = {f"{speed:g}×": speed for speed in SPEEDS}
 DEGREES = {"none": 0} | {f"{n}": n for n in range(1, HIGHEST + 1)}
-WIDTH = 340  # px of the plots' own panel: the scene needs the rest
+WINDOW = 860, 352  # px of the plots over the scene
 STEPS = 1000  # of the scrub bar
 HINT = box("Show the trajectory to have it computed, drawn and plotted.")
 
@@ -154,9 +154,11 @@ class TrajectoryPanel(Panel):
     def _add_window(self, review: Review) -> None:
         gui, desk, playing = self.gui, self.desk, self._part.playing
         title = "Along the trajectory"
-        self._window, tab = self.window(title, WIDTH, visible=review[Plan].on)
+        self._window, tab = self.window(title, *WINDOW, visible=review[Plan].on)
         with tab:
-            self._plot = Plot(desk, lambda t, _, client: desk.ask(playing.scrub, t, client))
+            self._plot = Plot(
+                desk, lambda t, _, client: desk.ask(playing.scrub, t, client), alone=True
+            )
             self._scrub = gui.add_slider("Time (s)", 0.0, 1.0, 0.001, 0.0)
             self.set(self._scrub, precision=3)
             self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY, hint="Hotkey P")
@@ -231,11 +233,11 @@ class TrajectoryPanel(Panel):
         self._draw_cursor()
 
     def _draw_cursor(self) -> None:
-        moved, drawn = self._moved, self._plot.figure
+        moved = self._moved
         computed = None if moved is None else moved.computed
-        if moved is None or computed is None or drawn is None or not self._moment.there:
-            self._plot.mark("")
+        if moved is None or computed is None or not self._moment.there:
+            self._plot.mark()
             return
         plot, at = self.review[Plan].plot, self._moment.at
         measuring = moved.measuring and not moved.stale
-        self._plot.mark(mark(computed, plot, drawn.axes, at, measuring=measuring))
+        self._plot.mark(lambda figure: mark(computed, plot, figure.axes, at, measuring=measuring))

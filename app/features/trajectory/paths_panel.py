@@ -177,19 +177,17 @@ class WayFolder(Group):
         plan, reach = self.review[state.Plan], news.reach
         if plan.way != state.STROKE or reach is None:
             self._sketch.draw(None)
-            self._sketch.mark("")
             return
         axes = [self._axes[n] for n in reach.plane]
         self._sketch.draw(reach, partial(sketch_figure, axes, reach))
-        figure = self._sketch.figure
-        assert figure is not None
         path = np.empty((0, len(self._axes)))
         if plan.stroke:
             path = np.array(plan.stroke)
             if news.computed is not None and not news.stale:
                 path = news.computed.found.poses
         here = [self.review.pose[n] for n in reach.plane]
-        self._sketch.mark(sketch_mark(axes, figure.axes, path[:, list(reach.plane)], here))
+        drawn = path[:, list(reach.plane)]
+        self._sketch.mark(lambda figure: sketch_mark(axes, figure.axes, drawn, here))
 
 
 def _chosen(way: str) -> state.SetPlan:
