@@ -282,6 +282,8 @@ class Page:
             for part in self._parts:
                 part.follow()
             self.show_machine()
+        self.server.flush()  # the machine waits for no panel
+        with self.server.atomic():
             sheet = self.sheet()
             for panel in self._panels:
                 panel.draw(sheet)

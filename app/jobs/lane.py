@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from app.jobs.process import Process, give_way
+from app.jobs.process import GIVES_WAY, Process, give_way
 from kinematics.errors import BohemiaError
 
 
@@ -80,7 +80,7 @@ class Lane:
     ) -> None:
         self.name = name
         self._report = on_event
-        self._prepare = prepare or partial(give_way, 4)
+        self._prepare = prepare or partial(give_way, GIVES_WAY)
         self._warm = warm
         self._changed = threading.Condition()
         self._jobs: tuple[Job, ...] = ()

@@ -17,6 +17,9 @@ from kinematics.errors import BohemiaError
 
 T = TypeVar("T")
 
+GIVES_WAY = 8
+"""Steps of niceness of all that is not the coarse solid, which a hand waits for."""
+
 
 class _Quiet(SpawnProcess):
     def start(self) -> None:
@@ -103,6 +106,12 @@ def give_way(steps: int) -> None:
 def load_solids() -> None:
     """Load manifold3d while nobody waits yet."""
     import kinematics.solids.csg  # noqa: F401
+
+
+def load_finer_solids() -> None:
+    """The same where coarser ones go first."""
+    give_way(GIVES_WAY // 2)
+    load_solids()
 
 
 def _serve(pipe: Connection, prepare: Callable[[], None]) -> None:

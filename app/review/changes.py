@@ -91,14 +91,16 @@ class Restore(Change):
 
 def difference(before: Review, after: Review) -> str:
     """What is other in a review than in another one, in a few words."""
-    words = [
-        f"{old.group}: {_change(old.label, number(old.value), number(new.value), old.unit)}"
-        for old, new in zip(before.machine.fields, after.machine.fields, strict=False)
-        if old.value != new.value
-    ]
-    edited = before.design.mechanism == after.design.mechanism and len(words) in (1, 2, 3)
-    if before.design != after.design and not edited:
-        return f"design {before.design.name} → {after.design.name}"
+    words: list[str] = []
+    if before.design != after.design:
+        words = [
+            f"{old.group}: {_change(old.label, number(old.value), number(new.value), old.unit)}"
+            for old, new in zip(before.machine.fields, after.machine.fields, strict=False)
+            if old.value != new.value
+        ]
+        edited = before.design.mechanism == after.design.mechanism and len(words) in (1, 2, 3)
+        if not edited:
+            return f"design {before.design.name} → {after.design.name}"
     if before.mode != after.mode:
         words.append(_change("mode", before.mode, after.mode).replace("-", "−"))
     for c, *values in zip(after.machine.coordinates, before.pose, after.pose, strict=True):

@@ -15,7 +15,7 @@ from app.features.workspace.scene import Flats
 from app.jobs.answers import Asked
 from app.jobs.lane import Lane
 from app.jobs.parts import Client, Part, Stage
-from app.jobs.process import apart, load_solids
+from app.jobs.process import apart, load_finer_solids, load_solids
 from app.review.state import Review
 from app.review.view import View
 from app.scene import solids as drawing
@@ -47,7 +47,8 @@ class SolidsPart(Part):
     def lane(self, name: str) -> Lane:
         if name == "colours":
             return super().lane(name)
-        return Lane(name, self.stage.put, prepare=load_solids, warm=True)
+        prepare = load_solids if name == "coarse" else load_finer_solids
+        return Lane(name, self.stage.put, prepare=prepare, warm=True)
 
     def prepare(self) -> None:
         self._painter = Painter()  # the last machine's solids are none of this one's
