@@ -176,6 +176,8 @@ class Page:
 
     def run(self) -> None:
         """Serve the review until `stop`."""
+        # Who comes has a picture of another shape, and may have missed what was fitted since.
+        self.server.on_client_connect(lambda who: self._inbox.put(partial(self._look, None, who)))
         # Threads hand over to each other within a frame: the lanes must not wait for a drawing.
         sys.setswitchinterval(0.0005)
         for part in self._parts:

@@ -139,4 +139,10 @@ def frame(
 def machine_bounds(drawing: Drawing) -> tuple[Array, Array]:
     """The box around a machine, mm."""
     points = np.array([p for bar in drawing.bars for p in (bar.start, bar.end)])
-    return points.min(axis=0), points.max(axis=0)
+    low, high = points.min(axis=0), points.max(axis=0)
+    for body in drawing.bodies:
+        if body.frame == "base":
+            own = np.array(body.points)
+            low = np.minimum(low, own.min(axis=0) - body.radius)
+            high = np.maximum(high, own.max(axis=0) + body.radius)
+    return low, high

@@ -33,14 +33,14 @@ class Scene(Nodes):
     Attributes:
         handle: what a person drags the platform by.
         held: a hand holds it, and decides where it is.
-        lowest: of the solids that are shown, mm.
     """
 
     def __init__(self, server: viser.ViserServer) -> None:
         super().__init__(server)
         self.handle: Any = None
         self.held = False
-        self.lowest = math.inf
+        self._seen: View | None = None
+        self._lowest: dict[str, float] = {}  # of what parts show, mm
         self._nodes: dict[str, Any] = {}
         self._shape: dict[str, object] = {}  # what a node was made of
         self._rims: dict[str, Any] = {}
@@ -48,8 +48,8 @@ class Scene(Nodes):
 
     def clear(self) -> None:
         super().clear()
-        self.held, self.lowest = False, math.inf
-        for known in (self._nodes, self._rims, self._shape, self._slots):
+        self.held, self._seen = False, None
+        for known in (self._nodes, self._rims, self._shape, self._slots, self._lowest):
             known.clear()
 
     def prepare(self, axes: Sequence[Coordinate]) -> None:
@@ -106,11 +106,21 @@ class Scene(Nodes):
         self._name_machines(view)
         self._marks(view, options)
         self._frames(view, options.frames)
-        self._ground.show(view, self.lowest)
+        self._seen = view
+        self._show_ground()
         if self.handle is not None:
             self.set(self.handle, visible=options.handle)
             if not dragging:
                 self.pose(self.handle, view.platform)
+
+    def ground(self, what: str, bounds: tuple[Array, Array] | None) -> None:
+        """Put the ground below something that is shown, in this box; None: it is not any more."""
+        self._lowest[what] = math.inf if bounds is None else float(bounds[0][2])
+        self._show_ground()
+
+    def _show_ground(self) -> None:
+        if self._seen is not None:
+            self._ground.show(self._seen, min(self._lowest.values(), default=math.inf))
 
     def veil(self, hidden: bool) -> None:
         """Hide what is told of the review's pose while the machine is shown somewhere else."""

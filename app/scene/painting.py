@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.scene import palette
+from app.scene.palette import LIGHT, Scheme
 from kinematics.arrays import Array
 
 if TYPE_CHECKING:
@@ -27,17 +28,29 @@ PIECES = 10
 """that have a mesh, and so a colour, of their own; smaller ones share the last."""
 
 
+Shells = tuple[float, float]
+"""Opacities of the faces that are seen from within, drawn first, and of those from outside: depth,
+without the tint of both being the same.
+"""
+PLAIN: Shells = (0.10, 0.16)
+LIMB: Shells = (0.10, 0.20)
+ASPECT: Shells = (0.20, 0.30)
+MEASURE: Shells = (0.30, 0.50)
+LOCUS: Shells = (0.35, 0.55)
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Coat:
     """Triangles of one colour: ``vertices`` (V, 3) mm float32, ``faces`` (F, 3) uint32.
 
-    ``opaque``: 1 for as opaque as the solid is to be; more stands out.
+    ``shells`` are those at the usual opacity of the solid; ``piece``: which of its pieces it is.
     """
 
     color: str
     vertices: NDArray[np.float32]
     faces: NDArray[np.uint32]
-    opaque: float = 1.0
+    shells: Shells = PLAIN
+    piece: int | None = None
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -54,41 +67,43 @@ class Scale:
         return palette.ramp_color(share if self.high else 1.0 - share)
 
 
-def plain(solid: BuiltSolid, color: str) -> tuple[Coat, ...]:
+def plain(solid: BuiltSolid, color: str, shells: Shells = PLAIN) -> tuple[Coat, ...]:
     """One colour."""
     mesh = solid.shaded
-    return (Coat(color, _float(mesh.vertices), mesh.faces.astype(np.uint32, copy=False)),)
+    faces = mesh.faces.astype(np.uint32, copy=False)
+    return (Coat(color, _float(mesh.vertices), faces, shells),)
 
 
-def piece_colors(signs: Sequence[int]) -> tuple[str, ...]:
+def piece_colors(signs: Sequence[int], of: Scheme = LIGHT) -> tuple[str, ...]:
     """A colour for each of a solid's pieces, from their signs."""
     seen: dict[int, int] = {}
     colors = []
     for n, sign in enumerate(signs):
         if n < PIECES:
             seen[sign] = seen.get(sign, -1) + 1
-        colors.append(palette.aspect_color(sign, seen.get(sign, 0)))
+        colors.append(palette.aspect_color(sign, seen.get(sign, 0), of))
     return tuple(colors)
 
 
-def pieces(solid: BuiltSolid, *, locus: bool) -> tuple[Coat, ...]:
-    """Each piece in its colour, and the singular surface between them if it is to be seen."""
+def pieces(solid: BuiltSolid, *, locus: bool, of: Scheme = LIGHT) -> tuple[Coat, ...]:
+    """The singular surface between pieces, if it is to be seen, and each piece in its colour."""
     assert solid.piece_of is not None
     assert solid.on_locus is not None
     mesh = solid.shaded
-    colors = piece_colors([piece.sign for piece in solid.pieces])
+    colors = piece_colors([piece.sign for piece in solid.pieces], of)
     owner = np.minimum(solid.piece_of, PIECES - 1)
     outside = ~solid.on_locus
     vertices = lifted(mesh.vertices, mesh.faces[outside])
-    coats = [
-        _part(vertices, mesh.faces[outside & (owner == n)], colors[n])
-        for n in range(min(len(colors), PIECES))
-    ]
+    coats = []
     if locus:
-        # Of both sides of the surface one is enough.
+        # Of both sides of the surface one is enough. First, as the pieces are around it.
         signs = np.array([piece.sign for piece in solid.pieces])
         one = solid.on_locus & (signs[solid.piece_of] > 0)
-        coats.append(_part(mesh.vertices, mesh.faces[one], palette.BEYOND, 1.6))
+        coats.append(_part(mesh.vertices, mesh.faces[one], of.beyond, LOCUS))
+    coats += [
+        _part(vertices, mesh.faces[outside & (owner == n)], colors[n], ASPECT, n)
+        for n in range(min(len(colors), PIECES))
+    ]
     return tuple(coat for coat in coats if len(coat.faces))
 
 
@@ -132,7 +147,7 @@ def shaded(solid: BuiltSolid, values: Array, steps: Scale, bare: str) -> tuple[C
     known = np.isfinite(at).all(axis=1)
     coats = []
     if not known.all():
-        coats.append(_part(vertices, mesh.faces[~known], bare))
+        coats.append(_part(vertices, mesh.faces[~known], bare, MEASURE))
     triangles = np.concatenate([corners, at[:, :, None]], axis=2)[known].astype(float)
     edges = steps.edges.copy()
     edges[0], edges[-1] = -np.inf, np.inf
@@ -141,7 +156,8 @@ def shaded(solid: BuiltSolid, values: Array, steps: Scale, bare: str) -> tuple[C
         if len(inside):
             flat = inside[:, :, :3].reshape(-1, 3).astype(np.float32)
             used, faces = np.unique(flat, axis=0, return_inverse=True)
-            coats.append(Coat(steps.color(n), used, faces.reshape(-1, 3).astype(np.uint32)))
+            packed = faces.reshape(-1, 3).astype(np.uint32)
+            coats.append(Coat(steps.color(n), used, packed, MEASURE))
     return tuple(coats)
 
 
@@ -172,10 +188,45 @@ def _clipped(triangles: Array, level: float, side: float) -> Array:
     return np.concatenate(kept)
 
 
-def _part(vertices: NDArray[Any], faces: NDArray[Any], color: str, opaque: float = 1.0) -> Coat:
+def _part(
+    vertices: NDArray[Any],
+    faces: NDArray[Any],
+    color: str,
+    shells: Shells,
+    piece: int | None = None,
+) -> Coat:
     used, packed = np.unique(faces, return_inverse=True)
-    return Coat(color, _float(vertices[used]), packed.reshape(-1, 3).astype(np.uint32), opaque)
+    whole = packed.reshape(-1, 3).astype(np.uint32)
+    return Coat(color, _float(vertices[used]), whole, shells, piece)
 
 
 def _float(vertices: NDArray[Any]) -> NDArray[np.float32]:
     return vertices.astype(np.float32, copy=False)
+
+
+def below(
+    vertices: NDArray[np.float32], faces: NDArray[np.uint32], normal: Array, at: float
+) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
+    """Of triangles what is on the lower side of a plane: normal · vertex ≤ at."""
+    height = vertices.astype(float) @ normal
+    low = height[faces] <= at
+    count = low.sum(axis=1)
+    whole, cut = faces[count == 3], faces[(count > 0) & (count < 3)]
+    corners = np.concatenate([vertices[cut].astype(float), height[cut][:, :, None]], axis=2)
+    rest = _clipped(corners, at, -1.0)[:, :, :3].reshape(-1, 3)
+    new = (len(vertices) + np.arange(len(rest))).reshape(-1, 3)
+    return (
+        np.concatenate([vertices, rest]).astype(np.float32),
+        np.concatenate([whole, new]).astype(np.uint32),
+    )
+
+
+def below_lines(lines: NDArray[np.float32], normal: Array, at: float) -> NDArray[np.float32]:
+    """Of segments (N, 2, 3) what is there."""
+    height = lines.astype(float) @ normal - at
+    kept = (height <= 0.0).any(axis=1)
+    ends, height = lines[kept].astype(float), height[kept]
+    share = height[:, 0] / np.where(height[:, 0] == height[:, 1], 1.0, height[:, 0] - height[:, 1])
+    middle = ends[:, 0] + share[:, None] * (ends[:, 1] - ends[:, 0])
+    clipped = np.where((height > 0.0)[:, :, None], middle[:, None], ends)
+    return clipped.astype(np.float32)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from app.scene import painting, palette
 from app.scene.creases import crease_lines
-from app.scene.nodes import NO_LINE, NOTHING, ONE_FACE, Nodes, wxyz
+from app.scene.nodes import NO_LINE, NOTHING, ONE_FACE, Nodes, Side, colors, wxyz
 from app.scene.painting import Coat
 from kinematics.arrays import Array
 from kinematics.facets.solids import SolidSpec
@@ -21,69 +22,120 @@ if TYPE_CHECKING:
 # a transparent outer solid drawn first would hide the inner one.
 _DRAW_ORDER = ("aspects", "workspace", "H1", "H2", "H3", "plus", "minus", "whole", "body")
 COATS = max(painting.STEPS + 1, painting.PIECES + 1)
+SIDES: tuple[Side, Side] = ("back", "front")
+HERE = 1.5  # as opaque as others is the piece with the machine
+OUTLINE = (0.0, 0.03)  # opacities of a solid of which only the edges matter
+
+Plane = tuple[Array, float]
+"""A normal (3,) and how far along it a plane is, mm: what is beyond is taken away."""
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """How a solid is shown.
+
+    Attributes:
+        power: of the usual opacities: 0 is opaque, 1 usual, more is fainter.
+        faint: of the opacity then, for what is of before.
+        outlined: only its edges matter; ``bare``: and nothing else of it is there.
+        here: the piece with the machine.
+    """
+
+    power: float = 1.0
+    faint: float = 1.0
+    outlined: bool = False
+    bare: bool = False
+    here: int | None = None
 
 
 class Solids:
-    """A mesh for each solid, further ones for coats, and its edges; made with nothing to see."""
+    """For each solid two meshes, of what is seen from within and from outside; further ones for
+    coats, and its edges; made with nothing to see.
+    """
 
     def __init__(self, nodes: Nodes, specs: Iterable[SolidSpec]) -> None:
         self._nodes = nodes
-        self._meshes: dict[str, list[Any]] = {}  # the solid's own, then those of its coats
+        self._frames: dict[str, Any] = {}
+        self._meshes: dict[str, dict[str, list[Any]]] = {}  # of either side, one for each coat
         self._edges: dict[str, Any] = {}
+        self._specs = {spec.key: spec for spec in specs}
         self._lines: dict[str, tuple[BuiltSolid, np.ndarray]] = {}
         self._faces: dict[str, object] = {}  # which faces a mesh has
         self._shown: dict[str, tuple[object, ...]] = {}
         self._coats: dict[str, tuple[Coat, ...]] = {}
-        for spec in sorted(specs, key=_draw_order):
-            color, name = palette.solid_color(spec), f"/solids/{spec.key}"
-            meshes = [self._nodes.mesh(name, color)]
-            if spec.limb is None:
-                meshes += [self._nodes.mesh(f"{name}/coat{n}", color) for n in range(COATS)]
-            self._meshes[spec.key] = meshes
-            edges = palette.mixed(color, -0.35)
-            self._edges[spec.key] = self._nodes.lines(f"{name}/edges", edges, 1.3, visible=True)
+        for spec in sorted(self._specs.values(), key=_draw_order):
+            name, count = f"/solids/{spec.key}", COATS if spec.limb is None else 1
+            add = nodes.server.scene.add_frame
+            self._frames[spec.key] = add(name, show_axes=False, visible=False)
+            self._meshes[spec.key] = {
+                side: [
+                    nodes.mesh(f"{name}/{side}{n}", palette.WORKSPACE, side=side)
+                    for n in range(count)
+                ]
+                for side in SIDES
+            }
+            self._edges[spec.key] = nodes.lines(f"{name}/edges", palette.WORKSPACE, 1.0)
 
     def show(
-        self, key: str, solid: BuiltSolid, placement: Array, coats: tuple[Coat, ...], opacity: float
+        self,
+        key: str,
+        solid: BuiltSolid,
+        placement: Array,
+        coats: tuple[Coat, ...],
+        look: Look,
+        cut: Plane | None = None,
     ) -> None:
         """Put a solid on display at a place (4, 4), painted with ``coats``."""
-        shown = (id(solid), placement.tobytes(), id(coats))
+        where = None if cut is None else (cut[0].tobytes(), cut[1])
+        shown = (id(solid), placement.tobytes(), id(coats), where)
         if self._shown.get(key) != shown:
             self._shown[key], self._coats[key] = shown, coats
-            self._put(key, solid, placement, coats)
-        self._fade(key, opacity)
+            self._put(key, solid, placement, coats, cut)
+        self._fade(key, look)
 
     def hide(self, key: str) -> None:
         """Take a solid off display."""
-        self._nodes.set(self._meshes[key][0], visible=False)
+        self._nodes.set(self._frames[key], visible=False)
         self._shown.pop(key, None)
 
-    def _put(self, key: str, solid: BuiltSolid, placement: Array, coats: tuple[Coat, ...]) -> None:
-        node, *others = self._meshes[key]
+    def _put(
+        self,
+        key: str,
+        solid: BuiltSolid,
+        placement: Array,
+        coats: tuple[Coat, ...],
+        cut: Plane | None,
+    ) -> None:
         rotation, offset = placement[:3, :3], placement[:3, 3]
         # All solids keep their origin at zero, so that the drawing order above holds.
         shift = (rotation.T @ offset).astype(np.float32)
-        lines = self._creases(key, solid) if solid.triangles else NO_LINE[:0]
-        self._edges[key].points = lines + shift if len(lines) else NO_LINE
-        # One coat is the solid's own mesh; several have a mesh each, and it has none.
-        single = len(coats) == 1
-        self._coat(node, coats[0] if single else None, shift)
-        for n, other in enumerate(others):
-            coat = coats[n] if not single and n < len(coats) else None
-            if coat is not None:
-                self._coat(other, coat, shift)
-            self._nodes.set(other, visible=coat is not None)
-        self._nodes.set(node, wxyz=wxyz(rotation), visible=bool(solid.triangles))
+        lines = self._creases(key, solid) + shift if solid.triangles else NO_LINE[:0]
+        if cut is not None:
+            cut = rotation.T @ cut[0], cut[1]
+            lines = painting.below_lines(lines, *cut)
+        self._nodes.points(self._edges[key], lines)
+        for n in range(len(self._meshes[key]["back"])):
+            coat = coats[n] if n < len(coats) and len(coats[n].faces) else None
+            self._coat([self._meshes[key][side][n] for side in SIDES], coat, shift, cut)
+        shown = {"wxyz": wxyz(rotation), "visible": bool(solid.triangles)}
+        self._nodes.set(self._frames[key], **shown)
 
-    def _coat(self, node: Any, coat: Coat | None, shift: np.ndarray) -> None:
-        if coat is None or not len(coat.faces):
-            if self._faces.pop(node.name, None) is not None:
-                node.vertices, node.faces = NOTHING, ONE_FACE
+    def _coat(
+        self, both: list[Any], coat: Coat | None, shift: np.ndarray, cut: Plane | None
+    ) -> None:
+        if coat is None:
+            for node in both:
+                if self._faces.pop(node.name, None) is not None:
+                    node.vertices, node.faces = NOTHING, ONE_FACE
             return
-        node.vertices = coat.vertices + shift
-        if self._faces.get(node.name) is not coat.faces:  # the same solid elsewhere keeps them
-            node.faces = self._faces[node.name] = coat.faces
-        self._nodes.set(node, color=palette.rgb(coat.color))
+        vertices, faces = coat.vertices + shift, coat.faces
+        if cut is not None:
+            vertices, faces = painting.below(vertices, faces, *cut)
+        for node in both:
+            node.vertices = vertices
+            if self._faces.get(node.name) is not faces:  # the same solid elsewhere keeps them
+                node.faces = self._faces[node.name] = faces
+            self._nodes.set(node, color=palette.rgb(coat.color))
 
     def _creases(self, key: str, solid: BuiltSolid) -> np.ndarray:
         """The crease lines of a solid where it was built; found once, then only moved."""
@@ -93,13 +145,23 @@ class Solids:
             known = self._lines[key] = solid, crease_lines(mesh.vertices, mesh.faces)
         return known[1]
 
-    def _fade(self, key: str, opacity: float) -> None:
-        node, *others = self._meshes[key]
-        self._nodes.set(node, opacity=opacity)
-        coats = self._coats[key]
-        if len(coats) > 1:
-            for coat, other in zip(coats, others, strict=False):
-                self._nodes.set(other, opacity=min(coat.opaque * opacity, 1.0))
+    def _fade(self, key: str, look: Look) -> None:
+        spec, of = self._specs[key], self._nodes.colors
+        line = of.workspace if key == _DRAW_ORDER[0] else of.edge
+        if spec.limb is not None:
+            line = palette.mixed(palette.solid_color(spec), 0.25 if of is palette.DARK else -0.35)
+        self._nodes.set(self._edges[key], colors=colors([line])[0])
+        for side, number in zip(SIDES, (0, 1), strict=True):
+            for n, node in enumerate(self._meshes[key][side]):
+                coat = self._coats[key][n] if n < len(self._coats[key]) else None
+                opacity = 0.0
+                if coat is not None and not look.bare:
+                    shells = OUTLINE if look.outlined else coat.shells
+                    opacity = float(shells[number] ** look.power) * look.faint
+                    if coat.piece is not None and coat.piece == look.here:
+                        opacity *= HERE
+                # What is not seen must not hide what is behind it.
+                self._nodes.set(node, opacity=min(opacity, 1.0), visible=opacity > 0.0)
 
 
 def _draw_order(spec: SolidSpec) -> int:

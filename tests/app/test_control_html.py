@@ -235,6 +235,7 @@ def test_pieces_say_in_which_the_platform_is() -> None:
     )
     solid = SimpleNamespace(
         pieces=pieces,
+        piece_of=np.zeros(1),
         piece_at=lambda point: 11,
         volume=5e6,
         volume_error=1e3,
@@ -242,7 +243,7 @@ def test_pieces_say_in_which_the_platform_is() -> None:
         locus_unplaced=34,
         note="",
     )
-    placed = SimpleNamespace(placement=np.eye(4))
+    placed = SimpleNamespace(placement=np.eye(4), spec=SimpleNamespace(key="aspects"))
     built = SimpleNamespace(solid=solid, wish=placed, resolution="normal")
     html = told.pieces_html(shown, Solids((), {"aspects": built}, {}, None))  # type: ignore[dict-item]
     text = _text(html)

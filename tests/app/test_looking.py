@@ -90,10 +90,11 @@ def test_the_ground_is_below_everything_that_is_shown() -> None:
         floor = page.node("/grid").position[2]
         assert floor < base_floor(drawing)
         assert floor > base_floor(drawing) - 1.2 * cell
-        page.page.scene.lowest = -234.0
-        page.page.put("redraw")
-        page.settle()
+        low = np.array([0.0, 0.0, -234.0])
+        page.page.scene.ground("something", (low, -low))
         assert -234.0 - 1.2 * cell < page.node("/grid").position[2] < -234.0
+        page.page.scene.ground("something", None)
+        assert page.node("/grid").position[2] == floor
         assert page.node("/footprint").position[2] > page.node("/grid").position[2]
 
 

@@ -89,11 +89,14 @@ def test_pieces_have_their_colours_and_the_locus_its_own() -> None:
     solid.on_locus = np.arange(faces) % 5 == 0
     coats = painting.pieces(solid, locus=True)
     colors = [coat.color for coat in coats]
-    assert colors == [palette.aspect_color(1, 0), palette.aspect_color(-1, 0), palette.BEYOND]
+    # The surface between them first: they are around it.
+    assert colors == [palette.BEYOND, palette.aspect_color(1, 0), palette.aspect_color(-1, 0)]
+    assert [coat.piece for coat in coats] == [None, 0, 1]
+    assert [coat.shells for coat in coats] == [painting.LOCUS, painting.ASPECT, painting.ASPECT]
     assert [len(c.faces) for c in coats] == [
+        int((solid.on_locus & (solid.piece_of == 0)).sum()),
         int((~solid.on_locus & (solid.piece_of == 0)).sum()),
         int((~solid.on_locus & (solid.piece_of == 1)).sum()),
-        int((solid.on_locus & (solid.piece_of == 0)).sum()),
     ]
     assert palette.BEYOND not in [coat.color for coat in painting.pieces(solid, locus=False)]
 

@@ -38,7 +38,7 @@ def _pose_text(tab: Tab) -> list[float]:
 
 def test_load_turn_and_watch_the_solid_change(tab: Tab) -> None:
     before = _wait_for_solid(tab)
-    shape = tab.props("/solids/workspace")
+    shape = tab.props("/solids/workspace/front0")
     assert shape["visible"]
     tab.open_tab("Move")
     tab.type_into("φ (°)", 25)
@@ -50,7 +50,7 @@ def test_load_turn_and_watch_the_solid_change(tab: Tab) -> None:
         return after != before
 
     tab.wait(changed, "another volume")
-    turned = tab.props("/solids/workspace")
+    turned = tab.props("/solids/workspace/front0")
     assert turned["vertices"] != shape["vertices"]
     assert float(after.split()[0]) < float(before.split()[0])
 

@@ -32,7 +32,7 @@ def control(tab: Tab) -> Iterator[Tab]:
 
 def _coats(tab: Tab) -> list[tuple[int, ...]]:
     """The colour of each coat of the aspects that is to be seen."""
-    found = [tab.props(f"/solids/aspects/coat{n}") for n in range(11)]
+    found = [tab.props(f"/solids/aspects/front{n}") for n in range(11)]
     return [tuple(props["color"]) for props in found if props.get("visible")]
 
 

@@ -8,9 +8,9 @@ import time
 import numpy as np
 
 from app.features.singularities.compute import Controlled, Here, Logged
-from app.features.workspace.compute import Solids
+from app.features.workspace.compute import Solids, piece_here
 from app.features.workspace.state import ASPECTS
-from app.review.state import Review
+from app.review.state import Options, Review
 from app.review.units import how_far, minus, page_unit, plural, volume_text
 from app.review.view import short_title
 from app.scene import painting, palette
@@ -34,7 +34,6 @@ from kinematics.answers.bounds import named
 from kinematics.answers.clearances import Clearance, Remedy
 from kinematics.answers.loci import LocusCurves, LocusSpec
 from kinematics.answers.singularities import AT, Measure, Singularity
-from kinematics.machine import required
 
 LISTED = 8  # pieces that the page lists
 TOLD = 9  # clearances
@@ -169,11 +168,9 @@ def pieces_html(review: Review, solids: Solids) -> str:
     solid = built.solid
     if not solid.pieces:
         return box(esc(solid.note) or "The workspace of this mode is empty at this orientation.")
-    here = None
-    if ASPECTS in solids.built:
-        at = required(review.machine.solids, "solids").point(ASPECTS, review.pose, review.mode)
-        here = solid.piece_at((np.linalg.inv(built.wish.placement) @ np.append(at, 1.0))[:3])
-    colors = painting.piece_colors([piece.sign for piece in solid.pieces])
+    here = piece_here(review, built) if ASPECTS in solids.built else None
+    scheme = palette.scheme(review[Options].dark)
+    colors = painting.piece_colors([piece.sign for piece in solid.pieces], scheme)
     signs = {1: "det &gt; 0", -1: "det &lt; 0", 0: ""}
     rows = [
         (

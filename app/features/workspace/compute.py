@@ -14,8 +14,9 @@ from app.features.singularities.compute import field
 from app.features.workspace.state import Flat, Workspace, solver_modes
 from app.jobs.answers import Asked, Question
 from app.review.state import Review
-from app.scene import painting, palette
+from app.scene import painting
 from app.scene.painting import Scale
+from app.scene.palette import LIGHT, Scheme
 from app.terminal.tables import outer, with_units
 from kinematics.answers.loci import LocusCurves
 from kinematics.answers.sections import Region, RegionSpec
@@ -192,6 +193,15 @@ def inside(review: Review) -> bool:
     return bool(review.machine.inverse.inside(review.pose, solver_modes(review)))
 
 
+def piece_here(review: Review, built: Built) -> int | None:
+    """Which piece of a solid that is parted holds the machine, from 0; None where none does."""
+    if built.solid.piece_of is None:
+        return None
+    solids = required(review.machine.solids, "solids")
+    at = solids.point(built.wish.spec.key, review.pose, review.mode)
+    return built.solid.piece_at((np.linalg.inv(built.wish.placement) @ np.append(at, 1.0))[:3])
+
+
 def wish(review: Review) -> Wish | None:
     """The regions that a review shows; None where there are none to show.
 
@@ -239,11 +249,11 @@ def lay(wanted: Wish) -> Laid:
     )
 
 
-def region_colors(found: tuple[Region, ...]) -> tuple[str, ...]:
+def region_colors(found: tuple[Region, ...], of: Scheme = LIGHT) -> tuple[str, ...]:
     """A colour for each region: the workspace's for an only one, else as aspects have them."""
     if len(found) == 1:
-        return (palette.WORKSPACE,)
-    return painting.piece_colors([region.sign for region in found])
+        return (of.workspace,)
+    return painting.piece_colors([region.sign for region in found], of)
 
 
 def _locus(wanted: Wish, spec: RegionSpec, frame: Array) -> Array:

@@ -8,7 +8,7 @@ from app.features.singularities.compute import spot_of
 from app.features.singularities.state import Control
 from app.features.workspace.compute import FIELD, SolidWish
 from app.jobs.answers import Asked
-from app.review.state import Review
+from app.review.state import Options, Review
 from app.scene import painting, palette
 from app.scene.painting import Coat, Scale
 from kinematics.answers.singularities import Measure
@@ -42,7 +42,8 @@ class Painter:
         self, review: Review, wish: SolidWish, solid: BuiltSolid, values: Array | None
     ) -> tuple[Coat, ...]:
         """How to paint a solid; ``values`` of the measure, once they are known."""
-        made_of = solid, None if values is None else id(values), review[Control].locus
+        dark, locus = review[Options].dark, review[Control].locus
+        made_of = solid, None if values is None else id(values), locus, dark
         known = self._coats.get(wish.spec.key)
         if known is None or known[0] != made_of:
             steps = _steps(review, values)
@@ -56,12 +57,14 @@ def _made(
 ) -> tuple[Coat, ...]:
     if not solid.triangles:
         return ()
-    color = palette.solid_color(wish.spec)
+    of = palette.scheme(review[Options].dark)
+    color = palette.solid_color(wish.spec, of)
     if values is not None and steps is not None:
         return painting.shaded(solid, values, steps, color)
     if solid.piece_of is not None and len(solid.pieces):
-        return painting.pieces(solid, locus=review[Control].locus)
-    return painting.plain(solid, color)
+        return painting.pieces(solid, locus=review[Control].locus, of=of)
+    shells = painting.PLAIN if wish.spec.limb is None else painting.LIMB
+    return painting.plain(solid, color, shells)
 
 
 def _steps(review: Review, values: Array | None) -> Scale | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,7 @@ from app.features.workspace import compute
 from app.features.workspace.files import regions_file
 from app.features.workspace.painter import Painter
 from app.features.workspace.scene import Flats
+from app.features.workspace.state import ASPECTS, usual_opacity
 from app.jobs.answers import Asked
 from app.jobs.lane import Lane
 from app.jobs.parts import Client, Part, Stage
@@ -28,7 +30,6 @@ if TYPE_CHECKING:
     from kinematics.mechanism import Design
 
 FAINT = 0.4  # of its opacity has a solid that is of before
-OUTLINED = 0.15  # those of several limbs: their faces in one another hide the machine
 
 
 class SolidsPart(Part):
@@ -99,12 +100,10 @@ class SolidsPart(Part):
 
     def show(self, sheet: Sheet) -> None:
         review, built, old = sheet.view.review, self._built(), {}
-        several = len({w.spec.limb for w in self._wishes} - {None}) > 1
+        limbs = {w.spec.limb for w in self._wishes} - {None}
+        others = bool(limbs) or ASPECTS in built
         for each in self._wishes:
-            key = each.spec.key
-            opacity = each.opacity
-            if several and each.spec.limb is not None:
-                opacity *= OUTLINED
+            key, faint = each.spec.key, 1.0
             if key in built:
                 self._shown[key] = built[key], self._coats(review, built[key])
             elif key in self._shown and not self.answers.given_up(
@@ -113,18 +112,27 @@ class SolidsPart(Part):
                 # The new one is on its way; until then the one before stays where it was.
                 old[key] = self._shown[key][0]
                 if self.aged(self.answers.of(compute.SOLIDS["preview"], each.requests["preview"])):
-                    opacity *= FAINT
+                    faint = FAINT
             else:
                 self._shown.pop(key, None)
             if key in self._shown:
                 last, coats = self._shown[key]
-                self._scene.show(key, last.solid, last.wish.placement, coats, opacity)
+                look = drawing.Look(
+                    _power(each),
+                    faint,
+                    outlined=len(limbs) > 1 and each.spec.limb is not None,
+                    # A workspace's faces lie in those of the others, and would flicker there.
+                    bare=others and each.spec.limb is None and key != ASPECTS,
+                    here=compute.piece_here(review, last) if key in built else None,
+                )
+                self._scene.show(key, last.solid, last.wish.placement, coats, look)
         wished = {each.spec.key for each in self._wishes}
         for spec in review.machine.solid_specs:
             if spec.key not in wished:
                 self._shown.pop(spec.key, None)
             if spec.key not in self._shown:
                 self._scene.hide(spec.key)
+        self.stage.scene.ground("solids", self.bounds)
         if self._design != review.design and (built or not wished):
             if self._design is not None or built:
                 self.stage.fit_view()  # solids are larger than the machine
@@ -166,6 +174,12 @@ class SolidsPart(Part):
         self.save(each, lambda each: apart(build_file, request, each.placement, *named), client)
 
 
+def _power(wish: compute.SolidWish) -> float:
+    """Of the usual opacities: 1 where the opacity is the usual one, 0 where it is 1."""
+    usual = usual_opacity(wish.spec.key)
+    return math.log(max(wish.opacity, 1e-6)) / math.log(usual)
+
+
 class RegionsPart(Part):
     """Keeps the plane regions true to the design, its modes and its orientation."""
 
@@ -189,6 +203,7 @@ class RegionsPart(Part):
         told = self.answers[compute.REGIONS]
         if self._scene is not None:
             self._scene.show(told.shown, faint=self.aged(told))
+            self.stage.scene.ground("regions", self.bounds)
         self.stage.tell(compute.Laying(told.shown, told.stale, told.trouble))
         if told.now is not None and not self._fitted:
             self._fitted = True

@@ -7,7 +7,7 @@ from app.scene import palette
 from app.scene.nodes import Edges, Nodes
 
 MOST = 12  # regions with a mesh of their own
-OPACITY, FAINT = 0.55, 0.2
+OPACITY, FAINT = 0.28, 0.12
 
 
 class Flats:
@@ -24,7 +24,7 @@ class Flats:
 
     def show(self, laid: Laid | None, *, faint: bool) -> None:
         """Bring them to these regions; None hides them."""
-        colors = () if laid is None else region_colors(laid.regions)
+        colors = () if laid is None else region_colors(laid.regions, self._nodes.colors)
         fills = () if laid is None else laid.fills
         for n, node in enumerate(self._fills):
             seen = n < len(fills) and len(fills[n].faces) > 0

@@ -15,7 +15,8 @@ from kinematics.facets.solids import SURFACES, SurfaceKind
 ModeChoice = Literal["all", "current"]
 ASPECTS = "aspects"
 """The key of the solid that is parted by singular surfaces."""
-_OPACITY = {"workspace": 0.35, ASPECTS: 0.5}  # a limb's parts are fainter
+_OPACITY = {"workspace": 0.35, ASPECTS: 0.5}
+LIMB_OPACITY = 0.25
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +25,11 @@ class Shown:
 
     key: str
     opacity: float
+
+
+def usual_opacity(key: str) -> float:
+    """How opaque a solid is at first."""
+    return _OPACITY.get(key, LIMB_OPACITY)
 
 
 @dataclass(frozen=True)
@@ -138,8 +144,7 @@ class Show(Change):
         before = review[Workspace]
         kept = [s for s in before.solids if s.key != self.key]
         if self.on:
-            usual = Shown(self.key, _OPACITY.get(self.key, 0.25))
-            kept.append(before.shown(self.key) or usual)
+            kept.append(before.shown(self.key) or Shown(self.key, usual_opacity(self.key)))
         solids = tuple(sorted(kept, key=lambda s: specs[s.key]))
         return review.having(replace(before, solids=solids)), ""
 
