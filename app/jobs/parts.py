@@ -171,6 +171,11 @@ class Part:
         return view
 
     @property
+    def covered(self) -> float:
+        """px at the foot of the scene over which it shows something."""
+        return 0.0
+
+    @property
     def bounds(self) -> tuple[Array, Array] | None:
         """The box around what it shows, mm, to be seen whole; None as a rule."""
         return None

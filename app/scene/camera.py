@@ -38,6 +38,7 @@ _TOWARD = {
     },
 }
 UP = {False: (0.0, 0.0, 1.0), True: (0.0, 1.0, 0.0)}
+MOST_COVERED = 0.6  # of the picture; the machine has the rest at the least
 ASPECT = 1.0  # of a picture that is not known yet
 
 Bounds = tuple[Array, Array]
@@ -50,10 +51,12 @@ def look(
     more: Sequence[Bounds],
     name: Look | None = None,
     client: viser.ClientHandle | None = None,
+    covered: float = 0.0,
 ) -> None:
     """Show the machine whole, and ``more`` boxes.
 
     Args:
+        covered: px at the foot of the scene over which something lies.
         name: from where; None is as the machine is shown at first.
         client: in this browser; None in every one and in those to come.
     """
@@ -61,9 +64,9 @@ def look(
     points = np.concatenate([_corners(b) for b in (machine_bounds(view.drawing), *more)])
     parallel = view.review[Options].parallel
 
-    def aim(camera: Any, aspect: float, toward: Array, narrow: bool) -> None:
+    def aim(camera: Any, aspect: float, toward: Array, narrow: bool, foot: float = 0.0) -> None:
         fov = NARROW if narrow else FIELD_OF_VIEW
-        position, target = frame(points, toward, fov, aspect, flat=planar)
+        position, target = frame(points, toward, fov, aspect, flat=planar, foot=foot)
         camera.fov = fov
         camera.near = size / 100.0
         camera.far = 80.0 * size + 2.0 * float(np.linalg.norm(position - target))
@@ -80,7 +83,8 @@ def look(
             narrow |= each.camera.fov < 0.5 * (NARROW + FIELD_OF_VIEW)
         with each.atomic():
             each.camera.up_direction = UP[planar]
-            aim(each.camera, each.camera.aspect, toward, narrow)
+            foot = min(covered / max(each.camera.image_height, 1), MOST_COVERED)
+            aim(each.camera, each.camera.aspect, toward, narrow, foot)
 
 
 def toward_of(planar: bool, name: Look | None = None) -> Array:
@@ -112,7 +116,13 @@ def axes_of(toward: Array, *, flat: bool = False) -> tuple[Array, Array, Array]:
 
 
 def frame(
-    points: Array, toward: Array, fov: float, aspect: float, *, flat: bool = False
+    points: Array,
+    toward: Array,
+    fov: float,
+    aspect: float,
+    *,
+    flat: bool = False,
+    foot: float = 0.0,
 ) -> tuple[Array, Array]:
     """Camera position and target (3,) from which points (N, 3) fill `FILLED` of the picture.
 
@@ -120,19 +130,21 @@ def frame(
         toward: (3,) where from.
         fov: rad, vertical.
         aspect: width by height of the picture.
+        foot: the share of the picture, from below, that is left free.
     """
     right, up, back = axes_of(toward, flat=flat)
     depth = points @ back
     tall = FILLED * math.tan(0.5 * fov)
     place, away = [], []
-    for axis, half in ((right, tall * max(aspect, 0.2)), (up, tall)):
+    for axis, half in ((right, tall * max(aspect, 0.2)), (up, tall * (1.0 - foot))):
         # |p·a − c·a| ≤ half (c·back − p·back) for every point p, of the camera c.
         above, below = (float((half * depth + s * (points @ axis)).max()) for s in (1.0, -1.0))
         place.append(0.5 * (above - below))
         away.append(0.5 * (above + below) / half)
     middle = 0.5 * float(depth.min() + depth.max())
     distance = max(*away, float(depth.max()) + 1e-6)
-    flat_place = place[0] * right + place[1] * up
+    lowered = foot * math.tan(0.5 * fov) * (distance - middle)
+    flat_place = place[0] * right + (place[1] - lowered) * up
     return flat_place + distance * back, flat_place + middle * back
 
 

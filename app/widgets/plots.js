@@ -166,16 +166,22 @@ if (!window.bohemiaPlots) {
     const frame = plot.closest("[data-floating-window]");
     if (!frame) return;
     seen.observe(frame);
-    const wide = plot.clientWidth, top = plot.getBoundingClientRect().top;
+    const wide = plot.clientWidth - 8, top = plot.getBoundingClientRect().top;
     const high = Math.floor(frame.getBoundingClientRect().bottom - top) - 4;
     const name = plot.dataset.fit, size = wide + " " + high;
     if (wide < 80 || high < 80 || (told[name] === size && plot.dataset.size)) return;
     told[name] = size;
     send(plot, "size " + size);
   };
-  const all = () => document.querySelectorAll(".plot[data-fit]").forEach(fit);
+  const all = () => {
+    const panel = document.querySelector('[data-dock-region="right"]');
+    const free = window.innerWidth - (panel ? panel.getBoundingClientRect().width : 0);
+    document.documentElement.style.setProperty("--bo-free", free + "px");
+    if (panel) seen.observe(panel);
+    document.querySelectorAll(".plot[data-fit]").forEach(fit);
+  };
   const seen = new ResizeObserver(all);
   window.addEventListener("resize", all);
-  window.bohemiaPlots = { fit };
+  window.bohemiaPlots = { fit: (plot) => { all(); fit(plot); } };
   all();
 }

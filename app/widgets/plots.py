@@ -66,7 +66,7 @@ class Plot:
         alone: bool = False,
     ) -> None:
         gui = desk.gui
-        self._act, self._both, self._alone = act, both, alone
+        self._desk, self._act, self._both, self._alone = desk, act, both, alone
         self.figure: Figure | None = None
         self.look = Look()
         self._base = gui.add_html(f'<div class="plot"{self._fitted()}></div>')
@@ -121,32 +121,44 @@ class Plot:
     # --- what a person does
 
     def _heard(self, text: str, client: Client) -> None:
-        """What the browser wrote; what no plot wrote is nothing."""
+        """What the browser wrote; what no plot wrote is nothing.
+
+        How it is looked at changes the drawing, which the loop alone does.
+        """
         word, *rest = text.split() or [""]
         match word:
             case "zoom":
-                self._zoom(_numbers(rest, 5))
-            case "whole":
-                self._seen(replace(self.look, part=None))
+                self._desk.ask(self._zoom, _numbers(rest, 5))
             case "size":
-                if size := _numbers(rest, 3):
-                    wide, high = (min(max(v, 80.0), 8000.0) for v in size[:2])
-                    self._seen(replace(self.look, size=(wide, high)))
+                self._desk.ask(self._resize, _numbers(rest, 3))
+            case "whole":
+                self._desk.ask(self._zoom, [])
             case "table":
-                self._behind = not self._behind
-                self._redraw()
+                self._desk.ask(self._turn)
             case _:
                 self._pointed(text, client)
 
     def _zoom(self, ends: Sequence[float]) -> None:
-        if not ends or self.figure is None:
-            return
-        x, y = (ends[0], ends[1]), (ends[2], ends[3])
-        if x[0] < x[1] and y[0] < y[1]:
-            part: Bounds = (x, y if self._both else (-math.inf, math.inf))
-            whole = self.figure.axes.whole
-            widest = whole is not None and x[0] <= whole[0][0] and x[1] >= whole[0][1]
-            self._seen(replace(self.look, part=None if widest else part))
+        """Show a part of the axes, from and to of both; none for the whole."""
+        part: Bounds | None = None
+        whole = None if self.figure is None else self.figure.axes.whole
+        if ends and ends[0] < ends[1] and ends[2] < ends[3]:
+            part = (ends[0], ends[1]), (ends[2], ends[3])
+            if whole is not None and part[0][0] <= whole[0][0] and whole[0][1] <= part[0][1]:
+                part = None
+            elif not self._both:
+                part = part[0], (-math.inf, math.inf)
+        self._seen(replace(self.look, part=part))
+
+    def _resize(self, size: Sequence[float]) -> None:
+        if size:
+            wide, high = (min(max(v, 80.0), 8000.0) for v in size[:2])
+            self._seen(replace(self.look, size=(wide, high)))
+
+    def _turn(self) -> None:
+        """Show the numbers behind it, or the drawing again."""
+        self._behind = not self._behind
+        self._redraw()
 
     def _seen(self, look: Look) -> None:
         if look != self.look:

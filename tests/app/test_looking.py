@@ -49,6 +49,19 @@ def test_a_view_fills_its_share_of_the_picture(name: str, flat: bool) -> None:
         assert (share <= 1.0 + 1e-6).all()
 
 
+def test_what_lies_over_the_foot_of_the_picture_hides_nothing() -> None:
+    points = np.random.default_rng(4).uniform(-1.0, 1.0, (60, 3)) * [300.0, 150.0, 200.0] + 40.0
+    toward = toward_of(False, "isometric")
+    for aspect, foot in itertools.product((0.6, 1.0, 1.8), (0.2, 0.44)):
+        position, target = frame(points, toward, FIELD_OF_VIEW, aspect, foot=foot)
+        away = position - target
+        assert away / np.linalg.norm(away) == pytest.approx(toward / np.linalg.norm(toward))
+        x, y = (_seen(points, position, toward, flat=False) / math.tan(0.5 * FIELD_OF_VIEW)).T
+        assert np.abs(x).max() < aspect
+        assert y.min() > 2.0 * foot - 1.0  # from −1 at the foot to 1 at the top
+        assert y.max() < 1.0
+
+
 def test_in_plan_x_is_to_the_right_and_y_up() -> None:
     for flat in (False, True):
         right, up, _ = axes_of(toward_of(flat, "plan"), flat=flat)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -18,7 +20,7 @@ from hypothesis import strategies as st
 from app.features.trajectory import compute
 from app.features.trajectory.compute import Asked, Computed
 from app.features.trajectory.files import polynomial
-from app.features.trajectory.html import fits_html, summary_html
+from app.features.trajectory.html import bar_html, fits_html, most_html, summary_html
 from app.features.trajectory.playing import Player, on_the_way
 from app.features.trajectory.plot import (
     ORDER,
@@ -34,6 +36,7 @@ from app.features.trajectory.sketch import read_stroke, sketch_axes, sketch_figu
 from app.features.trajectory.state import SetPlan
 from app.review.changes import change
 from app.review.state import Review, new_review
+from app.widgets.axes import Look
 from app.widgets.boxes import shown_pose, typed_numbers, typed_pose, units
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
@@ -226,6 +229,70 @@ def test_strips_are_in_page_units_and_show_limits(bar: Computed) -> None:
     told = [t.text for t in ElementTree.fromstring(f"<g>{cursor}</g>").iter("text")]
     assert told[:2] == ["θ₁", f"{middle:.1f}"]  # the larger of the two, beside its chip
     assert figure(bar, "rates").axes.height < drawn.axes.height
+
+
+def test_plots_fill_the_room_that_a_browser_tells(bar: Computed) -> None:
+    for plot, size in itertools.product(("main", "all", "rates"), ((860.0, 300.0), (640.0, 250.0))):
+        drawn = figure(bar, plot, Look(size=size))
+        assert (drawn.axes.width, drawn.axes.height) == size
+        shown = strips(bar, plot)
+        boxes = strip_axes(shown, drawn.axes)
+        assert boxes[-1].bottom == pytest.approx(drawn.axes.bottom)
+        for one, two in itertools.pairwise(boxes):
+            assert one.top + one.inner[1] + 15 < two.top  # a title stands between
+        cursor = ElementTree.fromstring(f"<g>{mark(bar, plot, drawn.axes, 1.0)}</g>")
+        values = [g for g in cursor.iter("g") if g.get("class") == "values"]
+        for group, box in zip(values, boxes, strict=True):
+            for text in group.iter("text"):
+                x, y = float(text.get("x", "")), float(text.get("y", ""))
+                assert box.left + box.inner[0] < x <= box.width
+                assert box.top <= y <= box.top + max(box.inner[1], 13.0) + 1.0
+
+
+def test_values_stand_in_the_order_of_the_curves(bar: Computed) -> None:
+    (strip,) = strips(bar, "joints")
+    box = axes_for((strip,), bar.found.duration)
+    for at in (0.3, 1.0, 1.7):
+        cursor = ElementTree.fromstring(f"<g>{mark(bar, 'joints', box, at)}</g>")
+        told = [t.text or "" for t in cursor.iter("text")]
+        values = [float(text.replace("−", "-")) for text in told[1::2]]
+        assert values == sorted(values, reverse=True)
+        known = {c.symbol: float(np.interp(at, c.times, c.values)) for c in strip.curves}
+        assert dict(zip(told[::2], values, strict=True)) == pytest.approx(known, abs=0.06)
+
+
+def test_ends_of_strokes_are_named_where_the_joints_come_near() -> None:
+    review = _review("rpur-table1", start=_review("rpur-table1").pose, end=(250, 120, 240, 0, 0))
+    computed = compute.compute(_asked(review))
+    drawn = figure(computed, "joints")
+    texts = [t.text for t in ElementTree.fromstring(f"<g>{drawn.content}</g>").iter("text")]
+    assert "ρ min 250" in texts  # limb 3 goes beyond it
+    assert not any("ρ max" in (text or "") for text in texts)  # 400 mm is far
+    assert drawn.table()[0][:3] == ["t (s)", "ρ₁ (mm)", "ρ₂ (mm)"]
+    assert len(drawn.table()[1]) == 25
+
+
+def test_what_is_beyond_is_marked_on_the_time_line_and_told_first(bar: Computed) -> None:
+    from app.features.trajectory.compute import Moved
+
+    review = _review("rpur-table1", start=_review("rpur-table1").pose, end=(250, 120, 240, 0, 0))
+    computed = compute.compute(_asked(review))
+    (event,) = computed.found.events
+    share = 100.0 * event.start / computed.found.duration
+    assert f"transparent {share:.2f}%" in bar_html(computed, 1.0)
+    assert "gradient" not in bar_html(None, 1.0)
+    moved = Moved(computed, False, "", 1.0, False, None, "", None, "")
+    told = re.sub(r"<[^>]*>", "|", summary_html(moved))
+    first = next(part for part in told.split("|") if part.strip())
+    assert first == f"Leaves the workspace at t = {event.start:.3f} s"
+    rows = re.findall(r"<tr>.*?</tr>", most_html(computed))
+    heads, *limbs = [
+        [re.sub(r"<[^>]*>", "", c) for c in re.findall("<t[hd].*?</t[hd]>", r)] for r in rows
+    ]
+    assert heads == ["", "mm/s", "mm/s²", "N"]
+    assert [row[0] for row in limbs] == ["ρ₁", "ρ₂", "ρ₃", "ρ₄", "ρ₅"]
+    most = computed.found.largest("rate")[0]
+    assert [float(row[1]) for row in limbs] == pytest.approx(most, abs=0.06)
 
 
 def test_the_saved_plot_is_a_picture_of_its_own(bar: Computed) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import itertools
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -11,6 +12,8 @@ from tests.browser.conftest import Tab
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
+
+    from playwright.sync_api import Locator
 
 pytestmark = pytest.mark.browser
 
@@ -112,3 +115,52 @@ def test_a_path_is_drawn_with_the_mouse(way: Tab) -> None:
     way.wait_for_text(r"[\d.]+ mm in [\d.]+ s, quintic, 21 samples")
     way.wait(lambda: bool(way.props("/trajectory/line").get("visible")), "the way in the scene")
     way.shot("trajectory-drawn")
+
+
+def test_the_plots_lie_over_the_foot_of_the_scene(way: Tab) -> None:
+    way.wait_for_text(r"nearest to a singularity: [\d.]+ mm")
+    plot = way.page.get_by_label("The trajectory against time")
+    window = way.page.locator("[data-floating-window]:has(.bo-bar)")
+    way.wait(
+        lambda: plot.get_attribute("viewBox") == _size(plot), "the drawing as large as its room"
+    )
+    frame, drawn = _box(window), _box(plot)
+    panel = _box(way.page.locator('[data-dock-region="right"]'))
+    assert frame["x"] == 0.0
+    assert frame["y"] + frame["height"] == pytest.approx(800.0, abs=1.0)
+    assert frame["height"] == pytest.approx(352.0, abs=1.0)
+    assert frame["x"] + frame["width"] == pytest.approx(panel["x"], abs=1.0)
+    assert drawn["y"] + drawn["height"] <= 800.0  # nothing of it is cut
+    # The play bar is one row, from end to end of the window, above the plots.
+    row = [
+        _box(way.page.get_by_role("button", name=name, exact=True))
+        for name in ("Play", "¼×", "½×", "1×", "4×", "Stop here", "Back to where it was")
+    ]
+    row.append(_box(way.field("Time (s)").last))
+    middles = [box["y"] + 0.5 * box["height"] for box in row]
+    assert max(middles) - min(middles) < 4.0
+    assert all(frame["x"] <= b["x"] <= b["x"] + b["width"] <= frame["width"] for b in row)
+    assert all(box["y"] + box["height"] <= drawn["y"] + 1.0 for box in row)
+    ends = sorted((box["x"], box["x"] + box["width"]) for box in row)
+    assert all(one[1] <= two[0] + 0.5 for one, two in itertools.pairwise(ends))
+
+
+def test_what_goes_wrong_first_is_gone_to(way: Tab) -> None:
+    way.type_into("To", "250, 120, 240, 0, 0")
+    told = way.wait_for_text(r"Leaves the workspace at t = [\d.]+ s")
+    at = float(told.split()[-2])
+    way.page.get_by_role("button", name="Go there").click()
+    way.wait(lambda: abs(way.value("Time (s)") - at) < 2e-3, "the time of it")
+    way.wait_for_text(rf"At {at:.2f} of 1\.00 s")
+
+
+def _box(found: Locator) -> Any:
+    box = found.locator("visible=true").first.bounding_box()
+    assert box is not None
+    return box
+
+
+def _size(plot: Locator) -> str:
+    """The view box of a drawing that is shown pixel by pixel."""
+    box = _box(plot)
+    return f"0 0 {round(box['width'])} {round(box['height'])}"

@@ -3,29 +3,86 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import isfinite
+from math import isfinite, nan
 
 import numpy as np
 
 from app.features.trajectory.compute import Computed, Moved
-from app.features.trajectory.files import LOST, polynomial
-from app.review.units import minus, page_unit, sentence
+from app.features.trajectory.files import LOST as DIGITS_LOST
+from app.features.trajectory.files import polynomial
+from app.features.trajectory.playing import first_wrong
+from app.review.units import minus, page_unit, sentence, tenths
 from app.scene import palette
-from app.widgets.texts import Tone, aged, box, chip, esc, red, styled, table, tone
+from app.widgets.svg import BACK, BAD, DIM, EDGE, FIELD, LOST, RULE, TEXT
+from app.widgets.texts import (
+    NUMERIC,
+    Tone,
+    aged,
+    box,
+    chip,
+    esc,
+    faint,
+    red,
+    styled,
+    table,
+    tone,
+)
 from kinematics.mechanism import Coordinate
 from kinematics.trajectories import Event, Fits
 
 MOST = 40  # warnings that are listed
+PACES = (0.25, 0.5, 1.0, 4.0)  # of the play bar's buttons
+FIRST = {
+    "outside": "Leaves the workspace",
+    "singularity": "Cannot be held",
+    "jump": "A joint has to leap",
+    "corner": "A sharp corner",
+    "rate": "Too fast",
+    "acceleration": "Too much acceleration",
+    "force": "Too much force",
+}
 LAWS = {
     "linear": "constant velocity",
     "cubic": "cubic",
     "quintic": "quintic",
     "trapezoidal": "trapezoidal",
 }
+# The window over the scene's foot, as wide as the scene; in it the play bar is one row.
+_WINDOW, _ROW = "[data-floating-window]:has(.bo-bar)", "div:has(>div>.bo-bar)"
+_BUTTONS = f"{_ROW}>div:nth-child(-n+6) button"
+AT_FOOT = f"""
+{_WINDOW}{{left:0!important;top:auto!important;bottom:0!important;border-radius:0!important;
+width:var(--bo-free,calc(100vw - 420px))!important;height:min(352px,50vh)!important;
+box-shadow:none!important;border-top:1px solid {RULE};background:{BACK}}}
+{_WINDOW}>[data-dock-resize],
+{_WINDOW} :is([data-dock-griphandle],[data-dock-strip]){{display:none!important}}
+{_ROW}{{display:flex;flex-wrap:wrap;align-items:center;align-content:flex-start;
+padding:4px 8px 0!important}}
+{_ROW}>div{{padding:0 4px!important;margin:0;flex:0 0 auto}}
+{_ROW}>div:has(>.bo-bar){{padding:0!important}}
+{_ROW}>div:nth-child(3){{flex:1 1 0;padding-right:18px!important}}
+{_ROW}>div:nth-child(n+7){{flex:0 0 100%;padding:0!important}}
+{_BUTTONS}{{width:auto;height:26px;min-height:26px;padding:0 8px;font-size:12px;font-weight:400;
+color:{TEXT};background:{FIELD};border:1px solid {EDGE};border-radius:4px}}
+{_BUTTONS}:disabled{{opacity:.5}}
+{_ROW}>div:nth-child(2) button{{width:36px;padding:0}}
+{_ROW}>div:nth-child(2) .mantine-Button-label{{position:absolute;opacity:0}}
+{_ROW}>div:nth-child(2) .mantine-Button-inner{{justify-content:center;width:100%}}
+{_ROW}>div:nth-child(2) .mantine-Button-section{{margin:0!important}}
+{_ROW}>div:nth-child(-n+4)>.mantine-Flex-root>div:first-child{{opacity:0;overflow:hidden;
+position:absolute!important;width:1px!important;height:1px;white-space:nowrap}}
+{_ROW}>div:nth-child(4) button{{border-color:transparent!important;padding:0 7px;min-width:34px;
+background:transparent!important;color:{TEXT}!important}}
+{_ROW}>div:nth-child(3) .mantine-Slider-markLabel{{display:none}}
+{_ROW}>div:nth-child(3) .mantine-NumberInput-root{{width:64px!important;position:relative}}
+{_ROW}>div:nth-child(3) .mantine-NumberInput-root::after{{content:"s";position:absolute;right:-12px;
+top:6px;font-size:12px;color:{DIM}}}
+{_ROW} .mantine-Slider-track::after{{content:"";position:absolute;inset:0;border-radius:inherit}}
+"""
 
 
 def summary_html(moved: Moved) -> str:
-    """How long the way is and takes, and what is wrong on it."""
+    """What goes wrong first, all else that does, and how long the way is and takes."""
     if moved.missing:
         return box(esc(moved.missing))
     if moved.trouble:
@@ -38,8 +95,69 @@ def summary_html(moved: Moved) -> str:
         f"O′ travels {found.travel:.1f} mm in {computed.law.duration:.4g} s, "
         f"{LAWS[computed.law.kind]}, {len(found.times)} samples{_moving(found.moving_ends)}"
     )
-    told = f"<div>{head}{_nearest(computed)}</div>{_events(moved, found.events)}"
+    told = (
+        f"{_first(found.events)}{_events(moved, found.events)}<div>{head}{_nearest(computed)}</div>"
+    )
     return box(aged(told, moved.stale))
+
+
+def _first(events: Sequence[Event]) -> str:
+    """What goes wrong first, in a few words."""
+    if not events or first_wrong(events).kind == "near":
+        return ""
+    event = first_wrong(events)
+    text = f"{FIRST[event.kind]} at t = {event.start:.3f} s"
+    look = f"font-size:14px;line-height:20px;font-weight:600;color:{BAD}"
+    return styled(text, look, "div")
+
+
+def most_html(computed: Computed) -> str:
+    """The largest rate, acceleration and force of each actuator."""
+    of, found = computed.asked, computed.found
+    joints = of.machine.joints
+    unit, force = ("°", "N·mm") if joints[0].unit == "rad" else ("mm", "N")
+    forces = dict(
+        zip(
+            [(name.kind, name.limb) for name in found.names], found.largest("force")[0], strict=True
+        )
+    )
+    rows = []
+    for n, joint in enumerate(joints):
+        limb = joint.limb or n + 1
+        sizes = [joint.outer(float(found.largest(what)[0][n])) for what in ("rate", "acceleration")]
+        held = forces.get(("actuation", limb), nan)
+        cells = [*map(tenths, sizes), tenths(float(held))]
+        rows.append((f"{chip(palette.limb_color(limb))}{esc(joint.symbol)}", *cells))
+    load = " ".join(f"{v:g}" for v in of.load[:3])
+    note = faint(f"Forces hold the load F = ({minus(load)}) N quasi-statically.", "div")
+    heads = ("", f"{unit}/s", f"{unit}/s²", force)
+    return box(table(rows, ("", *[NUMERIC] * 3), heads=heads) + note)
+
+
+def bar_html(computed: Computed | None, pace: float) -> str:
+    """The look of the play bar: where on the time line something is beyond, and which speed it is.
+
+    viser has no state of a chosen button and no marks on a track: style sheets have.
+    """
+    spans = []
+    if computed is not None:
+        whole = computed.law.duration
+        wrong = [e for e in computed.found.events if e.kind != "near"]
+        for event in sorted(wrong, key=lambda event: event.start):
+            low, high = (100.0 * t / whole for t in (event.start, event.end))
+            high = max(high, low + 0.6)
+            spans.append(
+                f"linear-gradient(to right,transparent {low:.2f}%,{LOST} {low:.2f}%,"
+                f"{LOST} {high:.2f}%,transparent {high:.2f}%)"
+            )
+    marked = ",".join(spans) or "none"
+    chosen = PACES.index(pace) + 1 if pace in PACES else 0
+    return (
+        f'<div class="bo-bar"></div><style>{AT_FOOT}'
+        f"{_ROW} .mantine-Slider-track::after{{background:{marked}}}"
+        f"{_ROW}>div:nth-child(4) button:nth-of-type({chosen}){{background:{FIELD}!important;"
+        f"border-color:{EDGE}!important;font-weight:600}}</style>"
+    )
 
 
 def _moving(ends: tuple[bool, bool]) -> str:
@@ -96,7 +214,7 @@ def fits_html(
         values = (deviation[0][n], largest[0][n], deviation[1][n], deviation[2][n])
         sizes = (_size(axis.outer(float(v))) for v in values)
         rows.append((f"{esc(axis.symbol)} ({page_unit(axis)})", *sizes))
-    note = esc(LOST) if not fits.carried else ""
+    note = esc(DIGITS_LOST) if not fits.carried else ""
     if fits.trouble:
         note = f"{esc(fits.trouble[:1].upper() + fits.trouble[1:])}."
     note = styled(note, "margin-top:.3em", "div") if note else ""

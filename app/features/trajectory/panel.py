@@ -9,11 +9,11 @@ from typing import Any
 import viser
 
 from app.features.trajectory.compute import Moved
-from app.features.trajectory.html import fits_html, summary_html
+from app.features.trajectory.html import bar_html, fits_html, most_html, summary_html
 from app.features.trajectory.part import TrajectoryPart
 from app.features.trajectory.paths_panel import WayFolder
 from app.features.trajectory.plot import figure, mark
-from app.features.trajectory.state import MOST_SAMPLES, SPEEDS, Plan, step_plan
+from app.features.trajectory.state import MOST_SAMPLES, Plan, set_plan, step_plan
 from app.review.state import Review
 from app.review.view import Moment
 from app.widgets.boxes import Typing, limits_box
@@ -33,6 +33,7 @@ LAWS = {
 }
 PLAYBACKS = {"Again and again": "loop", "Once": "once", "To and fro": "swing"}
 PLOTS = {
+    "Joints, rates, distance": "main",
     "Everything": "all",
     "Joints": "joints",
     "Rates": "rates",
@@ -40,7 +41,8 @@ PLOTS = {
     "Forces": "forces",
     "Distance to a singularity": "distance",
 }
-PACES = {f"{speed:g}×": speed for speed in SPEEDS}
+PACES = {"¼×": 0.25, "½×": 0.5, "1×": 1.0, "4×": 4.0}
+WRONG = ("Go there", "To the next")
 DEGREES = {"none": 0} | {f"{n}": n for n in range(1, HIGHEST + 1)}
 WINDOW = 860, 352  # px of the plots over the scene
 STEPS = 1000  # of the scrub bar
@@ -80,13 +82,17 @@ class TrajectoryPanel(Panel):
         self.switch("Show the trajectory", Plan, "on", hint, command)
         self.key("Play", "Play the trajectory, or pause", "P", lambda: desk.ask(part.playing.play))
         self._summary = gui.add_html("")
+        self._wrong = gui.add_button_group("What is wrong", WRONG)
+        self.clicked(self._wrong, self._go_there)
         self._progress = gui.add_progress_bar(0.0, visible=False)
         self._give_up = self.asks("Cancel the distances", part.measure, False)
         self._go_on = self.asks("Find distances to singularities", part.measure, True)
-        self._next = self.asks_for("To the next warning", part.playing.to_warning)
         self.groups.append(WayFolder(desk, self.sheet))
         self._add_time()
+        with gui.add_folder("Largest on the way"):
+            self._most = gui.add_html("")
         self._add_limits(review)
+        self._add_playback()
         with gui.add_folder("Polynomials for the joints", expand_by_default=False):
             self.menu("Degree", DEGREES, Plan, "degree")
             self._fits = gui.add_html("")
@@ -151,28 +157,39 @@ class TrajectoryPanel(Panel):
     def _limit(self, name: str, value: Any, client: Client) -> None:
         self.desk.send(step_plan(name, value), client)
 
-    def _add_window(self, review: Review) -> None:
-        gui, desk, playing = self.gui, self.desk, self._part.playing
-        title = "Along the trajectory"
-        self._window, tab = self.window(title, *WINDOW, visible=review[Plan].on)
-        with tab:
-            self._plot = Plot(
-                desk, lambda t, _, client: desk.ask(playing.scrub, t, client), alone=True
-            )
-            self._scrub = gui.add_slider("Time (s)", 0.0, 1.0, 0.001, 0.0)
-            self.set(self._scrub, precision=3)
-            self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY, hint="Hotkey P")
-            self._stop = self.asks_for("Stop here", playing.stop_here, icon=viser.Icon.FLAG)
-            self._back = self.asks(
-                "Back to where it was", playing.go_back, icon=viser.Icon.ARROW_BACK
-            )
-            self.menu("Speed", PACES, Plan, "pace")
+    def _add_playback(self) -> None:
+        with self.gui.add_folder("Playing and plots", expand_by_default=False):
+            self.menu("Plot", PLOTS, Plan, "plot")
             self.menu("Playback", PLAYBACKS, Plan, "playback")
             hint = "No machine is driven across a singularity"
             self.switch("Stop where singular", Plan, "halt", hint)
-            self.menu("Plot", PLOTS, Plan, "plot")
+
+    def _add_window(self, review: Review) -> None:
+        """The play bar, and the plots below it, over the foot of the scene."""
+        gui, desk, playing = self.gui, self.desk, self._part.playing
+        self._window, tab = self.window("Along the trajectory", *WINDOW, visible=review[Plan].on)
+        with tab:
+            self._bar = gui.add_html(bar_html(None, review[Plan].pace))
+            self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY, hint="Hotkey P")
+            self._scrub = gui.add_slider("Time (s)", 0.0, 1.0, 0.001, 0.0)
+            self.set(self._scrub, precision=3)
+            self._paces = gui.add_button_group("Speed", tuple(PACES))
+            self._stop = self.asks_for("Stop here", playing.stop_here)
+            hint = "Show the machine where the review has it"
+            self._back = self.asks("Back to where it was", playing.go_back, hint=hint)
+            self._plot = Plot(
+                desk, lambda t, _, client: desk.ask(playing.scrub, t, client), alone=True
+            )
         self.answer(self._scrub, lambda at, client: desk.ask(playing.scrub, float(at), client))
         self.clicked(self._play, lambda _: desk.ask(playing.play))
+        self.clicked(self._paces, self._pace)
+
+    def _pace(self, client: Client) -> None:
+        self.desk.send(set_plan("pace", PACES[self._paces.value]), client)
+
+    def _go_there(self, client: Client) -> None:
+        first = self._wrong.value == WRONG[0]
+        self.desk.ask(self._part.playing.to_warning, client, first=first)
 
     # --- what is drawn
 
@@ -185,7 +202,7 @@ class TrajectoryPanel(Panel):
         for name, box_ in self._limits.items():
             self._typing.draw(box_, getattr(plan, name))
         if not plan.on:
-            self.see(False, self._window)
+            self.see(False, self._window, self._wrong)
 
     def told(self, sheet: Sheet, news: Any) -> None:
         super().told(sheet, news)
@@ -213,7 +230,9 @@ class TrajectoryPanel(Panel):
         self.set(self._progress, value=round(100.0 * moved.share, 1))
         self.see(there and not moved.measuring and moved.share < 1.0, self._go_on)
         events = () if computed is None else computed.found.events
-        self.see(there and bool(events), self._next)
+        self.see(there and bool(events), self._wrong)
+        self.say(self._most, most_html(computed) if plan.on and computed else "", moved.stale)
+        self.set(self._bar, content=bar_html(computed if there else None, plan.pace))
         fits = ""
         if plan.degree and there:
             axes, joints = machine.coordinates, machine.joints

@@ -28,6 +28,7 @@ from kinematics.errors import InputError
 from kinematics.trajectories import duration_within
 
 OPENED = 0.7  # s in which a browser has opened or closed the plots, and says how wide it is
+FOOT = 352.0  # px of the scene over which the plots lie
 FRAME = 1 / 31  # s between two pictures
 
 
@@ -101,8 +102,8 @@ class TrajectoryPart(Part):
         return replace(computed, found=found), 1.0 - left / max(len(distance), 1)
 
     def applied(self, change: Change, before: Review, note: str) -> None:
-        if self.stage.review[Plan].on != before[Plan].on:
-            self._fit_at = time.monotonic() + OPENED  # the scene has another width then
+        if _covered(self.stage.review) != _covered(before):
+            self._fit_at = time.monotonic() + OPENED  # another part of the scene is free then
 
     def follow(self) -> None:
         super().follow()
@@ -185,6 +186,10 @@ class TrajectoryPart(Part):
         return (
             None if computed is None else (computed.spots.min(axis=0), computed.spots.max(axis=0))
         )
+
+    @property
+    def covered(self) -> float:
+        return _covered(self.stage.view.review)
 
     def shown(self, view: View) -> View:
         """The view with the machine where it is on its trajectory; the same if it is not."""
@@ -271,6 +276,11 @@ class TrajectoryPart(Part):
         if self._known[0] != key:
             self._known = key, measured
         return self._known[1] or measured
+
+
+def _covered(review: Review) -> float:
+    plan = review[Plan]
+    return FOOT if plan.on and not missing(plan) else 0.0
 
 
 def rounded_up(value: float) -> float:

@@ -8,6 +8,7 @@ stops the machine on its way.
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,7 +21,7 @@ from app.review import view as compute
 from app.review.state import Review
 from app.review.units import within
 from app.review.view import View
-from kinematics.answers.trajectories import Playback
+from kinematics.answers.trajectories import Event, Playback
 
 SETTLED = 0.5  # s for which a hand must rest on the scrub bar before the machine is put there
 SAME = 1e-6  # mm and rad: poses that are one
@@ -187,15 +188,16 @@ class Playing:
         self.away, self.late = True, True
         self._settle_at, self._settler = time.monotonic() + SETTLED, client
 
-    def to_warning(self, client: Client = None) -> None:
-        """Show the machine at the next place where something is wrong."""
+    def to_warning(self, client: Client = None, *, first: bool = False) -> None:
+        """Show the machine at the next place where something is wrong, or at the ``first`` one."""
         events = () if self.current is None else self.current.found.events
         if not events:
             self._stage.complain("Nothing is wrong on the way, as far as it is known.", client)
             return
         at = self.player.at(time.monotonic())
-        later = [e.start for e in events if e.start > at + 1e-9]
-        self.scrub(later[0] if later else events[0].start, client)
+        later = [e.start for e in events if e.start > at + 1e-9 and not first]
+        known = first_wrong(events)
+        self.scrub(later[0] if later else known.start, client)
 
     def stop_here(self, client: Client = None) -> bool:
         """Put the machine where it is shown."""
@@ -273,6 +275,11 @@ class Playing:
             return view
         at = self.player.at(time.monotonic())
         return on_the_way(view, computed.pose_at(at), at, computed.law.duration)
+
+
+def first_wrong(events: Sequence[Event]) -> Event:
+    """What goes wrong first; that a singularity is only near comes after all else."""
+    return min(events, key=lambda event: (event.kind == "near", event.start))
 
 
 def on_the_way(view: View, pose: tuple[float, ...], at: float, duration: float) -> View:

@@ -388,12 +388,12 @@ def _frame(strip: Strip, axes: Axes, *, last: bool) -> str:
     wide, high = axes.inner
     levels, times = _levels(axes.y, max(2, min(5, int(high / 22)))), ticks(*axes.x, MARKS)
     middle = axes.left + wide / 2, axes.top + high / 2 + 4
-    end, low = axes.left + wide, axes.top + high
+    low = axes.top + high
     return (
         grid(axes, (), levels)
         + scales(axes, "", "", times, levels, (number if last else None, _tick))
         + heading(axes.left, axes.top - 6, strip.title, strip.unit)
-        + label(end + 12, low + 15, "t (s)" if last else "", "start", fill=DIM)
+        + label(axes.left - 14, low + 15, "t (s)" if last else "", "end", fill=DIM)
         + label(*middle, strip.note, fill=DIM)
     )
 

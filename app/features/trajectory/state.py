@@ -28,7 +28,7 @@ PLAYBACKS: tuple[Playback, ...] = ("once", "loop", "swing")
 SPEEDS = (0.25, 0.5, 1.0, 2.0, 4.0)
 STRAIGHT, POINTS, FILE, STROKE = "straight", "points", "file", "stroke"
 OWN = (STRAIGHT, POINTS, FILE, STROKE)  # ways of one's own; all others are the mechanism's
-PLOTS = ("all", "joints", "rates", "accelerations", "forces", "distance")
+PLOTS = ("main", "all", "joints", "rates", "accelerations", "forces", "distance")
 MOST_POINTS = 2000  # that a session keeps of one path
 MOST_SAMPLES = 2001  # on the page; the command line takes more
 TRIMMED = 300  # points of a stroke that are kept
@@ -93,7 +93,7 @@ class Plan(Slice):
     pace: float = 1.0
     halt: bool = True
     degree: int = 0
-    plot: str = "all"
+    plot: str = "main"
 
     @property
     def limits(self) -> Limits:
