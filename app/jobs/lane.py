@@ -135,6 +135,12 @@ class Lane:
         self._thread.join(timeout=5.0)
 
     @property
+    def idle(self) -> bool:
+        """Nothing is at work, nor wanted and not answered."""
+        with self._changed:
+            return self._at_work is None and {job.key for job in self._jobs} <= self._answered
+
+    @property
     def pid(self) -> int | None:
         """The process, for tests of its death."""
         return None if self._process is None else self._process.pid

@@ -369,7 +369,8 @@ def finish(
     traced, shells, dropped = meshes.without_slivers(solid.traced(), thinnest)
     before = meshes.volume(traced.mesh)
     traced, shells, moved = rounded(solid, traced, shells, thinnest)
-    shifted = abs(meshes.volume(traced.mesh) - before)  # plane faces are moved as a whole
+    parts = meshes.face_parts(traced.mesh.vertices, traced.mesh.faces)
+    shifted = abs(float(parts[0].sum()) / 6.0 - before)  # plane faces are moved as a whole
     placed: PlacedMesh | None = None
     if place is not None and len(traced.mesh.faces):
         apart = 0.75 * meshes.grid_step(traced.mesh.vertices)  # facets keep a whole step
@@ -380,8 +381,9 @@ def finish(
         else:
             traced = placed.traced
             shells = meshes.face_shells(len(traced.mesh.vertices), traced.mesh.faces)
+            parts = meshes.face_parts(traced.mesh.vertices, traced.mesh.faces)
     v, f = traced.mesh.vertices, traced.mesh.faces
-    six, twice, moments = meshes.face_parts(v, f)
+    six, twice, moments = parts
     volume, area = float(six.sum()) / 6.0, float(twice.sum()) / 2.0
     pieces, piece_of = meshes.pieces(v, f, shells, six, moments)
     several = len(pieces)

@@ -29,6 +29,7 @@ from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.facets.solids import RESOLUTIONS, Resolution
 from kinematics.solids.csg import Solid
+from kinematics.solids.meshes import fine_step
 
 Part = Literal["whole", "plus", "minus", "body", "H1", "H2", "H3"]
 PARTS: tuple[Part, ...] = get_args(Part)
@@ -230,8 +231,9 @@ class _Faces:
         self.patches.append(np.full(int(real.sum()), len(self.tags) - 1))
 
     def solid(self, vertices: Array) -> Solid:
+        step = fine_step(float(np.abs(vertices).max()))  # as the places that it is moved to
         return Solid.from_mesh(
-            vertices,
+            np.round(vertices / step) * step + 0.0,
             np.concatenate(self.faces),
             patch=np.concatenate(self.patches),
             plane=np.concatenate(self.planes),

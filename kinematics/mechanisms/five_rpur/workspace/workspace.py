@@ -8,21 +8,19 @@ change, moved and intersected. Lengths mm, angles rad.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
-from itertools import product
 
 import numpy as np
 
-from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.facets.solids import SURFACES, Resolution, SurfaceKind
 from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign
 from kinematics.mechanisms.five_rpur.inverse import chosen
 from kinematics.mechanisms.five_rpur.offsets import merged_limbs
+from kinematics.mechanisms.five_rpur.workspace.booleans import products, riders, united
 from kinematics.mechanisms.five_rpur.workspace.true_surface import true_surface
 from kinematics.mechanisms.five_rpur.workspace.vertex_space import (
-    Part,
     Surface,
     deviation,
     limb_solid,
@@ -43,17 +41,6 @@ _MERGED = (1e-7, 1e-6, 1e-5, 1e-4)
 # How far chords of the true surface may sag, in deviations of the mesh: what keeps its volume,
 # too small by the chords, as good as the resolution promises.
 _SAG: dict[Resolution, float] = {"normal": 0.1, "fine": 0.06}
-
-
-@dataclass(frozen=True, slots=True)
-class _Operand:
-    """One limb's solid where it stands: all that the intersection depends on."""
-
-    link: float
-    rho_min: float
-    rho_max: float
-    part: Part
-    offset: tuple[float, float, float]
 
 
 def workspace(
@@ -114,7 +101,7 @@ def from_solid(
     Raises:
         LeakError: the surface was not closed however boldly limbs were merged.
     """
-    choices = _products(chosen(design, modes))
+    choices, together = products(chosen(design, modes)), riders(design)
     last = None
     for same in _MERGED:
         limbs = merged_limbs(design, phi, theta, same)
@@ -123,25 +110,10 @@ def from_solid(
             continue
         last = stands
         try:
-            return build(_raw(stands, choices, resolution), limbs.moved)
+            return build(united(stands, together, choices, resolution), limbs.moved)
         except LeakError:
             pass
     raise LeakError
-
-
-def _raw(stands: Array, choices: list[str], resolution: Resolution) -> Solid:
-    """The union over some choices of signs of the intersections of the limbs' solids.
-
-    ``stands`` (5, 6): w'_i, link and stroke, mm.
-    """
-    solids = []
-    for choice in choices:
-        operands = [
-            _Operand(link, low, high, _CHOICE[sign], (x, y, z))
-            for (x, y, z, link, low, high), sign in zip(stands.tolist(), choice, strict=True)
-        ]
-        solids.append(_intersection(operands, resolution))
-    return solids[0] if len(solids) == 1 else Solid.union(solids)
 
 
 def coarseness(design: FiveRPURDesign, resolution: Resolution) -> float:
@@ -185,58 +157,6 @@ def _built_part(
     return finish(solid, lambda mesh, volume: volume_error(mesh, volume, coarsest))
 
 
-# --- Booleans ----------------------------------------------------------------------------------
-
-_CHOICE: dict[str, Part] = {"+": "plus", "-": "minus", "*": "whole"}
-
-
-def _intersection(operands: list[_Operand], resolution: Resolution) -> Solid:
-    unique = dict.fromkeys(operands)
-    # B ∩ B^σ = B^σ: where one limb stands in another, the whole adds nothing to the half.
-    for one in list(unique):
-        if one.part != "whole":
-            unique.pop(replace(one, part="whole"), None)
-    result: Solid | None = None
-    for o in _far_first(list(unique)):
-        solid = limb_solid(o.link, o.rho_min, o.rho_max, o.part, resolution).translated(o.offset)
-        result = solid if result is None else Solid.intersection((result, solid))
-        if result.is_empty:
-            break
-    return Solid.union(()) if result is None else result
-
-
-def _far_first(operands: list[_Operand]) -> list[_Operand]:
-    """Limbs that stand far apart first: what they share is small, and so are all later steps."""
-    points = np.array([o.offset for o in operands])
-    apart = np.linalg.norm(points[:, None] - points[None], axis=-1)
-    order = [int(apart.max(axis=1).argmax())]
-    while len(order) < len(operands):
-        nearest = apart[order].min(axis=0)
-        nearest[order] = -1.0
-        order.append(int(nearest.argmax()))
-    return [operands[n] for n in order]
-
-
-def _products(modes: Iterable[str] | None) -> list[str]:
-    """A set of modes as few products of choices a limb: "+", "-" or, for either, "*".
-
-    The union over the modes is the union over these, each one intersection.
-    """
-    if modes is None:
-        return ["*" * LIMBS]
-    wanted = frozenset(modes)
-    # The largest products first; each must bring a mode that is still missing.
-    answer, missing = [], set(wanted)
-    for choice in sorted(product("*+-", repeat=LIMBS), key=lambda c: -c.count("*")):
-        if not missing:
-            break
-        members = {"".join(m) for m in product(*("+-" if c == "*" else c for c in choice))}
-        if members <= wanted and members & missing:
-            answer.append("".join(choice))
-            missing -= members
-    return answer
-
-
 # --- the error of volume -------------------------------------------------------------------------
 
 # Points and weights on a triangle, exact for polynomials of degree 4 (Dunavant 1985).
@@ -274,19 +194,21 @@ def _gaps(traced: TracedMesh, deviation: float) -> tuple[float, float, float]:
             offset[n] = patch.transform[:, 3]
     curved = radius[traced.patch_of] > 0.0
     patch_of = traced.patch_of[curved]
+    place = offset[patch_of].T
     a, b, c = (
-        traced.mesh.vertices[traced.mesh.faces[curved, n]] - offset[patch_of] for n in range(3)
+        corner - place
+        for corner in meshes.corners(traced.mesh.vertices, traced.mesh.faces[curved], np.zeros(3))
     )
-    normal = np.cross(b - a, c - a) / 2.0
-    x, y, z = (np.stack([a[:, n], b[:, n], c[:, n]], axis=1) @ _POINTS.T for n in range(3))
-    side = sign[patch_of, None]
-    z = np.where(side == 0.0, 0.0, z - side * shear(y, link[patch_of, None]))
-    distance = np.maximum(np.hypot(x, z), 1e-300)
-    across = (normal[:, :1] * x + normal[:, 2:] * z) / distance
-    gap = radius[patch_of, None] - distance
-    swept = (gap * across) @ _WEIGHTS
-    everywhere = np.abs(gap * across) @ _WEIGHTS
-    lost = np.abs(gap).max(axis=1) > _LOST * deviation
+    normal_x, _, normal_z = meshes.cross(b - a, c - a) / 2.0
+    x, y, z = (_POINTS @ np.stack([a[n], b[n], c[n]]) for n in range(3))
+    side = sign[patch_of]
+    z = np.where(side == 0.0, 0.0, z - side * shear(y, link[patch_of]))
+    distance = np.maximum(np.sqrt(x * x + z * z), 1e-300)
+    gap = radius[patch_of] - distance
+    across = gap * (normal_x * x + normal_z * z) / distance
+    swept = _WEIGHTS @ across
+    everywhere = _WEIGHTS @ np.abs(across)
+    lost = np.abs(gap).max(axis=0) > _LOST * deviation
     signed = abs(float(swept[~lost].sum())) + float(np.abs(swept[lost]).sum())
     return signed, float(np.abs(swept).sum()), float(everywhere.sum())
 
@@ -305,5 +227,8 @@ def volume_error(traced: TracedMesh, volume: float, deviation: float, moved: flo
     for factor, absolute in zip((3.0, 0.03), second, strict=True):
         share = min(1.0, (absolute / volume) ** 0.5) if volume > 0.0 else 1.0
         second_order += factor * absolute * share
-    area = 0.5 * float(meshes.face_parts(traced.mesh.vertices, traced.mesh.faces)[1].sum())
-    return 1.25 * first + second_order + (3.0 * deviation) ** 3 + moved * area
+    own = (3.0 * deviation) ** 3
+    if moved > 0.0:
+        twice = meshes.face_parts(traced.mesh.vertices, traced.mesh.faces)[1]
+        own += moved * 0.5 * float(twice.sum())
+    return 1.25 * first + second_order + own
