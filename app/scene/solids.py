@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from app.scene import painting, palette
-from app.scene.creases import crease_lines
 from app.scene.nodes import NO_LINE, NOTHING, ONE_FACE, Nodes, Side, colors, wxyz
 from app.scene.painting import Coat
 from kinematics.arrays import Array
@@ -59,7 +58,6 @@ class Solids:
         self._meshes: dict[str, dict[str, list[Any]]] = {}  # of either side, one for each coat
         self._edges: dict[str, Any] = {}
         self._specs = {spec.key: spec for spec in specs}
-        self._lines: dict[str, tuple[BuiltSolid, np.ndarray]] = {}
         self._faces: dict[str, object] = {}  # which faces a mesh has
         self._shown: dict[str, tuple[object, ...]] = {}
         self._coats: dict[str, tuple[Coat, ...]] = {}
@@ -109,7 +107,7 @@ class Solids:
         rotation, offset = placement[:3, :3], placement[:3, 3]
         # All solids keep their origin at zero, so that the drawing order above holds.
         shift = (rotation.T @ offset).astype(np.float32)
-        lines = self._creases(key, solid) + shift if solid.triangles else NO_LINE[:0]
+        lines = solid.edges + shift if solid.triangles else NO_LINE[:0]
         if cut is not None:
             cut = rotation.T @ cut[0], cut[1]
             lines = painting.below_lines(lines, *cut)
@@ -136,14 +134,6 @@ class Solids:
             if self._faces.get(node.name) is not faces:  # the same solid elsewhere keeps them
                 node.faces = self._faces[node.name] = faces
             self._nodes.set(node, color=palette.rgb(coat.color))
-
-    def _creases(self, key: str, solid: BuiltSolid) -> np.ndarray:
-        """The crease lines of a solid where it was built; found once, then only moved."""
-        known = self._lines.get(key)
-        if known is None or known[0] is not solid:
-            mesh = solid.shaded
-            known = self._lines[key] = solid, crease_lines(mesh.vertices, mesh.faces)
-        return known[1]
 
     def _fade(self, key: str, look: Look) -> None:
         spec, of = self._specs[key], self._nodes.colors

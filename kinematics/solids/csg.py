@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from manifold3d import Error, Manifold, Mesh64, OpType, triangulate
@@ -16,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kinematics.errors import ComputationError, InputError
 from kinematics.solids import meshes
+from kinematics.solids.edges import crease_lines
 from kinematics.solids.meshes import Bounds, Patch, Piece, SolidMesh, TracedMesh, close_pairs
 
 __all__ = [
@@ -299,6 +301,13 @@ class BuiltSolid:
     locus_residual: float | None = None
     locus_unplaced: int = 0
     note: str = ""
+
+    @cached_property
+    def edges(self) -> NDArray[np.float32]:
+        """The sharp edges of ``shaded``, (E, 2, 3) mm; they go along to another process once they
+        have been asked for.
+        """
+        return crease_lines(self.shaded.vertices, self.shaded.faces)
 
     def piece_at(self, point: ArrayLike) -> int | None:
         """Which of the pieces holds a point (3,) of the solid's own frame; None: none does."""

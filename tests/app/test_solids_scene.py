@@ -15,12 +15,12 @@ from app.features.workspace.state import Fade, Show
 from app.review.changes import SetOption, change
 from app.review.state import new_review
 from app.scene import painting, palette
-from app.scene.creases import crease_lines
 from app.scene.painting import below, below_lines
 from app.scene.shapes import cylinder
 from app.scene.solids import HERE, Look, Solids
 from kinematics.designs.files import load_design
 from kinematics.facets.solids import build_solid
+from kinematics.solids.edges import crease_lines
 from tests.app.seats import Seat, seat
 
 

@@ -129,10 +129,13 @@ class Laying:
 
 
 def build(request: SolidRequest) -> BuiltSolid:
-    """Build a solid."""
+    """Build a solid, with its edges: they would take the page's loop longer than a frame."""
     from kinematics.facets.solids import build_solid
 
-    return build_solid(request)
+    solid = build_solid(request)
+    if solid.triangles:
+        _ = solid.edges
+    return solid
 
 
 REST_NORMAL = 0.15  # s for which a hand must rest before the normal solid is begun

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.scene.creases import crease_lines
+from kinematics.solids.edges import crease_lines
 
 
 def _cube() -> tuple[np.ndarray, np.ndarray]:
