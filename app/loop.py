@@ -31,7 +31,7 @@ from app.review.keeping import Keeper
 from app.review.state import Options, Review
 from app.scene.camera import Look, look
 from app.scene.machine import Scene
-from app.widgets.desk import Command, Desk, Group, Hands, Panel, Sheet, safely
+from app.widgets.desk import Client, Command, Desk, Group, Hands, Panel, Sheet, safely
 from app.widgets.header import Header
 from kinematics.errors import InputError
 
@@ -39,7 +39,7 @@ log = logging.getLogger(__name__)
 
 TICK = 0.25  # s between looks at the clock while nothing happens
 MOMENT = 0.03  # s, the same while something waits to be brought up to date
-PANEL_WIDTH = 400  # px
+PANEL_WIDTH = 416  # px; with its edge 420
 
 A = ParamSpec("A")
 P = TypeVar("P")
@@ -315,12 +315,21 @@ class Page:
         sheet = self.sheet()
         self._header = Header(self, sheet)
         self._panels = [self._header]
+        served = [kind for kind in each("panel", Panel) if kind.serves(review.machine)]
         tabs = self.gui.add_tab_group()
-        for kind in each("panel", Panel):
-            if kind.serves(review.machine):
-                with tabs.add_tab(kind.TITLE):
-                    self._panels.append(kind(self, sheet))
-        add_hotkeys(self, [command for panel in self._panels for command in panel.commands()])
+        for title in dict.fromkeys(kind.TAB or kind.TITLE for kind in served):
+            views = [kind for kind in served if title in (kind.TAB, kind.TITLE)]
+            with tabs.add_tab(title):
+                if len(views) == 1:
+                    self._panels.append(views[0](self, sheet))
+                    continue
+                switch = self.gui.add_tab_group()
+                for kind in views:
+                    with switch.add_tab(kind.TITLE):
+                        self._panels.append(kind(self, sheet))
+        commands = [command for panel in self._panels for command in panel.commands()]
+        add_hotkeys(self, commands)
+        self._header.equip(commands)
 
     def _theme(self, review: Review) -> None:
         if review[Options].dark == self._dark:
@@ -330,7 +339,7 @@ class Page:
             dark_mode=self._dark,
             show_logo=False,
             show_share_button=False,
-            brand_color=(0, 114, 178),
+            brand_color=(95, 105, 117),
         )
 
     def _longest_work(self) -> Busy | None:
@@ -367,7 +376,7 @@ def add_hotkeys(desk: Desk, commands: Iterable[Command]) -> None:
             modifier="cmd/ctrl" if control else None,
         )
 
-        def triggered(_: object, act: Callable[[], None] = command.act) -> None:
-            safely(desk, None, act)
+        def triggered(event: Any, act: Callable[[Client], object] = command.act) -> None:
+            safely(desk, event.client, lambda: act(event.client))
 
         made.on_trigger(triggered)

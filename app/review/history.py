@@ -83,6 +83,11 @@ class History:
         past = (*self.past, replace(step, review=self.present))
         return History(step.put_into(self.present), past, (*self.future[:n], *self.future[n + 1 :]))
 
+    def undone(self, looks: bool) -> str:
+        """What the step of a kind did that would be done again; "" for none."""
+        step = next((s for s in self.future if s.looks == looks), None)
+        return "" if step is None else step.change.title(self.present, step.put_into(self.present))
+
     def titles(self, looks: bool, most: int) -> list[str]:
         """What the newest steps of a kind did, the newest first."""
         after = [*(step.review for step in self.past[1:]), self.present]

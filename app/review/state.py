@@ -112,7 +112,10 @@ class Options(Slice):
 
     filed_as: ClassVar[str] = "options"
     LOOKS: ClassVar[frozenset[str]] = frozenset(
-        ("machine", "labels", "frames", "axes", "grid", "scale", "parallel", "handle", "dark")
+        (
+            *("machine", "labels", "frames", "axes", "grid", "scale", "parallel", "handle"),
+            *("legend", "dark"),
+        )
     )
     machine: bool = True
     labels: bool = False
@@ -122,6 +125,7 @@ class Options(Slice):
     scale: bool = False
     parallel: bool = False
     handle: bool = True
+    legend: bool = True
     dark: bool = False
 
 

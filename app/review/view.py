@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
 from app.review.state import Review
 from app.review.units import page_unit
 from kinematics.answers.drawings import Drawing
-from kinematics.answers.solutions import Posture
+from kinematics.answers.solutions import Posture, Reason
 from kinematics.arrays import Array
 from kinematics.machine import Machine
 from kinematics.mechanism import Design
@@ -35,10 +35,29 @@ class JointRow:
 
 
 @dataclass(frozen=True, slots=True)
+class Fact:
+    """A number that matters and what it is: "67.7 mm", "of travel left, limb 3 ρ min"."""
+
+    value: str
+    what: str
+
+
+@dataclass(frozen=True, slots=True)
 class Status:
-    """The sentence at the top of the page."""
+    """What stands at the top of the page.
+
+    Attributes:
+        verdict: "Reachable", or what is beyond its limit and by how much.
+        mode: in which, in words; "" for a mechanism that has but one.
+        facts: numbers that belong to it.
+        text: all of it as one line.
+        remedy: what would help, a sentence.
+    """
 
     level: Level
+    verdict: str
+    mode: str
+    facts: tuple[Fact, ...]
     text: str
     remedy: str = ""
 
@@ -88,16 +107,51 @@ class Moment:
 
 @dataclass(frozen=True, slots=True)
 class Clear:
-    """How far it is to where control is lost, in words; ``stale``: from a place before."""
+    """How far it is to where control is lost, None where nothing is known of it.
 
-    text: str
+    Attributes:
+        stale: from a place before.
+        back: what brings a pose that is out of reach back, for who pressed; None if nothing does.
+    """
+
+    fact: Fact | None
+    stale: bool
+    back: Callable[[Any], object] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Size:
+    """How large the workspace is; ``stale``: that of before. None where nothing is known of it."""
+
+    fact: Fact | None
+    stale: bool
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Reach:
+    """The intervals (K, 2) in which each coordinate of the pose can be held, the others as they
+    are, mm and rad; none while nothing is known. ``stale``: about a pose before.
+    """
+
+    spans: tuple[Array, ...]
+    stale: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """The limits nearest to a pose, the nearest first: each with its colour, what it is, and how
+    far. ``stale``: of a pose before.
+    """
+
+    rows: tuple[tuple[str, str, str], ...]
     stale: bool
 
 
 @dataclass(frozen=True, slots=True)
 class Legend:
-    """Further colours in the scene, each with what it stands for."""
+    """Colours in the scene, each with what it stands for; ``of`` is whose they are."""
 
+    of: str
     entries: tuple[tuple[str, str], ...]
 
 
@@ -154,20 +208,40 @@ def status(review: Review, posture: Posture) -> Status:
     """Reachable or not, in which mode, how far from the nearest limit; and the way out."""
     mode = mode_text(review.machine, posture.mode)
     if posture.reachable:
-        nearest, limit = posture.nearest, ""
-        if nearest is not None:
-            left = amount_text(nearest.amount, nearest.unit)
-            limit = f"{left} left of travel ({nearest.bound.place})"
+        facts: tuple[Fact, ...] = ()
+        limit = ""
+        if (nearest := posture.nearest) is not None:
+            left, place = amount_text(nearest.amount, nearest.unit), nearest.bound.place
+            limit = f"{left} left of travel ({place})"
+            facts = (Fact(left, f"of travel left, {place.replace(', ', ' ')}"),)
         strokes = [m.amount for m in posture.margins if m.bound != "link"]
         span = min(c.upper - c.lower for c in review.machine.joints)
         near = bool(strokes) and min(strokes) < NEAR * span
-        return Status("near" if near else "good", _joined("Reachable", mode, limit))
+        level: Level = "near" if near else "good"
+        text = _joined("Reachable", mode, limit)
+        return Status(level, "Reachable", mode, facts, text)
     worst = max(posture.reasons, key=lambda r: r.amount)
     more = len(posture.reasons) - 1
     text = _joined("Not reachable", mode, worst.text)
     if more:
         text += f" · and {more} more limit{'s' if more > 1 else ''} exceeded"
-    return Status("bad", text, _other_mode(review, posture))
+    verdict = worst.text[:1].upper() + worst.text[1:]
+    wanted = _wanted(review.machine, posture, worst)
+    return Status("bad", verdict, mode, wanted, text, _other_mode(review, posture))
+
+
+def _wanted(machine: Machine[Any], posture: Posture, worst: Reason) -> tuple[Fact, ...]:
+    """Where the joint that is beyond its range would stand, and where that ends."""
+    joints = zip(machine.joints, posture.joints, strict=True)
+    at = next(((c, v) for n, (c, v) in enumerate(joints, 1) if (c.limb or n) == worst.limb), None)
+    if at is None or not math.isfinite(at[1]):
+        return (Fact(amount_text(worst.amount, worst.unit), "is missing"),)
+    c, value = at
+    end = c.upper if value > c.upper else c.lower
+    ends = Fact(
+        amount_text(end, c.unit), "is its longest" if value > c.upper else "is its shortest"
+    )
+    return Fact(amount_text(value, c.unit), f"{c.symbol} wanted"), ends
 
 
 def _joined(*parts: str) -> str:

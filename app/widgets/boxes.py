@@ -6,22 +6,15 @@ import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 from app.review.changes import Change
 from app.review.units import minus, number, page_unit, sentence
 from app.widgets.desk import DIGITS, TYPED, Client, Desk, Group, answer, close, put, put_prop
-from app.widgets.texts import esc, red
+from app.widgets.texts import red
 from kinematics.answers.modes import matching
 from kinematics.errors import InputError
 from kinematics.mechanism import Coordinate
-
-TYPED_WHEN_LEFT = (  # once for a page, in the browser
-    '<img alt="" style="display:none" src="data:image/gif;base64,'
-    'R0lGODlhAQABAIAAAAAAAP///yH5BAEAAAAALAAAAAABAAEAAAIBRAA7" '
-    f'onload="{esc(Path(__file__).with_name("typing.js").read_text(encoding="utf-8"))}">'
-)
 
 
 class Slider:
@@ -49,6 +42,11 @@ class Slider:
         self._handle = desk.gui.add_slider(label, low, high, step, value)
         put_prop(self._handle, "precision", max(digits, TYPED))
         answer(desk, self._handle, act)
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """From where to where it reaches."""
+        return self._reach
 
     def draw(self, low: float, high: float, value: float) -> None:
         if (low, high) != self._range:

@@ -21,7 +21,7 @@ from app.review.state import Review, Slice
 from app.review.view import View
 from app.scene import palette
 from app.scene.camera import Look
-from app.widgets.texts import aged
+from app.widgets.texts import aged, esc, prose
 from kinematics.errors import BohemiaError
 from kinematics.machine import Machine
 
@@ -106,7 +106,32 @@ class Command:
     label: str
     description: str
     key: str
-    act: Callable[[], None]
+    act: Callable[[Client], object]
+
+
+class Folder:
+    """A group under a heading; its note says at the right of that what is inside."""
+
+    def __init__(self, gui: viser.GuiApi, title: str, note: str, open: bool) -> None:
+        self._note = gui.add_html("")
+        self._folder = gui.add_folder(title, expand_by_default=open)
+        self.note(note)
+
+    def note(self, text: str) -> None:
+        """Say something else there."""
+        put_prop(self._note, "content", f'<div class="bo-note">{esc(text)}</div>' if text else "")
+
+    def see(self, on: bool) -> None:
+        """Show it or hide it."""
+        put_prop(self._note, "visible", on)
+        put_prop(self._folder, "visible", on)
+
+    def __enter__(self) -> Folder:
+        self._folder.__enter__()
+        return self
+
+    def __exit__(self, *error: Any) -> None:
+        self._folder.__exit__(*error)
 
 
 class Group:
@@ -147,7 +172,7 @@ class Group:
         """What can be done with a key, too."""
         return [*self.keys, *(command for group in self.groups for command in group.commands())]
 
-    def key(self, label: str, description: str, key: str, act: Callable[[], None]) -> None:
+    def key(self, label: str, description: str, key: str, act: Callable[[Client], object]) -> None:
         """Something that can be done with a key, too."""
         self.keys.append(Command(label, description, key, act))
 
@@ -155,7 +180,7 @@ class Group:
         self, command: Said, read: Callable[[Review], bool], change: Callable[[bool], Change]
     ) -> None:
         """Something of the review that a key turns on and off."""
-        self.key(*command, lambda: self.desk.send(change(not read(self.review))))
+        self.key(*command, lambda who: self.desk.send(change(not read(self.review)), who))
 
     # --- widgets that stay true to the review
 
@@ -263,6 +288,10 @@ class Group:
         """Call ``act(client)`` when a person presses a button."""
         clicked(self.desk, handle, act)
 
+    def folder(self, title: str, note: str = "", *, open: bool = True) -> Folder:
+        """A group of widgets under a heading, with a note at its right."""
+        return Folder(self.gui, title, note, open)
+
     def upload(
         self, label: str, kinds: str, act: Callable[[Any, Client], None], hint: str | None = None
     ) -> None:
@@ -301,13 +330,15 @@ class Group:
 
 
 class Panel(Group):
-    """One tab.
+    """One tab, or a view of one that has several.
 
     Attributes:
-        TITLE: of the tab.
+        TITLE: of the tab, or of the view.
+        TAB: of a view, the title of its tab.
     """
 
     TITLE: ClassVar[str]
+    TAB: ClassVar[str] = ""
 
     @staticmethod
     def serves(machine: Machine[Any]) -> bool:
@@ -352,7 +383,7 @@ def uploaded(desk: Desk, handle: Any, act: Callable[[Any, Client], None]) -> Non
 def safely(
     desk: Desk,
     client: Client,
-    act: Callable[[], None],
+    act: Callable[[], object],
     trouble: str = "Something went wrong in the page itself",
 ) -> None:
     """Do what a person asked for; whatever goes wrong becomes a notification to them."""
@@ -393,5 +424,4 @@ def put_prop(handle: Any, name: str, value: Any) -> None:
 
 def explain(gui: viser.GuiApi, *texts: str) -> None:
     """The "What am I looking at?" at the foot of a tab: of the mechanism, then of the page."""
-    with gui.add_folder("What am I looking at?", expand_by_default=False):
-        gui.add_markdown("\n\n".join(text.strip() for text in texts if text.strip()))
+    gui.add_html(f'<div class="bo-help" role="note">{prose(*texts)}</div>')

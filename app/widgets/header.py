@@ -1,23 +1,30 @@
-"""The top of the panel, above the tabs: status, legend, progress."""
+"""What frames the page: the bar and the status above the tabs, the foot below, and what floats over
+the scene.
+"""
 
 from __future__ import annotations
 
 import math
 import time
+from collections.abc import Iterable
 from functools import partial
 from typing import Any
 
 from app.jobs.lane import Busy
+from app.jobs.parts import Client
+from app.review.changes import SetOption
 from app.review.state import Options, Review
 from app.review.units import sentence
-from app.review.view import Clear, Legend, Moment
+from app.review.view import Clear, Fact, Legend, Moment, Size
 from app.scene import palette
 from app.scene.camera import Look
 from app.scene.ground import ground_cell
-from app.widgets.boxes import TYPED_WHEN_LEFT
-from app.widgets.desk import Group, Sheet, put_prop
+from app.widgets.desk import Command, Group, Sheet, put_prop
+from app.widgets.front import FRONT
+from app.widgets.icons import icon_button
+from app.widgets.markup import Markup
 from app.widgets.plots import PLOTTED
-from app.widgets.texts import AGED_STYLE, aged, bar, box, chip, esc, faint, styled, tone
+from app.widgets.texts import aged, box, chip, esc, faint, styled, tone
 
 LOOKS: dict[Look, str] = {
     "isometric": "From the front right above",
@@ -26,55 +33,123 @@ LOOKS: dict[Look, str] = {
     "side": "From the right, along x",
 }
 """Views that have a key of their own, 1 to 4, and from where each is."""
-PATIENCE = 0.6  # s; work that ends sooner is not worth a progress bar
+PATIENCE = 0.6  # s; work that ends sooner is not worth a line of progress
+BAR = {"Home position": "home", "Save the review": "save"}
+"""Commands that have an icon in the bar."""
 
 
 class Header(Group):
     """A line that is always true, what the colours mean, and what is being computed."""
 
     def build(self, review: Review) -> None:
-        self.gui.add_html(TYPED_WHEN_LEFT + AGED_STYLE + PLOTTED)
-        self._status = self.gui.add_html("")
-        self._legend = self.gui.add_html("")
-        self._doing = self.gui.add_html(_doing("", 0.0))
-        self._cancel = self.gui.add_button("Cancel", visible=False, color="gray")
-        self.clicked(self._cancel, lambda _: self.desk.cancel())
+        self.gui.add_html(FRONT + PLOTTED)
         desk = self.desk
-        self.key("Undo", "Take back the last change", "ctrl+Z", desk.undo)
-        self.key("Redo", "Do it again", "ctrl+Y", desk.redo)
-        self.key("Fit the view", "Show the machine and its solids whole", "F", desk.fit_view)
+        self.key("Undo", "Take back the last change", "ctrl+Z", lambda _: desk.undo())
+        self.key("Redo", "Do it again", "ctrl+Y", lambda _: desk.redo())
+        self.key("Fit the view", "Show the machine whole", "F", lambda _: desk.fit_view())
         for n, (name, what) in enumerate(LOOKS.items(), 1):
             self.key(f"{sentence(name)} view", what, str(n), partial(desk.look, name))
-        self._clear = Clear("", stale=False)
+        legend = "Legend", "Show or hide what the colours mean", "K"
+        self.toggle(legend, lambda r: r[Options].legend, lambda on: SetOption("legend", on))
+        self._commands: dict[str, Command] = {}
+        self._bar = Markup(desk, self._pressed)
+        self._status = Markup(desk, lambda _, client: self._go_back(client))
+        self._work = Markup(desk, lambda _, __: desk.cancel())
+        self._views = Markup(desk, self._pressed)
+        self._legend = self.gui.add_html("")
+        self._foot = self.gui.add_html("")
+        self._clear = Clear(None, stale=False)
+        self._size = Size(None, stale=False)
         self._away = False  # the machine is not shown where the review has it
-        self._more: tuple[tuple[str, str], ...] = ()
+        self._entries: dict[str, Legend] = {}
+
+    def equip(self, commands: Iterable[Command]) -> None:
+        """These can be done with a key, and some of them in the bar."""
+        self._commands = {command.label: command for command in commands}
+        self._draw_bar(self.sheet)
+        self._draw_foot(self.sheet)
 
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)
-        self.say(self._status, _status(sheet, self._clear))
-        self.say(self._legend, _legend(sheet, self._more))
+        self._draw_bar(sheet)
+        self._draw_status(sheet, self._clear)
+        self._draw_legend(sheet)
+        self._draw_foot(sheet)
 
     def told(self, sheet: Sheet, news: Any) -> None:
         match news:
             case Clear():
                 self._clear = news
                 if not self._away:
-                    self.say(self._status, _status(sheet, news))
+                    self._draw_status(sheet, news)
+            case Size():
+                self._size = news
+                self._draw_status(sheet, self._clear)
             case Moment(away=away, distance=near):
                 self._away = away
                 if away:  # of where the machine is shown
-                    text = f"{near:.1f} mm to a singularity" if math.isfinite(near) else ""
-                    self.say(self._status, _status(sheet, Clear(text, stale=False)))
-            case Legend(entries):
-                self._more = entries
-                self.say(self._legend, _legend(sheet, entries))
+                    known = math.isfinite(near)
+                    fact = Fact(f"{near:.1f} mm", "to a singularity") if known else None
+                    self._draw_status(sheet, Clear(fact, stale=False))
+            case Legend():
+                self._entries[news.of] = news
+                self._draw_legend(sheet)
 
     def draw_work(self, work: Busy | None) -> None:
         """Show what takes longer than a moment, with a way to stop it."""
         waited = 0.0 if work is None else time.monotonic() - work.since
-        show = work is not None and work.title is not None and waited > PATIENCE
-        self.see(show, self._cancel)
-        self.set(self._doing, content=_doing(work.title or "" if show and work else "", waited))
+        show = work is not None and work.title and waited > PATIENCE
+        self._work.say(_doing(work.title or "", waited) if show and work else "")
+
+    def _draw_bar(self, sheet: Sheet) -> None:
+        done, undone = sheet.history.titles(False, 1), sheet.history.undone(False)
+        design = sheet.view.review.design
+        undo = f"Undo: {done[0]}" if done else "Nothing to undo"
+        redo = f"Redo: {undone}" if undone else "Nothing to redo"
+        icons = [
+            icon_button("undo", "Undo", undo, disabled=not done),
+            icon_button("redo", "Redo", redo, disabled=not undone),
+        ]
+        icons += [
+            icon_button(name, label, _hint(self._commands[label]))
+            for label, name in BAR.items()
+            if label in self._commands
+        ]
+        title = esc(design.title or design.name)
+        self._bar.say(
+            f'<div class="bo-name" title="{title}">{title}</div>'
+            f'<div class="bo-bar">{"".join(icons)}</div>'
+        )
+        on = sheet.view.review[Options].legend
+        views = [
+            icon_button(name, label, _hint(self._commands[label]), pressed=pressed)
+            for label, name, pressed in (
+                *((f"{sentence(name)} view", name, None) for name in LOOKS),
+                ("Fit the view", "fit", None),
+                ("Legend", "legend", on),
+            )
+            if label in self._commands
+        ]
+        self._views.say(f'<div class="bo-views">{"".join(views)}</div>')
+
+    def _draw_status(self, sheet: Sheet, clear: Clear) -> None:
+        self._status.say(_status(sheet, clear, self._size))
+
+    def _draw_legend(self, sheet: Sheet) -> None:
+        shown = sheet.view.review[Options].legend
+        self.say(self._legend, _legend(sheet, self._entries.values()) if shown else "")
+
+    def _draw_foot(self, sheet: Sheet) -> None:
+        cell = ground_cell(sheet.view.drawing)
+        self.say(self._foot, _foot(self._commands.values(), cell))
+
+    def _pressed(self, label: str, client: Client) -> None:
+        if label in self._commands:
+            self._commands[label].act(client)
+
+    def _go_back(self, client: Client) -> None:
+        if self._clear.back is not None:
+            self.desk.ask(self._clear.back, client)
 
 
 class Elsewhere:
@@ -88,70 +163,71 @@ class Elsewhere:
         put_prop(self._note, "visible", away)
 
 
-_SLOT = """<style>div:has(>.work)+div:has(>button){position:relative;height:0;top:-30px;
-width:6.4em;left:calc(100% - 7em);margin:0!important;padding:0!important}
-div:has(>.work)+div>button{height:22px!important}</style>"""
+def _hint(command: Command) -> str:
+    return f"{command.description} ({command.key.replace('ctrl', 'Ctrl')})"
 
 
 def _doing(title: str, waited: float) -> str:
-    """What is being computed, in a slot of its own height: the tabs below never jump.
-
-    The button beside it, to cancel, is put into the slot too.
-    """
-    text = ""
-    if title:
-        # How long a boolean takes is not known beforehand: approach the end, never reach it.
-        share = bar(round(waited / (waited + 1.5), 2), "#0072B2", "4px")
-        text = (
-            '<div style="white-space:nowrap;overflow:hidden;text-overflow:ellipsis">Computing '
-            f"{esc(title)} · {waited:.0f} s</div>{share}"
-        )
+    """What is being computed, in the place of the third fact, and a line at the status's edge."""
+    # How long a boolean takes is not known beforehand: approach the end, never reach it.
+    share = 100.0 * waited / (waited + 1.5)
     return (
-        f'{_SLOT}<div class="work" style="height:32px;padding:0 7.5em 0 .75em;font-size:.82em">'
-        f"{text}</div>"
+        f'<div class="bo-work"><div>Computing {esc(title)} · {waited:.0f} s</div>'
+        f"{icon_button('cancel', 'Cancel', 'Give it up')}</div>"
+        f'<div class="bo-line"><i style="width:{share:.0f}%"></i></div>'
     )
 
 
-# Of one height whatever is told, and in sight while the panel scrolls; what is too long is whole
-# under the pointer. viser's containers between it and the scroll area must not clip it. Nothing
-# lies under the scroll bar.
-_STATUS = """<style>.status{height:5.8em;overflow:hidden;padding-left:.6em;border-left:4px solid}
-.status>div{display:-webkit-box;-webkit-box-orient:vertical;-webkit-line-clamp:2;overflow:hidden;
-overflow-wrap:anywhere}
-.legend{height:4.35em;overflow:hidden}
-.mantine-ScrollArea-content{padding-right:5px}
-.mantine-ScrollArea-content div:has(.status),.mantine-ScrollArea-content [data-dock-group],
-.mantine-ScrollArea-content div:has(>[data-dock-group]){overflow:visible!important}
-div:has(>div>.status),div:has(>div>div>.status){position:sticky;top:0;z-index:20;
-background:var(--mantine-color-body)}</style>"""
-
-
-def _status(sheet: Sheet, clear: Clear) -> str:
-    """The sentence; what of it is still that of a pose before is faint."""
+def _status(sheet: Sheet, clear: Clear, size: Size) -> str:
+    """The verdict and three numbers; what is still of a pose before is faint."""
     status = sheet.view.status
-    text, whole = esc(status.text), status.text
-    if clear.text and sheet.view.posture.closes:
-        text += aged(f" · {esc(clear.text)}", clear.stale, "span")
-        whole += f" · {clear.text}"
     notes = " ".join(filter(None, (status.remedy, *map(sentence, sheet.notes))))
-    return box(
-        f'{_STATUS}<div class="status" style="border-color:{tone(status.level)}" '
-        f'title="{esc(f"{whole} {notes}".strip())}"><div style="font-weight:600">{text}</div>'
-        f'<div style="color:{tone("near")}">{esc(notes)}</div></div>'
+    facts, words = [_fact(fact) for fact in status.facts], [status.text]
+    if sheet.view.posture.closes and clear.fact is not None:
+        words.append(f"{clear.fact.value} {clear.fact.what}")
+        facts += [_fact(clear.fact, clear.stale)] if len(facts) < 2 else []
+    if status.level == "bad" and clear.back is not None:
+        facts.append('<button class="bo-button" data-send="back">Nearest pose in reach</button>')
+    elif size.fact is not None:
+        facts.append(_fact(size.fact, size.stale))
+    cells = "".join(f"<div>{fact}</div>" for fact in facts[:3])
+    beside = styled(esc(notes), f"color:{tone('near')}") if notes else f"<span>{status.mode}</span>"
+    whole = esc(" · ".join(words) + (f" {notes}" if notes else ""))
+    return (
+        f'<div class="bo-status" role="status" style="--bo-tone:{tone(status.level)}" '
+        f'title="{whole}"><p class="bo-hidden">{whole}</p>'
+        f'<div aria-hidden="true" class="bo-verdict"><b>{esc(status.verdict)}</b>{beside}</div>'
+        f'<div class="bo-cells">{cells}</div></div>'
     )
 
 
-def _legend(sheet: Sheet, more: tuple[tuple[str, str], ...]) -> str:
-    limbs = sorted({row.limb for row in sheet.view.joints})
-    entries = (
-        (palette.NEAR, "near its end"),
-        (palette.BEYOND, "singular, beyond a limit"),
-        (palette.WORKSPACE, "workspace"),
-        *more,
+def _fact(fact: Fact, stale: bool = False) -> str:
+    text = f'<b>{esc(fact.value)}</b><small title="{esc(fact.what)}">{esc(fact.what)}</small>'
+    return aged(text, stale)
+
+
+def _legend(sheet: Sheet, more: Iterable[Legend]) -> str:
+    """What is in the scene, each with its colour."""
+    rows = sheet.view.joints
+    levels = {row.level for row in rows}
+    limbs = [(palette.limb_color(n), f"limb {n}") for n in sorted({row.limb for row in rows})]
+    told = [entry for legend in more for entry in legend.entries]
+    told += [(palette.NEAR, "near its end")] * ("near" in levels)
+    told += [(palette.BEYOND, "beyond a limit")] * ("bad" in levels)
+    lines = (
+        "".join(f"<span>{chip(color)}{esc(text)}</span>" for color, text in line)
+        for line in (limbs, told)
+        if line
     )
-    cell = f"grid {ground_cell(sheet.view.drawing):g} mm"
-    grid = [cell] if sheet.view.review[Options].grid else []
-    chips = "".join(f"{chip(palette.limb_color(n))}{n} " for n in limbs)
-    words = [f"limbs {chips}", *(chip(color) + esc(text) for color, text in entries), *grid]
-    spans = " ".join(styled(each, "white-space:nowrap;margin-right:0.9em") for each in words)
-    return box(f'<div class="legend" style="opacity:0.85">{spans}</div>')
+    return f'<div class="bo-legend"><b>Legend</b><br>{"<br>".join(lines)}</div>'
+
+
+def _foot(commands: Iterable[Command], cell: float) -> str:
+    keys = "".join(
+        f"<kbd>{esc(c.key.replace('ctrl', 'Ctrl'))}</kbd> {esc(c.label)} &nbsp; " for c in commands
+    )
+    return (
+        '<div class="bo-foot"><button type="button" data-help>What am I looking at?</button>'
+        f"<span>grid {cell:g} mm · lengths mm, angles °</span></div>"
+        f'<div class="bo-keys" hidden><h2>Keys</h2><p>{keys}</p></div>'
+    )

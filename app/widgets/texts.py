@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import itertools
+import re
 from collections.abc import Iterable, Sequence
 from typing import Literal
 
@@ -18,10 +19,6 @@ _TONES = {
     "quiet": f"var(--bo-dim,{palette.LIGHT.quiet})",
 }
 NUMERIC = "text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums"
-# What is of before fades, once it has been so for longer than a moving hand leaves it.
-AGED_STYLE = (
-    "<style>@keyframes aged{to{opacity:.4}}.aged{animation:aged .2s ease .4s forwards}</style>"
-)
 
 
 def esc(text: object) -> str:
@@ -51,12 +48,21 @@ def edged(content: str, color: str, more: str = "") -> str:
 
 def box(content: str) -> str:
     """A block with the margins of the panel's other rows."""
-    return styled(content, "padding:0.3em 0.75em;font-size:0.82em;line-height:1.45", "div")
+    return f'<div class="bo-says">{content}</div>'
 
 
 def aged(content: str, stale: bool, tag: str = "div") -> str:
     """What is of before, if it is."""
     return f'<{tag} class="aged">{content}</{tag}>' if stale and content else content
+
+
+def prose(*texts: str) -> str:
+    """Paragraphs with blank lines between them; **strong**, *stressed* and `as it is typed`."""
+    written = esc("\n\n".join(text.strip() for text in texts if text.strip()))
+    for mark, tag in (("**", "b"), ("*", "i"), ("`", "kbd")):
+        stop = re.escape(mark)
+        written = re.sub(f"{stop}(.+?){stop}", rf"<{tag}>\1</{tag}>", written, flags=re.DOTALL)
+    return "".join(f"<p>{paragraph}</p>" for paragraph in written.split("\n\n"))
 
 
 def red(text: str) -> str:
@@ -82,16 +88,21 @@ def table(
     styles: Sequence[str] = (),
     style: str = "",
     heads: Sequence[str] = (),
+    *,
+    looks: Iterable[str] = (),
 ) -> str:
-    """A table as wide as the panel; ``styles`` are those of its columns, ``heads`` their titles."""
+    """A table as wide as the panel; ``styles`` are those of its columns, ``heads`` their titles,
+    ``looks`` further attributes of its rows.
+    """
     styled = [f' style="{each}"' if each else "" for each in styles]
     lines = []
-    for tag, row in [("th", heads)] * bool(heads) + [("td", row) for row in rows]:
-        looks = itertools.chain(styled, itertools.repeat(""))
-        pairs = zip(looks, row, strict=False)
-        cells = "".join(f"<{tag}{look}>{cell}</{tag}>" for look, cell in pairs)
-        lines.append(f"<tr>{cells}</tr>")
-    return f'<table style="width:100%;{style}">{"".join(lines)}</table>'
+    given = itertools.chain([""] * bool(heads), looks, itertools.repeat(""))
+    of_rows = [("th", heads)] * bool(heads) + [("td", row) for row in rows]
+    for (tag, row), look in zip(of_rows, given, strict=False):
+        pairs = zip(itertools.chain(styled, itertools.repeat("")), row, strict=False)
+        cells = "".join(f"<{tag}{each}>{cell}</{tag}>" for each, cell in pairs)
+        lines.append(f"<tr {look}>{cells}</tr>" if look else f"<tr>{cells}</tr>")
+    return f'<table class="bo-table" style="{style}">{"".join(lines)}</table>'
 
 
 def bar(share: float, color: str, height: str = ".5em") -> str:

@@ -95,6 +95,9 @@ class Seat:
 
     def put(self, label: str, value: Any) -> None:
         """Give a widget another value, as a browser would."""
+        if label not in self.labels():
+            self._put_html(label, value)
+            return
         handle = self.widget(label)
         value = str(value) if isinstance(value, str) else value  # a browser sends plain text
         assert type(value) is type(handle.value), (label, handle.value)
@@ -103,11 +106,43 @@ class Seat:
 
     def press(self, label: str, option: str | None = None) -> None:
         """Press a button, or one of a group."""
+        if option is None and label not in self.labels():
+            self._press_html(label)
+            return
         handle = self.widget(label, option)
         assert handle.visible, label
         if option is not None:
             handle._impl.value = option
         self._tell(handle)
+
+    def _put_html(self, label: str, value: float) -> None:
+        """Type a number into a box that is a piece of HTML."""
+        handles = self._handles()
+        for n, handle in enumerate(handles):
+            for box in re.findall(r"<input[^>]*>", _html(handle)):
+                if re.search(rf'aria-label="[^"]*{re.escape(label)}"', box):
+                    edited = re.search(r'data-edit="([^"]*)"', box)
+                    assert edited is not None, label
+                    sent = next(h for h in handles[n:] if getattr(h, "label", "") == "Pressed")
+                    sent._impl.value = f"{edited[1]} {value!r} {time.monotonic()}"
+                    self._tell(sent)
+                    return
+        raise AssertionError(f"no box {label!r}")
+
+    def _press_html(self, label: str) -> None:
+        """Press a button that is a piece of HTML."""
+        handles = self._handles()
+        for n, handle in enumerate(handles):
+            for button in re.findall(r"<button[^>]*>", _html(handle)):
+                if f'aria-label="{label}"' in button:
+                    assert " disabled" not in button, label
+                    sent = re.search(r'data-send="([^"]*)"', button)
+                    assert sent is not None, label
+                    box = next(h for h in handles[n:] if getattr(h, "label", "") == "Pressed")
+                    box._impl.value = f"{html.unescape(sent[1])} {time.monotonic()}"
+                    self._tell(box)
+                    return
+        raise AssertionError(f"no button {label!r}")
 
     def point(self, title: str, x: float, y: float) -> None:
         """Point at a place of the plot with this name, of several the first."""
@@ -139,9 +174,9 @@ class Seat:
 
     @property
     def tabs(self) -> list[str]:
-        """The titles of the tabs."""
+        """The titles of the tabs, and of the views of those that have several."""
         groups = [h for h in self._handles() if isinstance(h, viser.GuiTabGroupHandle)]
-        return [str(label) for label in groups[0]._tab_labels]
+        return [str(label) for group in groups for label in group._tab_labels]
 
     def text(self) -> str:
         """All the visible HTML of the panels, without its tags."""

@@ -22,7 +22,7 @@ DONE: tuple[Change, ...] = (
     Move(3, 0.2),
     Flip("-----"),
     EditDesign(((("limb", 1, "link"), 160.0),)),
-    ChooseModes("current"),
+    ChooseModes("all"),
     GoHome(),
 )
 SHOWN: tuple[Change, ...] = (
@@ -78,7 +78,7 @@ def test_steps_are_named() -> None:
     assert _history(steps).titles(looks=False, most=20) == [
         "design rpur-table1-edited → rpur-table2",
         "ρ₁ driven to 320.0 mm",
-        "workspace modes all → current",
+        "workspace modes current → all",
         "Limb 2: link l 150 → 160 mm",
         "mode +−+−+ → −−−−−",
         "φ 0 → 11.5 °",

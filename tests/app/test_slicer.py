@@ -68,7 +68,11 @@ def test_hatching_stands_still_while_the_outline_changes() -> None:
 
 
 def test_equal_workspaces_are_one_region(review: Review) -> None:
+    own, _ = change(review, ChooseModes("current"))
+    review, _ = change(review, ChooseModes("all"))
     here = compute.region(review)
+    assert compute.region(own) == compute.region(review, "present") != here
+    assert compute.region(own, "all") == here
     for what in (Move(0, 3.0), Move(2, 400.0), MoveCut(20.0), Flip("-----")):
         assert compute.region(change(review, what)[0]) == here
     for what in (Move(3, 0.1), Move(4, -0.2), ChooseModes("current")):

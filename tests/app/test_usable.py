@@ -11,6 +11,7 @@ import pytest
 from app.features.move.state import Flip
 from app.features.workspace.compute import Solids
 from app.features.workspace.html import report_html
+from app.features.workspace.state import ChooseModes
 from app.review.changes import change
 from app.review.state import new_review
 from kinematics.designs.files import load_design
@@ -82,6 +83,10 @@ def test_a_position_that_only_other_modes_reach_is_no_contradiction() -> None:
     home = new_review(load_design("rpur-table1"))
     other = next(m for m in MACHINE.modes if not MACHINE.at(home.pose, m).reachable)
     there, _ = change(home, Flip(other))
-    said = report_html(there, Solids((), {}, {}, None))
-    assert "inside</b> this workspace, but not in mode" in said
-    assert "but not" not in report_html(home, Solids((), {}, {}, None))
+    there, _ = change(there, ChooseModes("all"))
+    said = report_html(there, Solids((), {}, {}, None), None)
+    assert "O′ inside" in said
+    assert "but not in mode" in said
+    assert "but not" not in report_html(home, Solids((), {}, {}, None), None)
+    alone, _ = change(home, Flip(other))
+    assert "O′ outside" in report_html(alone, Solids((), {}, {}, None), None)

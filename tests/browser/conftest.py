@@ -231,7 +231,19 @@ class Tab:
     # --- doing
 
     def open_tab(self, name: str) -> None:
-        self.page.get_by_role("tab", name=name, exact=True).click()
+        """A tab, or a view of the workspace: its solid, its section, its map."""
+        tabs = self.page.get_by_role("tab")
+        views = {"Workspace": "Solid", "Section": "Section", "Map": "Map"}
+        if name in views:
+            self.page.get_by_role("tab", name="Workspace", exact=True).click()
+        view = self.page.get_by_role("tab", name=views.get(name, name), exact=True)
+        if name not in views or tabs.filter(has_text="Solid").count():
+            view.click()
+
+    def unfold(self, title: str) -> None:
+        """Open a group that is closed."""
+        heading = self.page.get_by_text(title, exact=True).locator("visible=true").first
+        heading.click()
 
     def field(self, label: str, index: int = 0) -> Locator:
         """The number or text box that belongs to a label."""

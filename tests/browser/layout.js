@@ -16,6 +16,7 @@
     let cutter = null;
     for (let at = node; at && at !== document.body; at = at.parentElement) {
       const style = getComputedStyle(at);
+      if (style.position === "fixed" && at !== node) break; /* nothing around it cuts it */
       if (style.overflowX === "visible" && style.overflowY === "visible") continue;
       const rect = at.getBoundingClientRect();
       if (rect.right < box.right - 0.5) { box.right = rect.right; cutter = at; }
@@ -27,7 +28,7 @@
     }
     return { ...box, cutter };
   };
-  const panel = document.querySelector(".status").closest(".mantine-ScrollArea-viewport");
+  const panel = document.querySelector(".bo-status").closest(".mantine-ScrollArea-viewport");
   const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
   while (texts.nextNode()) {
     const node = texts.currentNode, parent = node.parentElement;
@@ -35,6 +36,8 @@
     if (!text || parent.closest("script,style,canvas,title,option,[role=tooltip]")) continue;
     if (parent.closest("details:not([open])") && !parent.closest("summary")) continue;
     if (!shown(parent)) continue;
+    const look = getComputedStyle(parent);
+    if (look.textOverflow === "ellipsis" && parent.closest("[title]")) continue; /* told whole */
     const box = clip(parent);
     const range = document.createRange();
     range.selectNodeContents(node);
@@ -62,7 +65,7 @@
       const wide = Math.min(one.rect.right, other.rect.right)
         - Math.max(one.rect.left, other.rect.left);
       const high = Math.min(one.bottom, other.bottom) - Math.max(one.top, other.top);
-      const sticky = [one, other].some((each) => each.parent.closest(".status"));
+      const sticky = [one, other].some((each) => each.parent.closest(".bo-help"));
       if (wide > 2 && high > 3 && !sticky)
         found.push(`over one another: ${one.text.slice(0, 30)} / ${other.text.slice(0, 30)}`);
     }

@@ -45,7 +45,7 @@ def _scroll(tab: Tab, by: int) -> int:
     """Scroll the panel; where it stands then."""
     script = """(e, by) => { const panel = e.closest('.mantine-ScrollArea-viewport');
         panel.scrollBy({top: by, behavior: 'instant'}); return panel.scrollTop; }"""
-    return int(tab.page.locator(".status").evaluate(script, by))
+    return int(tab.page.locator(".bo-status").evaluate(script, by))
 
 
 def _faults(tab: Tab) -> list[str]:
@@ -99,7 +99,7 @@ def test_the_panels_beside_the_scene_leave_it_room(at_size: Callable[..., Tab]) 
 def test_the_status_has_one_height_and_stays_in_sight(tab: Tab) -> None:
     def place() -> tuple[float, ...]:
         tops = "e => [e.getBoundingClientRect().top, e.getBoundingClientRect().height]"
-        status = tab.page.locator(".status").evaluate(tops)
+        status = tab.page.locator(".bo-status").evaluate(tops)
         return (*status, tab.page.get_by_role("tablist").first.evaluate(tops)[0])
 
     tab.wait_for_text("Reachable")
@@ -117,13 +117,13 @@ def test_the_status_has_one_height_and_stays_in_sight(tab: Tab) -> None:
     tab.check("Ghosts").click()
     tab.wait(lambda: "other solutions" in tab.text(), "the ghosts' colour in the legend")
     assert place() == home
-    legend = tab.page.locator(".legend")
+    legend = tab.page.locator(".bo-legend")
     assert legend.evaluate("e => e.scrollHeight - e.clientHeight") <= 1
     assert _scroll(tab, 400) > 100
     tab.page.wait_for_timeout(300)
     top, height, _ = place()
     assert top >= 0
-    middle = tab.page.locator(".status").evaluate(
+    middle = tab.page.locator(".bo-status").evaluate(
         """e => { const r = e.getBoundingClientRect();
             return e.contains(document.elementFromPoint(r.left + 60, r.top + 10)); }"""
     )

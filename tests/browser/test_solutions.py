@@ -18,7 +18,13 @@ COUNT = r"(\d+) real (?:\(\d+ distinct\) )?of (\d+) complex solutions"
 
 
 def _rows(tab: Tab) -> Locator:
-    return tab.page.locator("button:has(.sol)").locator("visible=true")
+    return tab.page.locator("tr.sol").locator("visible=true")
+
+
+def _said(tab: Tab) -> list[str]:
+    """What the rows say, from the first one on."""
+    found = _rows(tab).evaluate_all("rows => rows.map((row) => row.getAttribute('aria-label'))")
+    return [str(text) for text in found]
 
 
 def _count(tab: Tab) -> tuple[int, int]:
@@ -65,7 +71,7 @@ def _choose(tab: Tab, label: str, option: str) -> None:
 
 def test_all_solutions_are_counted_listed_filtered_and_sorted(tab: Tab) -> None:
     _count(tab)
-    tab.wait_for_text("complete: count and conjugation closure hold")
+    tab.wait_for_text(r"complete ✓[\s\S]*count and conjugation closure hold")
     more = tab.page.get_by_role("button", name=re.compile(r"Show \d+ of \d+ more"))
     shown = 0
 
@@ -81,13 +87,14 @@ def test_all_solutions_are_counted_listed_filtered_and_sorted(tab: Tab) -> None:
     assert complex_count == 1560
     more.click()
     tab.wait(lambda: _rows(tab).count() > shown, "more rows")
-    assert "The present solution" in _rows(tab).first.inner_text()
-    heights = [_numbers(text)[2] for text in _rows(tab).all_inner_texts()]
+    assert "The present solution" in _said(tab)[0]
+    heights = [_numbers(text)[2] for text in _said(tab)]
     assert heights != sorted(heights, reverse=True)
+    tab.unfold("Order and filter")
     _choose(tab, "Sort by", "Height")
 
     def sorted_now() -> bool:
-        now = [_numbers(text)[2] for text in _rows(tab).all_inner_texts()]
+        now = [_numbers(text)[2] for text in _said(tab)]
         return now == sorted(now, reverse=True)
 
     tab.wait(sorted_now, "the list by height")
@@ -95,7 +102,7 @@ def test_all_solutions_are_counted_listed_filtered_and_sorted(tab: Tab) -> None:
     tab.type_into("Pattern", "+????")
 
     def modes() -> set[str]:
-        return {re.findall(r"mode ([+−]+)", t)[0] for t in _rows(tab).all_inner_texts()}
+        return {re.findall(r"mode ([+−]+)", t)[0] for t in _said(tab)}
 
     tab.wait(
         lambda: len(found := modes()) > 1 and all(mode[0] == "+" for mode in found),
@@ -110,14 +117,11 @@ def test_a_click_puts_the_machine_there_and_undo_brings_it_back(tab: Tab) -> Non
     before, machine = _pose(tab), _places(tab, "/machine/bars")
     lengths = [tab.value(f"ρ{s} (mm)") for s in "₁₂₃₄₅"]
     _count(tab)
-    goal = _numbers(_rows(tab).nth(2).inner_text())
+    goal = _numbers(_said(tab)[2])
     _rows(tab).nth(2).focus()
     tab.page.keyboard.press("Enter")  # as a button, it needs no mouse
     tab.wait(
-        lambda: (
-            "The present solution" in (text := _rows(tab).first.inner_text())
-            and _numbers(text) == goal
-        ),
+        lambda: "The present solution" in (text := _said(tab)[0]) and _numbers(text) == goal,
         "the present solution is the chosen one",
     )
     tab.open_tab("Move")
@@ -149,6 +153,7 @@ def test_ghosts_are_shown_and_follow_the_actuators(tab: Tab) -> None:
 
 def test_the_fold_ahead_is_told_and_can_be_driven_to(tab: Tab) -> None:
     _count(tab)
+    tab.unfold("Fold ahead")
     text = tab.wait_for_text(r"(?:Raising|Lowering) ρ[₁-₅] by [\d.]+ mm, to [\d.]+ mm")
     found = re.search(r"(ρ[₁-₅]) by [\d.]+ mm, to ([\d.]+)", text)
     assert found is not None

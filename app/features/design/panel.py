@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
-from functools import lru_cache, partial
 from typing import Any
 
 import viser
 
+from app.features.design import html
 from app.features.design.state import EditDesign, UseDesign
 from app.features.review.files import design_file
 from app.review.state import Review
-from app.scene import palette
 from app.widgets.desk import Client, Panel, Sheet, explain
-from app.widgets.texts import box, edged, esc, faint, styled, tone
-from kinematics.answers.solutions import Finding
+from app.widgets.markup import Markup
+from app.widgets.texts import box, esc, styled, tone
 from kinematics.designs.files import MAX_BYTES, load_design, presets, read_design
 from kinematics.errors import InputError
-from kinematics.machine import machine_of
-from kinematics.mechanism import Design, DesignField
 
 OWN = "(a design of your own)"
-Path = tuple[str | int, ...]
 
 HELP = """
 Change any number and everything follows at once; undo takes it back. What was found in this design
@@ -44,39 +39,22 @@ class DesignPanel(Panel):
         self.upload("Open a design file (TOML)", kinds, self._open)
         self._trouble = gui.add_html("", visible=False)
         self.button("Save this design as a file", self._save, icon=viser.Icon.DOWNLOAD)
-        self._fields: dict[Path, Any] = {}
-        for group, rows in _grouped(review).items():
-            with gui.add_folder(group, expand_by_default=False):
-                for stem, fields in rows:
-                    self._field(stem, fields)
+        with self.folder("Dimensions"):
+            self._numbers = Markup(self.desk, self._edit)
         explain(gui, review.machine.text("design"), HELP)
-        self._drawn: Design | None = None
 
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)
         self.put(self._choice, _chosen(self.review))
-        self.say(self._about, _about(self.review))
-        held = [h for h in self._fields.values() if self.desk.hands.hold(h)]
-        if self._drawn == self.review.design and not held:
-            return
-        self._drawn = self.review.design
-        for rows in _grouped(self.review).values():
-            for stem, fields in rows:
-                values = tuple(f.value for f in fields)
-                self.put(self._fields[stem], values if len(values) > 1 else values[0])
+        self.say(self._about, html.about_html(self.review))
+        self._numbers.say(html.numbers_html(self.review))
 
-    def _field(self, stem: Path, fields: list[DesignField]) -> None:
-        values: Any = tuple(f.value for f in fields)
-        makers: dict[int, Any] = {2: self.gui.add_vector2, 3: self.gui.add_vector3}
-        make = makers.get(len(values), self.gui.add_number)
-        handle = make(_label(fields), values if len(values) in makers else values[0], step=0.1)
-        self._fields[stem] = handle
-        self.answer(handle, partial(self._edit, [f.path for f in fields]))
-
-    def _edit(self, paths: list[Path], value: Any, client: Client) -> None:
-        values = value if isinstance(value, tuple) else (value,)
-        edits = tuple((path, float(v)) for path, v in zip(paths, values, strict=True))
-        self.desk.send(EditDesign(edits), client)
+    def _edit(self, pressed: str, client: Client) -> None:
+        key, _, value = pressed.partition(" ")
+        field = next((f for f in self.review.machine.fields if html.key(f) == key), None)
+        if field is not None:
+            edits = ((field.path, html.inner(field, float(value))),)
+            self.desk.send(EditDesign(edits), client)
 
     def _choose(self, name: str, client: Client) -> None:
         if name != OWN:
@@ -95,17 +73,11 @@ class DesignPanel(Panel):
 
     def _complain(self, text: str) -> None:
         """What is wrong with an uploaded file stays readable until the next one."""
-        self.say(self._trouble, box(styled(esc(text), f"color:{palette.BEYOND}", "div")))
+        self.say(self._trouble, box(styled(esc(text), f"color:{tone('bad')}", "div")))
         self.set(self._trouble, visible=bool(text))
 
     def _save(self, client: Client) -> None:
         self.desk.download(design_file(self.review.design), client)
-
-
-@lru_cache(maxsize=32)
-def findings(design: Design) -> tuple[Finding, ...]:
-    """What is worth knowing about a design, kept while it is on the page."""
-    return machine_of(design).findings
 
 
 def _text(content: bytes, name: str) -> str:
@@ -122,42 +94,3 @@ def _chosen(review: Review) -> str:
     if design.name not in {preset.name for preset in presets()}:
         return OWN
     return design.name if load_design(design.name) == design else OWN
-
-
-def _about(review: Review) -> str:
-    design = review.design
-    lines = [f"<b>{esc(design.title or design.name)}</b>"]
-    if design.source:
-        lines.append(faint(esc(design.source)))
-    colors = {"warning": palette.BEYOND}
-    found = "".join(
-        edged(
-            f"<b>{esc(finding.title)}</b><br>{esc(finding.text)}",
-            colors.get(finding.severity, tone("quiet")),
-            "margin-top:0.4em",
-        )
-        for finding in findings(design)
-    )
-    return box("<br>".join(lines) + found)
-
-
-def _grouped(review: Review) -> dict[str, list[tuple[Path, list[DesignField]]]]:
-    """The design's numbers by group; the coordinates of one point are one row."""
-    groups: dict[str, dict[Path, list[DesignField]]] = defaultdict(dict)
-    for field in review.machine.fields:
-        last = field.path[-1]
-        stem = field.path[:-1] if isinstance(last, int) and len(field.path) > 2 else field.path
-        groups[field.group].setdefault(stem, []).append(field)
-    return {group: list(rows.items()) for group, rows in groups.items()}
-
-
-def _label(fields: list[DesignField]) -> str:
-    unit = f" ({fields[0].unit})" if fields[0].unit else ""
-    if len(fields) == 1:
-        return fields[0].label + unit
-    words = [f.label.split() for f in fields]
-    shared = 0
-    while all(len(w) > shared + 1 and w[shared] == words[0][shared] for w in words):
-        shared += 1
-    rest = ", ".join(" ".join(w[shared:]) for w in words)
-    return " ".join([*words[0][:shared], rest]) + unit

@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import math
 import time
-from functools import partial
 from typing import Any
 
+from app.features.move import html
 from app.features.move.state import Drive, Flip, GiveWay, GoHome, Move, Place
 from app.review.state import Review
-from app.review.units import minus, page_unit
-from app.review.view import JointRow, Moment
-from app.scene import palette
-from app.widgets.boxes import Slider
+from app.review.units import page_unit
+from app.review.view import Limits, Moment, Reach
+from app.widgets.boxes import Slider, pose_box
 from app.widgets.desk import Client, Panel, Sheet, explain
-from app.widgets.texts import NUMERIC, bar, box, chip, esc, quiet, table, tone
+from app.widgets.markup import Markup
+from app.widgets.texts import box, esc
 from kinematics.answers.modes import Mode
 from kinematics.answers.singularities import ModeChange
 from kinematics.mechanism import Coordinate
 
 STEP = 0.1  # mm and degrees
+LIMITS = 3  # that are told
+BAND = "band: reachable in this mode"
 FREE = "what suits best"
 FOLLOWING = 0.12  # s between two looks at a machine that plays its trajectory
 
@@ -27,7 +29,12 @@ HELP = """
 The mechanism at one pose. **Drag the coloured handle** on the platform, or move the **pose**
 sliders: the inverse kinematics gives the actuators at once. Move an **actuator** slider and the
 platform follows along its present assembly mode; at a parallel singularity or at the end of a
-stroke it stops and says so. It never jumps to another branch.
+stroke it stops and says so. It never jumps to another branch. The pale **band** on a slider shows
+where that coordinate can go while the others stay.
+
+A number box takes any number, also beyond its slider, and a calculation or another unit:
+`300+25`, `12.5 in`, `3.2 cm`, `0.5 rad`. It counts at Enter or when the box is left. **As text**
+takes a whole pose, copied from anywhere.
 
 A limb's rod turns yellow near the end of its stroke and red-orange beyond it; a red-orange bar
 shows by how much a limb fails to reach its platform point.
@@ -42,11 +49,16 @@ class MovePanel(Panel):
     def build(self, review: Review) -> None:
         gui, machine, posture = self.gui, review.machine, self.sheet.view.posture
         axes = machine.coordinates
-        with gui.add_folder("Pose of the platform"):
-            self._pose = [
-                self._slider(Move, n, c, value)
-                for n, (c, value) in enumerate(zip(axes, posture.pose, strict=True))
-            ]
+        self._bands: list[Any] = []
+        with self.folder("Pose of the platform", BAND):
+            self._pose = []
+            for n, (c, value) in enumerate(zip(axes, posture.pose, strict=True)):
+                self._bands.append(gui.add_html(""))
+                self._pose.append(self._slider(Move, n, c, value))
+            hint = "The whole pose, with commas or spaces between the numbers"
+            text = gui.add_text("As text", "", hint=hint)
+            self._typed = pose_box(self.desk, text, axes, "a pose")
+            self.answer(text, self._type)
             if machine.dependent:
                 self.choice(
                     "Gives way",
@@ -55,28 +67,28 @@ class MovePanel(Panel):
                     GiveWay,
                     hint="The coordinate that follows from the others",
                 )
-        with gui.add_folder("Actuators"):
-            self._joints = [
-                self._slider(Drive, n, c, value)
-                for n, (c, value) in enumerate(zip(machine.joints, posture.joints, strict=True))
-            ]
-            self._table = gui.add_html("")
-            self._residual = gui.add_html("")
+        self._actuators = self.folder("Actuators")
+        with self._actuators:
+            self._joints = []
+            for n, (c, value) in enumerate(zip(machine.joints, posture.joints, strict=True)):
+                gui.add_html(html.limb_html(c.limb or n + 1))
+                self._joints.append(self._slider(Drive, n, c, value))
+            self._told = gui.add_html("")
         self._meeting: ModeChange | None = None
-        self._switches: list[Any] = []
         self._has_modes = bool(machine.mode_noun)
         if self._has_modes:
-            with gui.add_folder(machine.mode_noun.capitalize()):
-                self._offer_modes(review)
-                self._other = gui.add_html("")
+            self._modes = self.folder(machine.mode_noun.capitalize())
+            with self._modes:
+                self._picker = Markup(self.desk, self._flip)
                 self._change = gui.add_html("")
                 self._go = self.button("Go where modes meet", self._go_to_change)
-        hint = "Back to the design's home pose (hotkey H)"
+        with self.folder("Nearest limits", "at this orientation"):
+            self._limits = gui.add_html("")
         send = self.desk.send
-        self.button("Home position", lambda client: send(GoHome(), client), hint=hint)
-        self.key("Home position", "The design's home pose", "H", lambda: send(GoHome()))
-        explain(gui, machine.text("move"), HELP)
-        self._mode = machine.mechanism.mode(review.mode)
+        home = "Home position", "Back to the design's home pose", "H"
+        self.key(*home, lambda client: send(GoHome(), client))
+        explain(gui, machine.text("move"), machine.text("mode"), HELP)
+        self._reach = Reach((), stale=False)
         self._followed = 0.0
 
     def _slider(self, change: type[Move | Drive], n: int, c: Coordinate, value: float) -> Slider:
@@ -88,36 +100,19 @@ class MovePanel(Panel):
         label, free = f"{c.symbol} ({page_unit(c)})", change is Move
         return Slider(self.desk, label, low, high, STEP, shown, send, free=free)
 
-    def _offer_modes(self, review: Review) -> None:
-        """A list of operation modes, a switch for each limb that has a sign, or both."""
-        machine = review.machine
-        of = machine.mechanism.mode
-        if of(review.mode).operation:
-            known = {each.operation: each.operation for each in machine.modes}
-            self.choice(
-                "Mode",
-                known,
-                lambda review: of(review.mode).operation,
-                lambda operation: Flip(Mode(operation, self._mode.signs)),
-            )
-        hint = machine.text("mode") or None
-        for n, sign in enumerate(of(review.mode).signs):
-            switch = self.gui.add_checkbox(f"Limb {n + 1} on +", sign == "+", hint=hint)
-            self.answer(switch, partial(self._flip, n))
-            self._switches.append(switch)
-
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)
         self._draw_machine(sheet)
-        self._mode = self.review.machine.mechanism.mode(self.review.mode)
-        for switch, sign in zip(self._switches, self._mode.signs, strict=True):
-            self.put(switch, sign == "+")
-        if self._has_modes:
-            self.say(self._other, _other_modes(self.review))
-            machine = self.review.machine
-            self._meeting = machine.singularities.mode_change(sheet.view.posture)
-            self.say(self._change, "" if self._meeting is None else box(esc(self._meeting.text)))
-            self.set(self._go, visible=self._meeting is not None and not self._meeting.here)
+        self._typed.draw(self.review.pose)
+        if not self._has_modes:
+            return
+        machine = self.review.machine
+        answered = machine.inverse(self.review.pose)
+        self._picker.say(html.picker_html(self.review, answered))
+        self._modes.note(html.reaching_text(self.review, answered))
+        self._meeting = machine.singularities.mode_change(sheet.view.posture)
+        self.say(self._change, "" if self._meeting is None else box(esc(self._meeting.text)))
+        self.set(self._go, visible=self._meeting is not None and not self._meeting.here)
 
     def told(self, sheet: Sheet, news: Any) -> None:
         now = time.monotonic()
@@ -127,6 +122,11 @@ class MovePanel(Panel):
             ):
                 self._followed = now
                 self._draw_machine(sheet)
+            case Reach():
+                self._reach = news
+                self._draw_bands()
+            case Limits(stale=stale):
+                self.say(self._limits, html.limits_html(news, LIMITS), stale)
 
     def _draw_machine(self, sheet: Sheet) -> None:
         """Pose and actuators, be it on a trajectory."""
@@ -136,53 +136,33 @@ class MovePanel(Panel):
             slider.draw(*(c.outer(v) for v in (c.lower, c.upper, value)))
         for slider, row in zip(self._joints, view.joints, strict=True):
             slider.draw(row.low, row.high, row.value)
-        rows = table(map(_row, view.joints), _COLUMNS, "border-spacing:0 2px")
-        self.say(self._table, box(rows))
-        self.say(self._residual, quiet(f"loop closure {_closure(view.posture.residual)}"))
+        self.say(self._told, html.joints_html(view.joints))
+        self._actuators.note(html.closure_text(view.posture.residual))
+        self._draw_bands()
+
+    def _draw_bands(self) -> None:
+        axes = self.review.machine.coordinates
+        spans = self._reach.spans or (None,) * len(axes)
+        if len(spans) != len(axes):
+            return  # of the machine before
+        for handle, slider, axis, known in zip(self._bands, self._pose, axes, spans, strict=True):
+            self.say(handle, html.reach_html(axis, known, *slider.reach), self._reach.stale)
+
+    def _type(self, _: str, client: Client) -> None:
+        pose = self._typed.read()
+        if pose and pose != self.review.pose:
+            self.desk.send(Place(pose, gesture=""), client)
 
     def _go_to_change(self, client: Client) -> None:
         if self._meeting is not None:
             self.desk.send(Place(self._meeting.at.pose, gesture=""), client)
 
-    def _flip(self, n: int, on: bool, client: Client) -> None:
-        known = self.review.machine.modes
-        self._mode = self._mode.with_sign(n + 1, "+" if on else "-", known)
-        self.desk.send(Flip(self._mode), client)
-
-
-_COLUMNS = (
-    "white-space:nowrap",
-    f"{NUMERIC};padding:0 0.6em",
-    "width:38%",
-    "white-space:nowrap;padding-left:0.6em;width:7.5em",
-)
-
-
-def _row(row: JointRow) -> tuple[str, str, str, str]:
-    known = row.value == row.value
-    at = (row.value - row.low) / (row.high - row.low) if known else 0.0
-    limb = palette.limb_color(row.limb)
-    color = {"good": limb, "near": palette.NEAR, "bad": palette.BEYOND}[row.level]
-    return (
-        f"{chip(limb)}{esc(row.symbol)}",
-        f"{row.value:.1f} {row.unit}" if known else "none",
-        bar(at, color, "0.55em"),
-        f'<span style="color:{tone(row.level)}">{esc(row.note)}</span>',
-    )
-
-
-def _other_modes(review: Review) -> str:
-    answered = review.machine.inverse(review.pose)
-    able = [m for m, ok in zip(answered.modes, answered.within_stroke, strict=True) if ok]
-    noun = review.machine.mode_noun
-    if not able:
-        return box(f"No {noun} reaches this pose within the strokes.")
-    some = ", ".join(minus(m) for m in able[:6]) + (" …" if len(able) > 6 else "")
-    return box(f"{len(able)} of {len(answered.modes)} {noun}s reach this pose: {some}")
-
-
-def _closure(residual: float) -> str:
-    """ "to 6e-14 mm"."""
-    if not math.isfinite(residual):
-        return "impossible here"
-    return f"to {residual:.0e} mm" if residual else "exact"
+    def _flip(self, pressed: str, client: Client) -> None:
+        mechanism, known = self.review.machine.mechanism, self.review.machine.modes
+        mode = mechanism.mode(self.review.mode)
+        if mode.operation and pressed in {each.operation for each in known}:
+            self.desk.send(Flip(Mode(pressed, mode.signs)), client)
+            return
+        n = int(pressed)
+        other = "-" if mode.signs[n] == "+" else "+"
+        self.desk.send(Flip(mode.with_sign(n + 1, other, known)), client)

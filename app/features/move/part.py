@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from app.features.move.compute import REACH, reach_asked
 from app.features.move.state import Place, Visit
+from app.jobs.answers import Asked
 from app.jobs.parts import Grip, Part
 from app.review.changes import Change
 from app.review.state import Review
-from app.review.view import View
+from app.review.view import Reach, View
 from app.scene.morph import Morph
 from app.scene.nodes import transform
+from app.widgets.desk import Sheet
 from kinematics.arrays import Array
 
 FRAME = 0.02  # s between two pictures on the way to another solution
@@ -22,6 +26,8 @@ FRAME = 0.02  # s between two pictures on the way to another solution
 
 class MovePart(Part):
     """Takes what a hand does to the platform, and shows the way to another solution."""
+
+    LANES = ("reach",)
 
     def __init__(self, stage: Any) -> None:
         super().__init__(stage)
@@ -36,6 +42,13 @@ class MovePart(Part):
             scene.handle,
             lambda phase, who, handle: self.stage.ask(self.drag, phase, who, transform(handle)),
         )
+
+    def wished(self, view: View) -> Iterable[Asked[Any]]:
+        yield reach_asked(view.review)
+
+    def show(self, sheet: Sheet) -> None:
+        told = self.answers[REACH]
+        self.stage.tell(Reach(told.shown or (), told.stale))
 
     def drag(self, phase: str, client_id: int | None, placed: Array) -> bool:
         """A hand holds the platform, (4, 4), or lets it go."""

@@ -17,7 +17,7 @@ from app.review.state import Options, Review
 from app.review.units import sentence
 from app.terminal.tables import LOCUS
 from app.widgets.desk import Client, Group, Panel, Said, Sheet, explain
-from app.widgets.texts import box, esc
+from app.widgets.texts import box, esc, quiet
 from kinematics.errors import InputError
 from kinematics.facets.solids import RESOLUTIONS
 
@@ -54,16 +54,16 @@ class StepsFolder(Group):
     """What was done, the newest first: pressing one takes it and all after it back."""
 
     LOOKS = False
-    TITLES = ("Changes", "Undo", "Redo")
+    TITLES = ("Changes", "", "")
     MOST = 10
 
     def build(self, review: Review) -> None:
-        icon, (title, undo, redo) = viser.Icon, self.TITLES
-        with self.gui.add_folder(title):
-            self._undo = self.button(undo, partial(self._take_back, 0), icon=icon.ARROW_BACK_UP)
-            self._redo = self.button(
-                redo, lambda _: self.desk.redo(self.LOOKS), icon=icon.ARROW_FORWARD_UP
-            )
+        title, undo, redo = self.TITLES
+        with self.folder(title, "press one: it and all after it are taken back"):
+            self._none = self.gui.add_html(quiet("Nothing has been changed yet."))
+            if undo:  # else the bar has it
+                self._undo = self.button(undo, partial(self._take_back, 0))
+                self._redo = self.button(redo, lambda _: self.desk.redo(self.LOOKS))
             self._steps = [
                 self.button("", partial(self._take_back, n), visible=False)
                 for n in range(self.MOST)
@@ -72,9 +72,10 @@ class StepsFolder(Group):
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)
         titles = sheet.history.titles(self.LOOKS, self.MOST)
-        self.set(self._undo, disabled=not titles)
-        redoable = any(step.looks == self.LOOKS for step in sheet.history.future)
-        self.set(self._redo, disabled=not redoable)
+        self.see(not titles, self._none)
+        if self.TITLES[1]:
+            self.set(self._undo, disabled=not titles)
+            self.set(self._redo, disabled=not sheet.history.undone(self.LOOKS))
         for n, button in enumerate(self._steps):
             self.set(button, visible=n < len(titles))
             if n < len(titles):
@@ -101,17 +102,18 @@ class ReviewPanel(Panel):
         gui, desk, icon = self.gui, self.desk, viser.Icon
         part = desk.part(ReviewPart)
         self.groups.append(StepsFolder(desk, self.sheet))
-        with gui.add_folder("Save a solid"):
+        with self.folder("Save a solid", "STL 3MF PLY GLB OBJ"):
             self._solid = gui.add_dropdown("Solid", (NONE,))
             self._format = gui.add_dropdown("Format", tuple(f.upper() for f in FORMATS))
             self._resolution = gui.add_dropdown("Resolution", RESOLUTIONS, initial_value="fine")
             self._save = self.button("Save", self._export, icon=icon.DOWNLOAD)
-        with gui.add_folder("Save the review"):
+        with self.folder("Save the review", "session, picture, page"):
             self.button("Session file", self._session, icon=icon.DOWNLOAD)
+            self.key("Save the review", "Save it as a session file", "ctrl+S", self._session)
             self.button("Picture of the view (PNG)", part.picture, icon=icon.CAMERA)
             self.button("Scene as a page (HTML)", part.scene_page, icon=icon.WORLD)
             self.upload("Open a session file", ".json,application/json", self._open)
-        with gui.add_folder("What is drawn"):
+        with self.folder("What is drawn"):
             for name, (title, command) in OPTIONS.items():
                 self.switch(title, Options, name, command=command)
             self.button("Fit the view", lambda _: desk.fit_view(), icon=icon.MAXIMIZE)

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import pairwise
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -141,10 +141,16 @@ class Sections:
     trouble: str
 
 
-def region(review: Review, *, present: bool = False) -> Region:
-    """What is cut in a review whose mechanism has sections; that of its ``present`` mode alone."""
+Which = Literal["shown", "present", "all"]
+"""Modes: those of the workspace on display, the machine's own, all together."""
+
+
+def region(review: Review, which: Which = "shown") -> Region:
+    """What is cut in a review whose mechanism has sections, of these modes."""
     machine, design = review.machine, review.design
-    modes = (review.mode,) if present else solver_modes(review)
+    modes: Modes = (review.mode,)
+    if which != "present":
+        modes = None if which == "all" else solver_modes(review)
     request = required(machine.solids, "solids").request("workspace", review.pose, modes, "fine")
     what = (request.mechanism, *request.arguments)
     return Region(what, design, review.pose, modes)

@@ -40,6 +40,7 @@ class SectionPanel(Panel):
     """Where the plane stands, the section as a plot and in numbers, its area along the way."""
 
     TITLE = "Section"
+    TAB = "Workspace"
 
     @staticmethod
     def serves(machine: Machine[Any]) -> bool:

@@ -14,10 +14,13 @@ from app.features.section import compute
 from app.features.section.files import section_bytes
 from app.features.section.scene import Inside, Plane
 from app.features.section.state import Cut, MoveCut
+from app.features.workspace.state import modes_text
 from app.jobs.answers import Asked
 from app.jobs.parts import Client, Grip, Part, Stage
 from app.jobs.process import Process, give_way
-from app.review.view import View, reaching_mode
+from app.review.state import Review
+from app.review.units import plural, volume_text
+from app.review.view import Fact, Size, View, reaching_mode
 from app.widgets.desk import DIGITS, Sheet
 from kinematics.errors import BohemiaError
 from kinematics.machine import machine_of, required
@@ -69,7 +72,7 @@ class SectionPart(Part):
         if region is None:
             self._asked.clear()
             return
-        of = region, compute.region(review, present=True)
+        of = region, compute.region(review, "present"), compute.region(review, "all")
         self._asked = {what: asked for what, asked in self._asked.items() if asked[0] in of}
         if review[Cut].on:
             yield compute.SECTION(compute.wish(review))
@@ -106,15 +109,15 @@ class SectionPart(Part):
     def inscribe(self, what: str, here: bool, together: bool = False) -> None:
         """Find the largest ball or box in the workspace, about the platform or anywhere.
 
-        In that of the present mode, which a machine cannot change on the way; or ``together`` in
-        that of all the modes that are shown.
+        In that of the present mode, which a machine cannot change on the way; or in that of all
+        modes ``together``.
         """
         if self._region is None:
             return
         position = self.stage.view.platform[:3, 3]
         center = tuple(float(v) for v in position) if here else None
         self.answers.forget(QUESTIONS[what])
-        region = compute.region(self.stage.review, present=not together)
+        region = compute.region(self.stage.review, "all" if together else "present")
         self._asked[what] = region, center
         self.follow()
 
@@ -179,6 +182,16 @@ class SectionPart(Part):
         self._inside.show(found.ball and found.ball[0], found.box and found.box[0])
         if self._region is not None:
             self.stage.tell(found)
+            self._tell_size(sheet.view.review, found)
+
+    def _tell_size(self, review: Review, found: compute.Sections) -> None:
+        """How large the workspace is."""
+        known = found.volume or found.old_volume
+        fact = None
+        if known is not None:
+            pieces = f", {plural(len(known.pieces), 'piece')}" if known.pieces else ""
+            fact = Fact(volume_text(known.value), f"{modes_text(review)}{pieces}")
+        self.stage.tell(Size(fact, stale=found.volume is None))
 
     def _found(self, what: str) -> Any:
         """The largest ball or box with the modes that it is of."""

@@ -12,7 +12,7 @@ from app.features.workspace.compute import Solids, piece_here
 from app.features.workspace.state import ASPECTS
 from app.review.state import Options, Review
 from app.review.units import how_far, minus, page_unit, plural, volume_text
-from app.review.view import short_title
+from app.review.view import Fact, short_title
 from app.scene import painting, palette
 from app.widgets.texts import (
     NUMERIC,
@@ -43,15 +43,14 @@ WAYS = 5
 ROUNDING = 1e-9  # of a measure in its unit: less is nothing
 
 
-def held_text(here: Here | None) -> str:
-    """How far it is to where control is lost; "" where nothing is known of it."""
+def held_fact(here: Here | None) -> Fact | None:
+    """How far it is to where control is lost; None where nothing is known of it."""
     if here is None:
-        return ""
-    kinds = {s.kind: None for s in here.singular if s.measure <= AT}
-    if kinds:
-        return f"singular ({', '.join(kinds)})"
+        return None
+    if kinds := {s.kind: None for s in here.singular if s.measure <= AT}:
+        return Fact("singular", ", ".join(kinds))
     nearest = here.nearest("parallel", "constraint")
-    return "" if nearest is None else f"{how_far(nearest)} to a singularity"
+    return None if nearest is None else Fact(how_far(nearest), "to a singularity")
 
 
 def here_html(controlled: Controlled) -> str:
@@ -67,13 +66,17 @@ def here_html(controlled: Controlled) -> str:
     elif here.remedy is not None:
         parts.append("This pose is out of reach; the ways out are below.")
     elif not here.singular:
-        held = "<b>The platform is held</b>: the wrenches are independent here."
-        parts.append(edged(held, tone("good")))
-    rows = [_measure(m, v) for m, v in here.measures if math.isfinite(v)]
-    if rows:
-        columns = ("", f"{NUMERIC};padding:0 .6em", "width:36%")
-        parts.append(table(rows, columns, "border-spacing:0 2px;margin-top:.4em"))
+        held = styled("The platform is held", f"font-size:14px;color:{tone('good')}", "b")
+        parts.append(f"{held} the wrenches are independent here")
     return box("".join(parts))
+
+
+def measures_html(here: Here | None) -> str:
+    """How well the platform is held."""
+    if here is None:
+        return ""
+    rows = [_measure(m, v) for m, v in here.measures if math.isfinite(v)]
+    return box(table(rows, ("", NUMERIC, "width:36%"))) if rows else ""
 
 
 def _card(singular: Singularity) -> str:
@@ -105,20 +108,27 @@ _WHAT = {
 def clearances_html(here: Here | None) -> str:
     if here is None or not here.clearances:
         return ""
-    rows = "".join(map(_clearance, here.clearances[:TOLD]))
-    return box(f'<table style="width:100%;border-spacing:0 1px">{rows}</table>')
+    ways = here.clearances[:TOLD]
+    most = max((abs(way.distance) for way in ways if way.angle is None), default=0.0)
+    rows = []
+    for way in ways:
+        color, what, far = limit(way, 2)
+        along = way.angle is None and most > 0.0  # a turn is not compared with a distance
+        length = bar(abs(way.distance) / most, "var(--bo-bar)", "5px") if along else ""
+        rows.append((f'<span title="{esc(way.text)}">{chip(color)}{esc(what)}</span>', far, length))
+    heads = ("nearest at this orientation", "", "")
+    return box(table(rows, ("", NUMERIC, "width:24%"), heads=heads))
 
 
-def _clearance(way: Clearance) -> str:
+def limit(way: Clearance, decimals: int = 1) -> tuple[str, str, str]:
+    """A limit's colour, what it is, and how far it is."""
     lost = way.kind in ("parallel", "constraint")
     limb = palette.limb_color(way.limb) if way.limb else palette.WORKSPACE
-    mark = chip(palette.BEYOND if lost else limb)
     whose = f"limb {way.limb}, " if way.limb else ""
     way_there = " by turning" if way.angle is not None else f" {way.along}" if way.along else ""
     end = "" if way.bound in ("", "link") else f" ({named(way.bound)})"
     what = f"{whose}{_WHAT[way.kind]}{end}{way_there}"
-    far = styled(how_far(way, 2), NUMERIC, "td")
-    return f'<tr title="{esc(way.text)}"><td>{mark}{esc(what)}</td>{far}</tr>'
+    return palette.BEYOND if lost else limb, what, how_far(way, decimals)
 
 
 def ways_html(remedy: Remedy) -> str:
@@ -175,13 +185,14 @@ def pieces_html(review: Review, solids: Solids) -> str:
     rows = [
         (
             f"{chip(color)}{n + 1}",
-            volume_text(piece.volume),
             signs[piece.sign],
-            " <b>you are in this one</b>" if n == here else "",
+            *_sized(piece.volume, piece.volume_error),
+            "<b>the machine is here</b>" if n == here else "",
         )
         for n, (piece, color) in enumerate(zip(solid.pieces, colors, strict=True))
         if n < LISTED or n == here
     ]
+    looks = ["aria-current" if n == here else "" for n in range(len(solid.pieces))]
     more = len(solid.pieces) - len(rows)
     tail = f"<br>and {more} smaller ones" if more > 0 else ""
     exact = (
@@ -196,8 +207,16 @@ def pieces_html(review: Review, solids: Solids) -> str:
         "Slices at this orientation: pieces may be joined through others. "
         f"{esc(solid.note)}"
     )
-    listed = f"{table(rows, ('', '', 'opacity:.75'))}{tail}{faint(told, 'div')}"
-    return box(aged(listed, ASPECTS in solids.old))
+    heads = ("#", "sign", "volume", "±", "")
+    listed = table(rows, ("", "", NUMERIC, NUMERIC, ""), heads=heads, looks=looks)
+    return box(aged(f"{listed}{tail}{faint(told, 'div')}", ASPECTS in solids.old))
+
+
+def _sized(volume: float, error: float | None) -> tuple[str, str]:
+    """A volume and its error, each a text."""
+    value, _, unit = volume_text(volume, error).rpartition(" ")
+    number, _, off = value.partition(" ± ")
+    return f"{number} {unit}", off
 
 
 def circles_html(here: Here | None) -> str:

@@ -58,9 +58,9 @@ class SingularitiesPanel(Panel):
         self._elsewhere = Elsewhere(gui)
         self._here = gui.add_html("")
         self._swing = self.asks("Show the free motion", part.swing, 0, visible=False)
-        self.switch("Wrench lines", Control, "wrenches", "What holds the platform")
-        self.switch("Nearest limits", Control, "clearances", "Lines to them in the scene")
         self._clearances = gui.add_html("")
+        self.switch("Nearest limits", Control, "clearances", "Lines to them in the scene")
+        self.switch("Wrench lines", Control, "wrenches", "What holds the platform")
         self._out = gui.add_folder("The ways out", visible=False)
         with self._out:
             self._remedy = gui.add_html("")
@@ -70,12 +70,14 @@ class SingularitiesPanel(Panel):
             self._change = self.button("Change the design so", self._change_design)
         if any(spec.key == ASPECTS for spec in machine.solid_specs):
             self.groups.append(AspectsFolder(desk, sheet))
+        with self.folder("How well it is held"):
+            self._measures = gui.add_html("")
         if specs(machine):
             self.groups.append(ChartFolder(desk, sheet))
         if machine.circles is not None:
             self.groups.append(ProfileFolder(desk, sheet))
         self.groups += [LoadFolder(desk, sheet), MotionFolder(desk, sheet)]
-        with gui.add_folder("What happened on the way", expand_by_default=False):
+        with self.folder("What happened on the way", open=False):
             self._log = gui.add_html(html.log_html(()))
             self.asks("Clear", part.clear_log)
         explain(gui, machine.text("singularities"), HELP)
@@ -89,6 +91,7 @@ class SingularitiesPanel(Panel):
                 self.say(self._here, html.here_html(news), stale)
                 swings = here is not None and any(s.motion is not None for s in here.singular)
                 self.see(swings, self._swing)
+                self.say(self._measures, html.measures_html(here), stale)
                 self.say(self._clearances, html.clearances_html(here), stale)
                 self._draw_remedy(None if here is None else here.remedy)
                 self.say(self._log, html.log_html(news.log))
@@ -121,7 +124,8 @@ class AspectsFolder(Group):
         gui, desk = self.gui, self.desk
         part = desk.part(ControlPart)
         measures = {m.title: m.key for m in review.machine.measures.specs}
-        with gui.add_folder("Aspects of the present mode"):
+        with self.folder("Aspects of the present mode", "slices at this orientation"):
+            self._pieces = gui.add_html("")
             command = "Aspects", "Show or hide the aspects of the present mode", "A"
             self.toggle(command, _shown, partial(Show, ASPECTS))
             show = gui.add_checkbox("Show", False, hint="Hotkey A")
@@ -133,7 +137,6 @@ class AspectsFolder(Group):
             hint = "Of the present mode, on the aspects and on the workspace"
             self.menu("Colour by", {NOTHING: ""} | measures, Control, "shade", hint=hint)
             self._legend = gui.add_html("")
-            self._pieces = gui.add_html("")
         # A ball is one of places.
         axes = {c.key for c in review.machine.coordinates}
         with gui.add_folder("Largest ball without a singularity", visible={"x", "y", "z"} <= axes):
@@ -181,7 +184,7 @@ class LoadFolder(Group):
     def build(self, review: Review) -> None:
         gui = self.gui
         zero = (0.0, 0.0, 0.0)
-        with gui.add_folder("Load on the platform", expand_by_default=False):
+        with self.folder("Load on the platform", open=False):
             self._force = gui.add_vector3("Force (N)", zero, step=1.0, hint="At O′, base frame")
             self._moment = gui.add_vector3("Moment (N·mm)", zero, step=100.0)
             self.bind(self._force, lambda review: review[Control].load[:3], self._load)
@@ -206,7 +209,7 @@ class MotionFolder(Group):
         gui, axes = self.gui, review.machine.coordinates
         units = ", ".join(f"{c.symbol} ({page_unit(c)}/s)" for c in axes)
         self._boxes: dict[str, Typed] = {}
-        with gui.add_folder("Velocity and acceleration", expand_by_default=False):
+        with self.folder("Velocity and acceleration", open=False):
             for label, name, hint in (
                 ("Rates", "rates", f"{units}, with commas"),
                 ("Accelerations", "accelerations", "Likewise, by s²; empty for none"),

@@ -12,7 +12,7 @@ from app.features.move.state import GoHome, Move, Place, Visit
 from app.features.review.files import ExportedFile, solid_name
 from app.features.singularities import compute
 from app.features.singularities.files import locus_bytes
-from app.features.singularities.html import held_text
+from app.features.singularities.html import TOLD, held_fact, limit
 from app.features.singularities.scene import Held, Loads
 from app.features.singularities.state import Control, SetControl
 from app.jobs.answers import Asked, Key
@@ -20,7 +20,7 @@ from app.jobs.lane import Done, Job, Lost
 from app.jobs.parts import Client, Grip, Part, Stage
 from app.review.changes import Change
 from app.review.state import Review
-from app.review.view import Clear, View
+from app.review.view import Clear, Limits, View
 from app.scene.camera import machine_bounds
 from app.widgets.desk import Sheet
 from kinematics.answers.loci import LocusCurves
@@ -226,7 +226,11 @@ class ControlPart(Part):
         self._held.show(sheet.view, here, controlled.ball)
         self._loads.show(sheet.view, here)
         self.stage.tell(controlled)
-        self.stage.tell(Clear(held_text(here), controlled.stale))
+        ways = () if here is None else tuple(map(limit, here.clearances[:TOLD]))
+        self.stage.tell(Limits(ways, controlled.stale))
+        remedy = None if here is None else here.remedy
+        back = self.escape if remedy is not None and remedy.nearest is not None else None
+        self.stage.tell(Clear(held_fact(here), controlled.stale, back))
 
     def _nearly(
         self, question: Any, spot: compute.Place | None

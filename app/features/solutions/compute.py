@@ -8,13 +8,13 @@ sentences above them, the platforms that stand in the scene as ghosts.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from app.features.solutions.state import SAME_MODE, Atlas, Sort
+from app.features.solutions.state import SAME_MODE, Atlas, Only, Sort
 from app.jobs.answers import Question
 from app.review.state import Review
 from app.review.units import place_text
@@ -128,6 +128,7 @@ class Listed:
         stale: they belong to other actuators than the present ones.
         remarks: further sentences, each with whether it is about a singularity.
         hidden: how many the filter leaves out.
+        counts: how many each choice of ``Atlas.only`` would show.
     """
 
     rows: tuple[Row, ...]
@@ -138,6 +139,7 @@ class Listed:
     stale: bool
     remarks: tuple[tuple[str, bool], ...]
     hidden: int
+    counts: Mapping[Only, int] = field(default_factory=dict)
 
 
 NONE_YET = Listed((), np.empty((0, 4, 4)), "", "", False, True, (), 0)
@@ -158,7 +160,9 @@ def atlas(view: View, known: Known | None) -> Listed:
     stale = not known.stands_at(posture.joints)
     placements = review.machine.transform(found.poses, found.modes)
     rows = _rows(view, known, placements, stale=stale)
-    kept = _sorted(review, _filtered(review, rows))
+    able = _filtered(review, rows)
+    chosen = {only: [r for r in able if test(r)] for only, test in _only(review).items()}
+    kept = _sorted(review, chosen[review[Atlas].only])
     singular = {motion.text for motion in found.self_motions}
     remarks = [(note, note in singular) for note in found.notes]
     remarks += _news(review, known)
@@ -173,7 +177,17 @@ def atlas(view: View, known: Known | None) -> Listed:
         stale=stale,
         remarks=tuple(remarks),
         hidden=len(rows) - len(kept),
+        counts={only: len(found) for only, found in chosen.items()},
     )
+
+
+def _only(review: Review) -> dict[Only, Callable[[Row], bool]]:
+    return {
+        "": lambda row: True,
+        "mode": lambda row: row.mode == review.mode,
+        "new": lambda row: row.new,
+        "merging": lambda row: bool(row.remark),
+    }
 
 
 def _rows(view: View, known: Known, placements: Array, *, stale: bool) -> list[Row]:

@@ -1,140 +1,151 @@
-"""What the Solutions tab says: rows of the list as small pictures, and sentences.
-
-A viser button shows the HTML of its icon, so a whole row of the list stands in one: it can be
-clicked and reached with the keyboard as every button.
-"""
+"""What the Solutions tab says: the list as a table, and sentences."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 from app.features.solutions.compute import Ahead, Known, Listed, Row, partner
+from app.features.solutions.state import Only, Sort
 from app.review.state import Review
 from app.review.units import joint_text, minus, pose_text, tenths
 from app.scene import palette
 from app.terminal.tables import condition_text
-from app.widgets.texts import box, edged, esc, quiet, red, styled, table, tone, track
+from app.widgets.svg import line, tag
+from app.widgets.texts import Tone, aged, box, esc, faint, quiet, red, styled, table, tone, track
 from kinematics.answers.modes import Mode
 from kinematics.mechanism import Coordinate
 
-HEIGHT = 26  # px of a glyph
-STEP = 7  # px from tick to tick
-DIAL = 10  # px, the radius of a dial
-
-_LIMBS = "".join(f".sol .l{n + 1}{{stroke:{color}}}" for n, color in enumerate(palette.LIMBS))
-
-_STYLE = f"""
-button:has(.sol){{height:auto!important;padding:3px 4px;background:transparent!important;
-color:inherit!important;border:1px solid rgba(128,138,150,.35);font-weight:400;cursor:pointer}}
-button:has(.sol):hover,button:has(.sol):focus-visible{{background:rgba(86,150,220,.16)!important}}
-button:has(.sol.here){{border-color:currentColor;border-width:2px}}
-button:has(.sol) .mantine-Button-inner{{justify-content:flex-start}}
-button:has(.sol) .mantine-Button-section,button:has(.sol) .mantine-Button-section>div{{
-width:100%;height:auto;margin:0;position:static}}
-div:has(>button .sol){{margin:0 4px!important;padding-bottom:3px!important}}
-div:has(>div>button .sol){{max-height:19.5rem;overflow-y:auto;scrollbar-width:thin;
-padding-top:8px!important}}
-.sol{{display:flex;align-items:center;gap:4px;text-align:left;line-height:1.35;font-size:10.5px;
-white-space:normal;font-variant-numeric:tabular-nums}}
-.sol svg{{position:static!important;transform:none!important;flex:none;
-height:{HEIGHT}px!important;width:auto!important;fill:none;stroke:currentColor;stroke-width:1}}
-.sol .t{{stroke-width:3.5}}.sol .a{{opacity:.35}}.sol .h{{stroke-width:2}}
-.sol .d{{fill:currentColor;stroke:none}}.sol q{{quotes:none;opacity:.6}}
-.sol b{{font-weight:600}}.sol i{{font-style:normal;color:{tone("bad")}}}
-.sol u{{text-decoration:none;border:1px solid currentColor;border-radius:3px;padding:0 3px}}
-.sol .n{{position:absolute;width:1px;height:1px;overflow:hidden;clip-path:inset(50%)}}
-{_LIMBS}"""
+TICKS = 18.0  # px, the height of a mode's picture
+STEP = 7.0  # px from tick to tick
 
 
-def style(*, stale: bool) -> str:
-    """What rows look like; all fade while they belong to other actuators than the present ones."""
-    return f"<style>{_STYLE}{'.sol{opacity:.5}' if stale else ''}</style>"
+def table_html(
+    listed: Listed, most: int, axes: Sequence[Coordinate], order: Sort, *, signs: bool
+) -> str:
+    """The solutions as a table whose rows can be pressed; ``signs``: they have modes.
 
-
-def row_html(row: Row, axes: Sequence[Coordinate]) -> str:
-    """One solution: mode, angles and place as a picture, then in numbers."""
-    names = "sol here" if row.here else "sol"
-    where = [c for c in axes if c.unit == "mm"]
-    turned = [c for c in axes if c.unit == "rad"]
-    value = {c.key: c.outer(v) for c, v in zip(axes, row.pose, strict=True)}
-    first = " ".join(f"<q>{esc(c.symbol)}</q>\xa0{tenths(value[c.key])}" for c in where)
-    first += "\xa0<q>mm</q> " if where else ""
-    first += " ".join(f"<q>{esc(c.symbol)}</q>\xa0{tenths(value[c.key])}°" for c in turned)
-    marks = (
-        "<u>here</u> "
-        if row.here
-        else f"<q>farthest point</q> {tenths(row.distance)} <q>mm away</q> "
-    )
-    marks += "<u>new</u> " if row.new else ""
-    second = (
-        f"<q>#{row.identity}</q> {marks}<q>condition</q> {condition_text(row.condition)}"
-        f"{'' if row.within_stroke else ' <i>beyond stroke</i>'}"
-        f"{f' <i>{esc(row.remark)}</i>' if row.remark else ''}"
-    )
-    what = "The present solution" if row.here else "Go to solution"
-    hint = f"{what} #{row.identity}" + (f", mode {minus(row.mode)}" if row.mode else "")
+    Args:
+        most: so many of them.
+        order: by what they are sorted.
+    """
+    rows = listed.rows[:most]
+    if not rows:
+        return ""
+    marks = any(_marks(row) for row in rows)
+    heads: list[tuple[str, Sort | None]] = [("mode", "mode")] if signs else []
+    heads += [(c.symbol, "height" if c.key == "z" else None) for c in axes]
+    heads += [("Δ", "distance"), ("cond.", "condition")]
+    heads += [("", None)] if marks else []
+    titles = "".join(_head(text, sort, order) for text, sort in heads)
+    body = "".join(row_html(row, axes, marks=marks, signs=signs) for row in rows)
     return (
-        f'<div class="{names}" title="{esc(hint)}">{glyph(row, axes)}'
-        f'<div><span class="n">{esc(hint)}: </span>{first}<br>{second}</div></div>'
+        f'<table class="bo-table bo-list"><thead><tr>{titles}</tr></thead>'
+        f"<tbody>{body}</tbody></table>"
     )
 
 
-def glyph(row: Row, axes: Sequence[Coordinate]) -> str:
-    """Ticks for the working mode, a dial for each angle, a map with a dot for the place."""
-    x = 3.0
-    parts: list[str] = []
-    middle = HEIGHT / 2
-    mode = Mode.read(row.mode)
-    for digit in mode.operation:
-        parts.append(f'<text class="d" x="{x:g}" y="{middle + 4:g}">{esc(digit)}</text>')
-        x += STEP
-    for limb, sign in enumerate(mode.signs):
-        end = 3 if sign == "+" else HEIGHT - 3
-        parts.append(f'<path class="t l{limb % 5 + 1}" d="M{x:g} {middle:g}V{end}"/>')
-        x += STEP
-    if row.mode:
-        parts.append(f'<path class="a" d="M0 {middle:g}H{x - STEP + 3:g}"/>')
-    for axis, value in zip(axes, row.pose, strict=True):
-        if axis.unit == "rad":
-            x += DIAL
-            tip = (x + DIAL * math.sin(value), middle - DIAL * math.cos(value))
-            parts.append(f'<circle class="a" cx="{x:g}" cy="{middle:g}" r="{DIAL}"/>')
-            parts.append(f'<path class="h" d="M{x:g} {middle:g}L{tip[0]:.1f} {tip[1]:.1f}"/>')
-            x += DIAL + 4
-    places = [
-        min(max((v - c.lower) / (c.upper - c.lower), 0.0), 1.0)
+def _head(text: str, sort: Sort | None, order: Sort) -> str:
+    side = "" if text == "mode" else ' class="n"'
+    if sort is None:
+        return f"<th{side}>{esc(text)}</th>"
+    mark = " ▴" if sort == order else ""
+    return (
+        f'<th{side}><button type="button" data-send="sort {sort}" '
+        f'title="Sort by {TITLES[sort]}">{esc(text)}{mark}</button></th>'
+    )
+
+
+TITLES: dict[Sort, str] = {
+    "distance": "the way of the platform's farthest point from here",
+    "condition": "conditioning",
+    "height": "height",
+    "mode": "mode",
+}
+
+
+def row_html(
+    row: Row, axes: Sequence[Coordinate], *, marks: bool = True, signs: bool = True
+) -> str:
+    """One solution: its mode as ticks, its pose, how far it is and how well it is held."""
+    numbers = [tenths(c.outer(v)) for c, v in zip(axes, row.pose, strict=True)]
+    numbers += ["here" if row.here else tenths(row.distance), condition_text(row.condition)]
+    cells = [f"<td>{ticks(row.mode)}</td>"] if signs else []
+    cells += [f'<td class="n">{text}</td>' for text in numbers]
+    cells += [f"<td>{_marks(row)}</td>"] if marks else []
+    current = " aria-current" if row.here else ""
+    said = esc(spoken(row, axes))
+    return (
+        f'<tr class="sol" data-send="go {row.identity}" tabindex="0" role="button"{current} '
+        f'title="{said}" aria-label="{said}">{"".join(cells)}</tr>'
+    )
+
+
+def _marks(row: Row) -> str:
+    """What is particular about it, in a word or two."""
+    told: list[tuple[str, Tone, str]] = []
+    told += [("new", "good", "It appeared on the way")] if row.new else []
+    told += [] if row.within_stroke else [("out", "bad", "Beyond stroke")]
+    told += [("×2", "near", row.remark)] if row.remark else []
+    return " ".join(
+        f'<small style="color:{tone(level)}" title="{esc(title)}">{text}</small>'
+        for text, level, title in told
+    )
+
+
+def spoken(row: Row, axes: Sequence[Coordinate]) -> str:
+    """All that is known of it as a sentence: "Go to solution #12, mode +−: x 50.0 …"."""
+    what = "The present solution" if row.here else "Go to solution"
+    mode = f", mode {minus(row.mode)}" if row.mode else ""
+    lengths = [
+        f"{c.symbol} {tenths(c.outer(v))}"
         for c, v in zip(axes, row.pose, strict=True)
         if c.unit == "mm"
     ]
-    side = HEIGHT - 4
-    if len(places) >= 2:  # seen from above
-        parts.append(f'<rect class="a" x="{x:g}" y="2" width="{side}" height="{side}"/>')
-        dot = (x + side * places[0], 2 + side * (1 - places[1]))
-        parts.append(f'<circle class="d" cx="{dot[0]:.1f}" cy="{dot[1]:.1f}" r="2.5"/>')
-        x += side + 5
-    if len(places) in (1, 3):  # how high
-        level = 2 + side * (1 - places[-1])
-        parts.append(f'<path class="a" d="M{x:g} 2V{2 + side}"/>')
-        parts.append(f'<path class="h" d="M{x - 3:g} {level:.1f}h6"/>')
-        x += 5
-    return f'<svg viewBox="0 0 {x:g} {HEIGHT}" width="{x:g}">{"".join(parts)}</svg>'
+    angles = [
+        f"{c.symbol} {tenths(c.outer(v))}°"
+        for c, v in zip(axes, row.pose, strict=True)
+        if c.unit == "rad"
+    ]
+    where = " ".join([*lengths, *(["mm"] if lengths else []), *angles])
+    parts = [
+        where,
+        "" if row.here else f"farthest point {tenths(row.distance)} mm away",
+        f"condition {condition_text(row.condition)}",
+        "" if row.within_stroke else "beyond stroke",
+        row.remark,
+        "new" if row.new else "",
+    ]
+    return f"{what} #{row.identity}{mode}: {', '.join(filter(None, parts))}"
 
 
-def key_text(axes: Sequence[Coordinate], limbs: int) -> str:
-    """What the pictures show, in the order in which they stand."""
-    dials = ", ".join(c.symbol for c in axes if c.unit == "rad")
-    places = [c.symbol for c in axes if c.unit == "mm"]
+def ticks(mode: str) -> str:
+    """A mode as a picture: its operation as a digit, a tick up or down for each limb."""
+    known, x, middle = Mode.read(mode), 3.0, TICKS / 2
     parts = []
-    if limbs:
-        parts.append(f"ticks: side of limbs 1–{limbs}")
-    if dials:
-        parts.append(f"dials: {dials}")
-    if len(places) >= 2:
-        parts.append(f"map: {places[0]}, {places[1]}")
-    if len(places) in (1, 3):
-        parts.append(f"level: {places[-1]}")
-    return " · ".join(parts)
+    for digit in known.operation:
+        parts.append(f'<text x="{x:g}" y="{middle + 4:g}" fill="currentColor">{esc(digit)}</text>')
+        x += STEP + 2
+    for limb, sign in enumerate(known.signs):
+        end = 1.0 if sign == "+" else TICKS - 1.0
+        parts.append(line(f"M{x:g} {middle:g}V{end:g}", palette.limb_color(limb + 1), 5.0))
+        x += STEP
+    if known.signs:
+        parts.append(line(f"M0 {middle:g}H{x - STEP + 3:g}", "currentColor", 0.6))
+    return tag("svg", "".join(parts), viewBox=f"0 0 {x:g} {TICKS:g}", width=x, height=TICKS)
+
+
+FILTERS: dict[Only, str] = {"": "All", "mode": "This mode", "new": "New", "merging": "Merging"}
+
+
+def filter_html(atlas: Listed, chosen: Only, *, signs: bool) -> str:
+    """A switch between all solutions, those of the present mode, new ones and merging ones."""
+    parts = [
+        f'<button type="button" data-send="only {only}" '
+        f'aria-pressed="{str(only == chosen).lower()}">{title} {atlas.counts.get(only, 0)}</button>'
+        for only, title in FILTERS.items()
+        if signs or only != "mode"
+    ]
+    return f'<div class="bo-switch" role="group">{"".join(parts)}</div>'
 
 
 def strokes_html(spans: Sequence[tuple[Coordinate, float, float | None, float | None]]) -> str:
@@ -201,11 +212,16 @@ def count_html(atlas: Listed, trouble: str) -> str:
         return red(trouble)
     if not atlas.count:
         return box("<b>Finding all solutions …</b>" if atlas.stale else "<b>No solutions</b>")
-    color = tone("good" if atlas.complete else "near")
+    number, _, rest = atlas.count.partition(" ")
     late = " <b>for the lengths before</b>" if atlas.stale else ""
-    head = styled(esc(atlas.count), "font-size:1.15em;font-weight:600")
-    fade = "opacity:0.6" if atlas.stale else ""
-    return box(edged(f"{head}{late}<br>{esc(atlas.how)}", color, fade))
+    known, _, how = atlas.how.partition(": ")
+    verdict = styled(
+        f"{esc(known)}{' ✓' if atlas.complete else ''}",
+        f"float:right;color:{tone('good' if atlas.complete else 'near')}",
+    )
+    head = f'{verdict}<b class="bo-answer">{esc(number)}</b> {esc(rest)}{late}'
+    told = box(f"{head}<br>{faint(esc(how))}")
+    return aged(told, atlas.stale)
 
 
 def remarks_html(atlas: Listed) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 
 from app.features.move.state import Drive, Visit
 from app.features.solutions import html
-from app.features.solutions.compute import Ahead, Listed, Row
+from app.features.solutions.compute import Ahead
 from app.features.solutions.part import Solutions, SolutionsPart
 from app.features.solutions.state import SAME_MODE, Atlas, SetAtlas, Sort
 from app.review.state import Review
@@ -15,6 +15,7 @@ from app.review.view import Moment
 from app.widgets.boxes import ModesMenu
 from app.widgets.desk import Client, Panel, Sheet, explain
 from app.widgets.header import Elsewhere
+from app.widgets.markup import Markup
 from app.widgets.texts import box, esc, quiet
 
 SORTED: dict[str, Sort] = {
@@ -24,7 +25,7 @@ SORTED: dict[str, Sort] = {
     "Mode": "mode",
 }
 NO_FOLD = "none"
-PAGE = 20  # rows at first and with every "more": each costs the browser some time
+PAGE = 40  # rows at first and with every "more"
 
 HELP = """
 The **forward kinematics**: all poses at which the machine can be assembled with its present
@@ -49,31 +50,28 @@ class SolutionsPanel(Panel):
         gui, desk, machine = self.gui, self.desk, review.machine
         self._part = desk.part(SolutionsPart)
         known = machine.modes
+        self._signs = any(known)
         self._elsewhere = Elsewhere(gui)
-        self._style = gui.add_html(html.style(stale=False))
         self._count = gui.add_html("")
-        hint = "The platform in every other solution of the list; click one to go there (hotkey G)"
-        command = "Ghosts", "Show or hide the platform in all other solutions", "G"
-        self.switch("Ghosts", Atlas, "ghosts", hint, command)
-        self.switch("Within strokes", Atlas, "within_stroke")
-        self.menu("Sort by", SORTED, Atlas, "sort")
-        modes, own = {"All modes": "", "The present mode": SAME_MODE}, ("A pattern", "Pattern")
-        change = partial(SetAtlas, "modes")
-        self._modes = ModesMenu(self, modes, own, change, visible=any(known))
-        self._remarks = gui.add_html("")
-        self._folder = gui.add_folder("List")
-        self._buttons: list[Any] = []
-        self._rows: tuple[Row, ...] = ()
-        self._drawn: object = None
+        self._list = Markup(desk, self._pressed)
         self._empty = gui.add_html("", visible=False)
         self._limit = PAGE
         self._more = self.button("Show more", self._show_more)
-        self.asks(
-            "Find all anew",
-            self._part.find_again,
-            hint="Forget this set and find every solution from scratch",
-        )
-        with gui.add_folder("Fold ahead"):
+        hint = "Forget this set and find every solution from scratch"
+        self.asks("Find all anew", self._part.find_again, hint=hint)
+        self._remarks = gui.add_html("")
+        with self.folder("Order and filter", open=False):
+            self.switch("Within strokes", Atlas, "within_stroke")
+            self.menu("Sort by", SORTED, Atlas, "sort")
+            modes, own = {"All modes": "", "The present mode": SAME_MODE}, ("A pattern", "Pattern")
+            change = partial(SetAtlas, "modes")
+            self._modes = ModesMenu(self, modes, own, change, visible=self._signs)
+        with self.folder("Ghosts in the scene", "the platform in other solutions"):
+            hint = "The platform in every other solution of the list; click one to go there (G)"
+            command = "Ghosts", "Show or hide the platform in all other solutions", "G"
+            self.switch("Ghosts", Atlas, "ghosts", hint, command)
+        self._ahead = self.folder("Fold ahead", open=False)
+        with self._ahead:
             self._strokes = gui.add_html("")
             self._which = gui.add_dropdown("Fold", (NO_FOLD,), visible=False)
             self.answer(self._which, self._choose_fold)
@@ -82,8 +80,8 @@ class SolutionsPanel(Panel):
             self._partner = self.button("Go to the solution it merges with", self._go_to_partner)
         self._fold: Ahead | None = None
         self._folds: dict[str, Ahead] = {}
-        limbs = len(known[0].signs)
-        gui.add_html(quiet(html.key_text(machine.coordinates, limbs)))
+        self._table = ""
+        self._drawn: object = None
         explain(gui, HELP, machine.text("solutions"))
 
     def draw(self, sheet: Sheet) -> None:
@@ -103,35 +101,29 @@ class SolutionsPanel(Panel):
         self.say(self._remarks, html.remarks_html(atlas))
         self.say(self._empty, html.empty_html(atlas))
         self.set(self._empty, visible=not atlas.rows and bool(atlas.hidden))
-        self.say(self._style, html.style(stale=atlas.stale))
-        # What belongs to other actuators stays as it is and fades: that is one message, not many.
+        # What belongs to other actuators stays as it is and fades: the page says so at once.
         drawn = (solutions.known, sheet.view.review[Atlas], self._limit)
-        if not (atlas.stale and drawn == self._drawn):
-            self._draw_rows(atlas)
+        if atlas.stale and drawn == self._drawn:
+            self._list.say(self._table, stale=True)
+        else:
             self._drawn = drawn
-        self._draw_folds(sheet, solutions)
-
-    def _draw_rows(self, atlas: Listed) -> None:
-        rows = self._rows = atlas.rows[: self._limit]
-        while len(self._buttons) < len(rows):
-            with self._folder:
-                made = self.gui.add_button("", visible=False)
-            self.clicked(made, partial(self._visit, len(self._buttons)))
-            self._buttons.append(made)
-        axes = self.review.machine.coordinates
-        for n, made in enumerate(self._buttons):
-            if n < len(rows):
-                self.set(made, _icon_html=html.row_html(rows[n], axes))
-            self.set(made, visible=n < len(rows))
-        self.see(bool(rows), self._folder)
-        left = len(atlas.rows) - len(rows)
+            wanted, axes = sheet.view.review[Atlas], self.review.machine.coordinates
+            self._table = html.filter_html(atlas, wanted.only, signs=self._signs)
+            self._table += html.table_html(atlas, self._limit, axes, wanted.sort, signs=self._signs)
+            if atlas.rows:
+                shown = f"1–{min(self._limit, len(atlas.rows))} of {len(atlas.rows)}"
+                self._table += quiet(f"{shown} · mm, ° · Δ: way of the farthest point")
+            self._list.say(self._table if atlas.count else "", stale=atlas.stale)
+        left = len(atlas.rows) - self._limit
         self.set(self._more, visible=left > 0, label=f"Show {min(PAGE, left)} of {left} more")
+        self._draw_folds(sheet, solutions)
 
     def _draw_folds(self, sheet: Sheet, solutions: Solutions) -> None:
         review, posture = sheet.view.review, sheet.view.posture
         fold = self._fold = solutions.fold
         self._folds = {html.title(review, a): a for a in solutions.ahead if a.fold is not None}
         known = bool(solutions.ahead)
+        self._ahead.note("" if fold is None else html.title(review, fold))
         merges = fold is not None and fold.fold is not None and fold.fold.partner is not None
         self.see(known, self._strokes)
         self.see(fold is not None, self._which, self._drive)
@@ -156,9 +148,15 @@ class SolutionsPanel(Panel):
 
     # --- what a person asks for
 
-    def _visit(self, slot: int, client: Client) -> None:
-        if slot < len(self._rows) and not self._rows[slot].here:
-            self.desk.ask(self._part.visit, self._rows[slot].identity, client)
+    def _pressed(self, text: str, client: Client) -> None:
+        what, _, which = text.partition(" ")
+        match what:
+            case "go":
+                self.desk.ask(self._part.visit, int(which), client)
+            case "sort":
+                self.desk.send(SetAtlas("sort", which), client)
+            case "only":
+                self.desk.send(SetAtlas("only", which), client)
 
     def _show_more(self, _: Client) -> None:
         self._limit += PAGE

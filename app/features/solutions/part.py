@@ -306,4 +306,4 @@ class SolutionsPart(Part):
         self._ghosts.show(view, solutions.atlas, solutions.fold)
         self.stage.tell(solutions)
         ghost = palette.scheme(options.dark).ghost
-        self.stage.tell(Legend(((ghost, "other solutions"),) if wanted.ghosts else ()))
+        self.stage.tell(Legend("ghosts", ((ghost, "other solutions"),) if wanted.ghosts else ()))

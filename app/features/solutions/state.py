@@ -13,6 +13,7 @@ from kinematics.answers.modes import matching
 
 Sort = Literal["distance", "condition", "height", "mode"]
 SAME_MODE = "same"
+Only = Literal["", "mode", "new", "merging"]
 
 
 @dataclass(frozen=True)
@@ -20,15 +21,19 @@ class Atlas(Slice):
     """How the solutions are shown.
 
     ``modes`` filters the list: "" for all, `SAME_MODE` for the present working mode, else patterns
-    that `kinematics.answers.modes.matching` understands.
+    that `kinematics.answers.modes.matching` understands. ``only`` leaves of those the ones of the
+    present working mode, those that appeared on the way, or those next to another one.
     """
 
     filed_as: ClassVar[str] = "solutions"
-    LOOKS: ClassVar[frozenset[str]] = frozenset(("ghosts", "sort", "within_stroke", "modes"))
+    LOOKS: ClassVar[frozenset[str]] = frozenset(
+        ("ghosts", "sort", "within_stroke", "modes", "only")
+    )
     ghosts: bool = False
     sort: Sort = "distance"
     within_stroke: bool = False
     modes: str = ""
+    only: Only = ""
 
     @classmethod
     def gesture(cls, name: str, value: Any) -> str:
@@ -36,6 +41,7 @@ class Atlas(Slice):
 
     def checked(self, review: Review) -> Self:
         session.listed(self.sort, get_args(Sort), "solutions are sorted by")
+        session.listed(self.only, get_args(Only), "solutions shown are")
         if self.modes not in ("", SAME_MODE):
             matching(self.modes, review.machine.modes)
         return self

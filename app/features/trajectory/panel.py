@@ -80,7 +80,9 @@ class TrajectoryPanel(Panel):
         hint = "In the scene and as plots (hotkey T)"
         command = "Trajectory", "Show or hide the trajectory and its plots", "T"
         self.switch("Show the trajectory", Plan, "on", hint, command)
-        self.key("Play", "Play the trajectory, or pause", "P", lambda: desk.ask(part.playing.play))
+        self.key(
+            "Play", "Play the trajectory, or pause", "P", lambda _: desk.ask(part.playing.play)
+        )
         self._summary = gui.add_html("")
         self._wrong = gui.add_button_group("What is wrong", WRONG)
         self.clicked(self._wrong, self._go_there)

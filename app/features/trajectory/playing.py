@@ -288,11 +288,12 @@ def on_the_way(view: View, pose: tuple[float, ...], at: float, duration: float) 
     machine = review.machine
     posture = machine.inverse.posture(pose, review.mode)
     status = compute.status(replace(review, pose=pose), posture)
+    when = f"At {at:.2f} of {duration:.2f} s"
     return replace(
         view,
         posture=posture,
         drawing=machine.drawing(posture),
         platform=machine.transform(pose, review.mode),
         joints=compute.joint_rows(machine, posture),
-        status=replace(status, text=f"At {at:.2f} of {duration:.2f} s · {status.text}"),
+        status=replace(status, mode=when, text=f"{when} · {status.text}"),
     )

@@ -2,62 +2,153 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from app.features.section.compute import Modes, Sections
 from app.features.workspace.compute import Built, Laying, Solids, inside, region_colors
-from app.features.workspace.state import ASPECTS
+from app.features.workspace.state import ASPECTS, Workspace
 from app.review.state import Review
 from app.review.units import area_text, minus, plural, spaced, tenths, volume_text
 from app.review.view import mode_text
 from app.scene import palette
 from app.terminal.tables import surface_text
-from app.widgets.texts import NUMERIC, aged, box, chip, esc, faint, red, styled, table, tone
-from kinematics.answers.sections import Volume
+from app.widgets.texts import NUMERIC, aged, bar, box, chip, esc, faint, red, styled, table, tone
+from kinematics.facets.solids import SolidSpec
 from kinematics.machine import Machine
 
+MOST = 8  # pieces that are told
 
-def report_html(review: Review, solids: Solids) -> str:
-    """Whether the machine is inside, and the solids that are no limb's."""
-    where, color = ("inside", tone("good")) if inside(review) else ("outside", palette.BEYOND)
-    text = f"The present position is {styled(where, f'color:{color}', 'b')} this workspace"
-    if where == "inside" and not review.posture.reachable:
-        text += f", but not in {mode_text(review.machine, review.mode)}, which the machine is in"
-    lines = [f"{text}."]
-    for wish in solids.wishes:
+
+def report_html(review: Review, solids: Solids, sections: Sections | None) -> str:
+    """How large the workspace is and of which pieces, whether the machine is in it, and what the
+    mesh on display is; ``sections`` where a machine has exact ones.
+    """
+    parts = [_where(review)]
+    shown = [w for w in solids.wishes if w.spec.limb is None and w.spec.key != ASPECTS]
+    if sections is not None:
+        parts.append(_exact(sections))
+    for wish in shown:
         key = wish.spec.key
-        if wish.spec.limb is not None or key == ASPECTS:
-            continue
         built, old = solids.built.get(key), solids.old.get(key)
         if built is not None:
-            lines.append(_solid(built))
+            parts.append(_solid(review, built, exact=sections))
         elif old is not None:
-            lines.append(aged(_solid(old), True, "span"))
-    return box("<br>".join(lines))
+            parts.append(aged(_solid(review, old, exact=sections), True))
+    return box("".join(parts))
 
 
-def _solid(built: Built) -> str:
+def _where(review: Review) -> str:
+    """Whether the machine is in the workspace."""
+    if not inside(review):
+        return styled("O′ outside", f"float:right;color:{tone('bad')}")
+    told = styled("O′ inside ✓", f"float:right;color:{tone('good')}")
+    if not review.posture.reachable:
+        mode = mode_text(review.machine, review.mode)
+        told += styled(f"but not in {mode}, which the machine is in", f"color:{tone('bad')}", "div")
+    return told
+
+
+def _exact(sections: Sections) -> str:
+    """The volume by exact sections."""
+    if sections.trouble:
+        return red(sections.trouble)
+    volume = sections.volume or sections.old_volume
+    if volume is None:
+        return "<div>The exact volume is on its way …</div>"
+    exact = f"{spaced(volume.value)} ± {volume.error:,.2g} mm³".replace(",", " ")
+    told = _answer(volume.value, volume.error, ", exact", exact)
+    return aged(told, sections.volume is None)
+
+
+def _answer(value: float, error: float, what: str, exact: str) -> str:
+    """A number as the answer of a tab."""
+    number, _, rest = volume_text(value, error).partition(" ")
+    return f'<div title="{exact}"><b class="bo-answer">{number}</b> {rest}{what}</div>'
+
+
+def _solid(review: Review, built: Built, exact: Sections | None) -> str:
+    """The pieces of a solid, and what its mesh is."""
     solid = built.solid
     lines = []
+    if solid.pieces and exact is None:
+        lines.append(_answer(solid.volume, solid.volume_error, "", f"{spaced(solid.volume)} mm³"))
     if solid.pieces:
-        pieces = " · ".join(volume_text(p.volume) for p in solid.pieces[:8])
-        whole = volume_text(solid.volume, solid.volume_error)
-        head = styled(whole, "font-size:1.25em;font-weight:600")
-        lines = [
-            f"{head} in {plural(len(solid.pieces), 'piece')}",
-            pieces + (" · …" if len(solid.pieces) > 8 else ""),
-        ]
+        lines.append(_pieces(review, built))
     elif built.resolution == "fine" and not solid.note:
-        lines.append("At this orientation the workspace is empty.")
+        lines.append("<div>At this orientation the workspace is empty.</div>")
     elif built.resolution != "fine":
-        lines.append("Nothing is large enough to be seen yet; a finer look is on its way.")
+        text = "Nothing is large enough to be seen yet; a finer look is on its way."
+        lines.append(f"<div>{text}</div>")
     if built.wish.branch:
-        lines.append(f"The branch of {esc(built.wish.branch)}")
+        lines.append(f"<div>The branch of {esc(built.wish.branch)}</div>")
     if solid.note:
-        lines.append(esc(solid.note))
-    made = f"{built.resolution} solid · {spaced(solid.volume)} mm³ · {solid.triangles} triangles"
-    lines.append(faint(f"{made}<br>{surface_text(solid)}"))
-    return "<br>".join(lines)
+        lines.append(f"<div>{esc(solid.note)}</div>")
+    made = f"mesh: {built.resolution}, {solid.triangles} triangles, "
+    made += volume_text(solid.volume, solid.volume_error)
+    if exact is not None and exact.volume is not None and exact.volume.value > 0.0:
+        share = 100.0 * (solid.volume / exact.volume.value - 1.0)
+        made += f", {minus(f'{share:+.2g}')} % beside the exact volume"
+    lines.append(faint(f"{made}; {surface_text(solid)}", "div"))
+    return "".join(lines)
+
+
+def _pieces(review: Review, built: Built) -> str:
+    """A row for each piece, that of the machine marked."""
+    solid = built.solid
+    here, solids = None, review.machine.solids
+    if solids is not None and review.posture.reachable:
+        here = solid.piece_at(solids.point(built.wish.spec.key, review.pose, review.mode))
+    rows, looks = [], []
+    largest = max(piece.volume for piece in solid.pieces)
+    for n, piece in enumerate(solid.pieces[:MOST]):
+        where = "the machine is here" if n == here else ""
+        share = f"{100.0 * piece.volume / solid.volume:.0f} %"
+        color = "var(--bo-work)" if n == here else "var(--bo-bar)"
+        length = bar(piece.volume / largest, color, "5px")
+        rows.append((f"{n + 1}", where, volume_text(piece.volume), share, length))
+        looks.append("aria-current" if n == here else "")
+    if (left := len(solid.pieces) - MOST) > 0:
+        rows.append(("", f"and {left} smaller", "", "", ""))
+    styles = ("width:1.4em", "", NUMERIC, f"{NUMERIC};width:3.4em", "width:30%")
+    return table(rows, styles, heads=("piece", "", "volume", "share", ""), looks=looks)
+
+
+PARTS = {
+    "whole": "whole",
+    "H1": "H₁",
+    "H2": "H₂",
+    "H3": "H₃",
+    "body": "body",
+    "plus": "+",
+    "minus": "−",
+}
+"""Of a limb's vertex space, as the heads of their columns."""
+
+
+def switches_html(review: Review, specs: Sequence[SolidSpec]) -> str:
+    """A row for each limb, a switch for each part of its vertex space."""
+    parts = [part for part in PARTS if any(spec.key.endswith(f"/{part}") for spec in specs)]
+    known = {spec.key: spec for spec in specs}
+    rows = []
+    for limb in sorted({spec.limb for spec in specs if spec.limb is not None}):
+        cells = [f"{chip(palette.limb_color(limb))}limb {limb}"]
+        for part in parts:
+            spec = known.get(f"limb{limb}/{part}")
+            cells.append("" if spec is None else _switch(review, spec))
+        rows.append(cells)
+    heads = ["limb", *(PARTS[part] for part in parts)]
+    told = table(rows, ("", *["text-align:center"] * len(parts)), heads=heads)
+    return box(told + faint("More than one limb: outlines, so that the machine stays in sight."))
+
+
+def _switch(review: Review, spec: SolidSpec) -> str:
+    on = review[Workspace].shown(spec.key) is not None
+    title = spec.title + (f" ({spec.figure})" if spec.figure else "")
+    return (
+        f'<button type="button" class="bo-check" role="checkbox" aria-checked="{str(on).lower()}" '
+        f'data-send="{esc(spec.key)}" title="{esc(title)}" aria-label="{esc(title)}"></button>'
+    )
 
 
 def parts_html(solids: Solids) -> str:
@@ -76,31 +167,6 @@ def parts_html(solids: Solids) -> str:
         line = f"{chip(palette.solid_color(wish.spec))}{esc(wish.spec.title)}: {text}"
         rows.append(aged(line, wish.spec.key in solids.old, "span"))
     return box("<br>".join(rows)) if rows else ""
-
-
-def exact_html(solids: Solids, sections: Sections) -> str:
-    """The volume by exact sections, beside that of the solid."""
-    volume = sections.volume
-    if sections.trouble:
-        return red(sections.trouble)
-    if volume is None:
-        if sections.old_volume is None:
-            return box("The exact volume is on its way …")
-        return box(aged(_exact(sections.old_volume), True))
-    lines = [_exact(volume)]
-    built = solids.built.get("workspace")
-    if built is not None and volume.value > 0.0:
-        off = built.solid.volume - volume.value
-        share = minus(f"{100 * off / volume.value:+.2g}")
-        signed = minus(f"{off:+,.0f}".replace(",", " "))
-        solid = f"the {built.resolution} solid differs by {signed} mm³ ({share} %)"
-        lines.append(faint(solid))
-    return box("<br>".join(lines))
-
-
-def _exact(volume: Volume) -> str:
-    exact = f"{volume.value:,.0f} ± {volume.error:,.2g} mm³".replace(",", " ")
-    return f"Exact: <b>{volume_text(volume.value, volume.error)}</b> {faint(f'({exact})')}"
 
 
 def inscribed_html(machine: Machine[Any], sections: Sections) -> str:

@@ -15,7 +15,7 @@ from app.review.changes import Change
 from app.review.state import Review
 from app.widgets.boxes import ModesMenu
 from app.widgets.desk import Client, Group, Panel, Sheet, explain
-from app.widgets.texts import box, esc
+from app.widgets.markup import Markup
 from kinematics.answers.modes import matching
 from kinematics.facets.solids import SolidSpec, SurfaceKind
 from kinematics.machine import Machine
@@ -38,9 +38,10 @@ of it; a mechanism's data sheet quotes them.
 
 
 class WorkspacePanel(Panel):
-    """A switch and an opacity for every solid, its volume and its pieces."""
+    """How large the workspace is, what of it can be used, and what is shown of it."""
 
-    TITLE = "Workspace"
+    TITLE = "Solid"
+    TAB = "Workspace"
 
     @staticmethod
     def serves(machine: Machine[Any]) -> bool:
@@ -52,11 +53,6 @@ class WorkspacePanel(Panel):
             self.groups.append(RegionsFolder(desk, sheet))
         specs = machine.solid_specs
         alone = [s for s in specs if s.limb is None and s.key != ASPECTS]
-        for spec in alone:
-            gui.add_html(box(f"<b>{esc(spec.title)}</b>"))
-            self._display(spec, "Show")
-        if alone:
-            self._opacity(tuple(s.key for s in alone), 0.35)
         of_modes = any(s.uses_modes for s in alone) or any(
             s.uses_modes for s in machine.region_specs
         )
@@ -64,6 +60,24 @@ class WorkspacePanel(Panel):
         visible = of_modes and len(machine.modes) > 1
         own, hint = ("A chosen set", "Modes"), "Working modes"
         self._modes = ModesMenu(self, modes, own, self._chosen, hint=hint, visible=visible)
+        self._report = gui.add_html("")
+        if machine.section_spec is not None:
+            self.groups.append(UsableFolder(desk, sheet))
+        self._limbs(specs)
+        if alone:
+            with self.folder("Look", "shown or not, opacity, facets", open=len(alone) > 1):
+                self._look(alone)
+        command = "Workspace", "Show or hide the workspace solid", "W"
+        self.toggle(command, partial(_shown, "workspace"), partial(Show, "workspace"))
+        explain(gui, machine.text("workspace"), HELP)
+        self._solids = Solids((), {}, {}, None)
+        self._measured: Sections | None = None
+
+    def _look(self, alone: list[SolidSpec]) -> None:
+        """How the workspace is shown, or each of several."""
+        for spec in alone:
+            self._display(spec, "Show" if len(alone) == 1 else spec.title)
+        self._opacity(tuple(s.key for s in alone), 0.35)
         self.menu(
             "Made of",
             MADE_OF,
@@ -73,42 +87,30 @@ class WorkspacePanel(Panel):
             "which takes longer and many more triangles",
             visible=any("true" in spec.surfaces for spec in alone),
         )
-        self._report = gui.add_html("")
-        self._exact = gui.add_html("")
-        if machine.section_spec is not None:
-            self.groups.append(UsableFolder(desk, sheet))
-        self._limbs(specs)
-        self._parts = gui.add_html("")
-        command = "Workspace", "Show or hide the workspace solid", "W"
-        self.toggle(command, partial(_shown, "workspace"), partial(Show, "workspace"))
-        explain(gui, machine.text("workspace"), HELP)
-        self._solids = Solids((), {}, {}, None)
-        self._measured: Sections | None = None
 
     def _limbs(self, specs: tuple[SolidSpec, ...]) -> None:
-        """The limbs' vertex spaces."""
-        gui = self.gui
-        self._whole = [s.key for s in specs if s.key.endswith("/whole")]
-        self._all: Any = None
-        if self._whole:
-            gui.add_html(box("<b>Vertex spaces of the limbs</b>"))
-            self._all = gui.add_checkbox("All limbs", False)
+        """The limbs' vertex spaces and their parts as a table of switches."""
+        self._of_limbs = tuple(s for s in specs if s.limb is not None)
+        if not self._of_limbs:
+            return
+        with self.folder("Vertex spaces", "the surfaces that bound it", open=False):
+            self._switches = Markup(self.desk, self._toggle)
+            self._whole = [s.key for s in self._of_limbs if s.key.endswith("/whole")]
+            self._all = self.gui.add_checkbox("All limbs", False)
             self.answer(self._all, self._show_all)
-        for limb in sorted({s.limb for s in specs if s.limb is not None}):
-            own = [s for s in specs if s.limb == limb]
-            with gui.add_folder(f"Limb {limb}", expand_by_default=False):
-                for spec in own:
-                    title = spec.title.partition(": ")[2]
-                    figure = f" ({spec.figure})" if spec.figure else ""
-                    self._display(spec, title[:1].upper() + title[1:] + figure)
-                self._opacity(tuple(s.key for s in own), 0.25)
+            self._opacity(tuple(s.key for s in self._of_limbs), 0.25)
+            self._parts = self.gui.add_html("")
+
+    def _toggle(self, key: str, client: Client) -> None:
+        self.desk.send(Show(key, self.review[Workspace].shown(key) is None), client)
 
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)
         wanted = self.review[Workspace]
         self._modes.draw(wanted.modes)
-        if self._all is not None:
+        if self._of_limbs:
             self.put(self._all, all(wanted.shown(key) for key in self._whole))
+            self._switches.say(html.switches_html(self.review, self._of_limbs))
         self._draw_solids()
 
     def told(self, sheet: Sheet, news: Any) -> None:
@@ -122,10 +124,10 @@ class WorkspacePanel(Panel):
                 self._draw_solids()
 
     def _draw_solids(self) -> None:
-        self.say(self._report, html.report_html(self.review, self._solids))
-        self.say(self._parts, html.parts_html(self._solids))
-        if self._measured is not None:
-            self.say(self._exact, html.exact_html(self._solids, self._measured))
+        exact = self._measured if self.review.machine.section_spec is not None else None
+        self.say(self._report, html.report_html(self.review, self._solids, exact))
+        if self._of_limbs:
+            self.say(self._parts, html.parts_html(self._solids))
 
     # --- widgets
 
@@ -155,7 +157,7 @@ class UsableFolder(Group):
     def build(self, review: Review) -> None:
         gui, desk = self.gui, self.desk
         part = desk.part(SectionPart)
-        with gui.add_folder("Usable workspace"):
+        with self.folder("Largest inside", "ball and box"):
             here = gui.add_checkbox(
                 "About the platform",
                 False,
@@ -164,7 +166,7 @@ class UsableFolder(Group):
             together = gui.add_checkbox(
                 "Modes together",
                 False,
-                hint="In all the modes that are shown; otherwise in the present one, as a machine "
+                hint="In all modes at once; otherwise in the present one, as a machine "
                 "cannot change its mode on the way",
                 visible=len(review.machine.modes) > 1,
             )
@@ -194,7 +196,7 @@ class RegionsFolder(Group):
         gui, desk = self.gui, self.desk
         part = desk.part(RegionsPart)
         titles = {s.title: s.key for s in review.machine.region_specs}
-        with gui.add_folder("In its plane"):
+        with self.folder("In its plane"):
             self.switch("Show", Flat, "on")
             self.menu("Regions", titles, Flat, "key", visible=len(titles) > 1)
             self.switch("Singular curves", Flat, "locus", "Of the present mode, red-orange")

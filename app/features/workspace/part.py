@@ -13,13 +13,15 @@ from app.features.workspace import compute
 from app.features.workspace.files import regions_file
 from app.features.workspace.painter import Painter
 from app.features.workspace.scene import Flats
-from app.features.workspace.state import ASPECTS, usual_opacity
+from app.features.workspace.state import ASPECTS, modes_text, usual_opacity
 from app.jobs.answers import Asked
 from app.jobs.lane import Lane
 from app.jobs.parts import Client, Part, Stage
 from app.jobs.process import apart, load_finer_solids, load_solids
 from app.review.state import Review
-from app.review.view import View
+from app.review.units import area_text, plural, volume_text
+from app.review.view import Fact, Legend, Size, View
+from app.scene import palette
 from app.scene import solids as drawing
 from app.scene.painting import Coat
 from app.widgets.desk import Sheet
@@ -29,6 +31,7 @@ from kinematics.facets.solids import RESOLUTIONS, Resolution
 if TYPE_CHECKING:
     from kinematics.mechanism import Design
 
+KEY = "workspace"  # of its solid, and of its region
 FAINT = 0.4  # of its opacity has a solid that is of before
 
 
@@ -140,6 +143,22 @@ class SolidsPart(Part):
         scales = (self._painter.scale(key) for key in built)
         scale = next((steps for steps in scales if steps is not None), None)
         self.stage.tell(compute.Solids(self._wishes, built, old, scale))
+        self._tell_size(review, built.get(KEY), old.get(KEY))
+
+    def _tell_size(
+        self, review: Review, built: compute.Built | None, old: compute.Built | None
+    ) -> None:
+        """How large the workspace is, where no exact section tells it; and its colour."""
+        entry = ((palette.WORKSPACE, f"workspace, {modes_text(review)}"),)
+        self.stage.tell(Legend("workspace", entry if built or old else ()))
+        if review.machine.section_spec is not None or review.machine.region_specs:
+            return
+        known = built or old
+        fact = None
+        if known is not None:
+            what = f"{modes_text(review)}, {plural(len(known.solid.pieces), 'piece')}"
+            fact = Fact(volume_text(known.solid.volume), what)
+        self.stage.tell(Size(fact, stale=built is None))
 
     def _coats(self, review: Review, built: compute.Built) -> tuple[Coat, ...]:
         asked = self._painter.asked(review, built.wish, built.solid)
@@ -205,6 +224,14 @@ class RegionsPart(Part):
             self._scene.show(told.shown, faint=self.aged(told))
             self.stage.scene.ground("regions", self.bounds)
         self.stage.tell(compute.Laying(told.shown, told.stale, told.trouble))
+        if self._scene is not None:
+            regions = () if told.shown is None else told.shown.regions
+            of = modes_text(sheet.view.review)
+            area = sum(region.section.area for region in regions)
+            fact = Fact(area_text(area), of) if regions else None
+            self.stage.tell(Size(fact, told.stale))
+            entries = ((palette.WORKSPACE, f"workspace, {of}"),) if regions else ()
+            self.stage.tell(Legend("workspace", entries))
         if told.now is not None and not self._fitted:
             self._fitted = True
             self.stage.fit_view()

@@ -50,7 +50,8 @@ class Workspace(Slice):
     def fresh(cls, review: Review) -> Self:
         # A solid in another space than the machine's is shown when it is asked for.
         known = {spec.key for spec in review.machine.solid_specs if not spec.of_present_mode}
-        return cls(solids=tuple(s for s in cls.solids if s.key in known))
+        # A machine cannot change its mode on the way: what it can reach is that of its own.
+        return cls("current", tuple(s for s in cls.solids if s.key in known))
 
     def checked(self, review: Review) -> Self:
         machine = review.machine
@@ -124,6 +125,16 @@ def solver_modes(review: Review) -> tuple[str, ...] | None:
     if modes == "all":
         return None
     return (review.mode,) if modes == "current" else tuple(modes)
+
+
+def modes_text(review: Review) -> str:
+    """Which modes the workspace is of, in a few words."""
+    modes, machine = review[Workspace].modes, review.machine
+    if len(machine.modes) == 1:
+        return "the workspace"
+    if modes == "all":
+        return f"every {machine.mode_noun.split()[-1]} together"
+    return "this mode" if modes == "current" else f"{len(modes)} modes together"
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,107 @@
+"""What the Design tab says: where the design comes from, what is worth knowing, and its numbers."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from functools import lru_cache
+
+from app.review.state import Review
+from app.review.units import number
+from app.scene import palette
+from app.widgets.texts import box, chip, edged, esc, faint, tone
+from kinematics.answers.solutions import Finding
+from kinematics.machine import machine_of
+from kinematics.mechanism import Design, DesignField
+
+LIMB = "Limb "  # how the groups of limbs begin
+
+
+@lru_cache(maxsize=32)
+def findings(design: Design) -> tuple[Finding, ...]:
+    """What is worth knowing about a design, kept while it is on the page."""
+    return machine_of(design).findings
+
+
+def about_html(review: Review) -> str:
+    """Its title, its source, and what was found in it."""
+    design = review.design
+    lines = [f"<b>{esc(design.title or design.name)}</b>"]
+    if design.source:
+        lines.append(faint(esc(design.source)))
+    colors = {"warning": tone("bad")}
+    found = "".join(
+        edged(
+            f"<b>{esc(finding.title)}</b><br>{esc(finding.text)}",
+            colors.get(finding.severity, tone("quiet")),
+            "margin-top:0.4em",
+        )
+        for finding in findings(design)
+    )
+    return box("<br>".join(lines) + found)
+
+
+def numbers_html(review: Review) -> str:
+    """The design's numbers as boxes: a row for each limb, and for each number of the whole."""
+    limbs: dict[str, list[DesignField]] = defaultdict(list)
+    others: dict[str, list[DesignField]] = defaultdict(list)
+    for field in review.machine.fields:
+        one = field.group.removeprefix(LIMB).isdigit()
+        (limbs if one else others)[field.group].append(field)
+    parts = [_limbs(limbs)] if limbs else []
+    parts += [_listed(group, fields) for group, fields in others.items()]
+    return "".join(parts)
+
+
+def shown(field: DesignField) -> float:
+    """A number of the design in the page's unit."""
+    return math.degrees(field.value) if field.unit == "rad" else field.value
+
+
+def inner(field: DesignField, value: float) -> float:
+    """A number in the page's unit as the design has it."""
+    return math.radians(value) if field.unit == "rad" else value
+
+
+def key(field: DesignField) -> str:
+    """What a box sends of which number it is."""
+    return ".".join(map(str, field.path))
+
+
+def _limbs(groups: dict[str, list[DesignField]]) -> str:
+    first = next(iter(groups.values()))
+    heads = "".join(f"<th>{'<br>'.join(map(esc, f.label.split()))}</th>" for f in first)
+    rows = []
+    for group, fields in groups.items():
+        n = int(group.removeprefix(LIMB))
+        cells = "".join(f"<td>{_box(group, field)}</td>" for field in fields)
+        rows.append(f"<tr><td>{chip(palette.limb_color(n))}{n}</td>{cells}</tr>")
+    units = {"mm" if f.unit == "mm" else "°" for f in first if f.unit}
+    told = faint(f"{', '.join(sorted(units))}; a box takes a calculation and other units too")
+    return (
+        f'<table class="bo-table bo-design"><tr><th>limb</th>{heads}</tr>{"".join(rows)}</table>'
+        f'<div class="bo-says">{told}</div>'
+    )
+
+
+def _listed(group: str, fields: list[DesignField]) -> str:
+    rows = "".join(
+        f"<tr><td>{esc(f.label)}</td><td>{_box(group, f)}</td><td>{_unit(f)}</td></tr>"
+        for f in fields
+    )
+    return (
+        f'<table class="bo-table bo-design"><tr><th colspan=3>{esc(group)}</th></tr>{rows}</table>'
+    )
+
+
+def _box(group: str, field: DesignField) -> str:
+    name = f"{group}: {field.label}" + (f" ({_unit(field)})" if field.unit else "")
+    return (
+        f'<input type="text" inputmode="decimal" data-edit="{esc(key(field))}" '
+        f'data-of="{_unit(field)}" value="{number(round(shown(field), 9))}" '
+        f'aria-label="{esc(name)}" title="{esc(name)}">'
+    )
+
+
+def _unit(field: DesignField) -> str:
+    return {"mm": "mm", "rad": "°"}.get(field.unit, "")

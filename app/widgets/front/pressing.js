@@ -1,0 +1,75 @@
+/* Elements with data-send reach the server when they are pressed, by mouse or by key.
+
+viser reports nothing of what HTML in a panel is told. So the text of data-send is written into the
+hidden box behind it, which viser does report; the time makes every press another text. */
+if (!window.pressing) {
+  const send = (at, text) => {
+    if (at.disabled || at.getAttribute("aria-disabled") === "true") return;
+    const box = at.closest(".bo-live").parentElement.nextElementSibling.querySelector("input");
+    const { set } = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value");
+    set.call(box, `${text} ${performance.now()}`);
+    box.dispatchEvent(new Event("input", { bubbles: true }));
+  };
+  window.pressing = send;
+  window.addEventListener("click", ({ target }) => {
+    const at = target.closest && target.closest("[data-send]");
+    if (at) send(at, at.dataset.send);
+  });
+  window.addEventListener("keydown", (event) => {
+    const at = event.target;
+    if (!at.matches || !at.matches("[data-send]:not(button)")) return;
+    if (event.key === "Enter" || event.key === " ") { event.preventDefault(); send(at, at.dataset.send); }
+    const step = { ArrowDown: "nextElementSibling", ArrowUp: "previousElementSibling" }[event.key];
+    const other = step && at[step];
+    if (other && other.matches("[data-send]")) { event.preventDefault(); other.focus(); }
+  });
+}
+/* A box with data-edit sends its number when Enter or leaving it ends what is typed. What is drawn
+anew then gets the keys back where they were. */
+if (!window.editing) {
+  window.editing = true;
+  let at = "";
+  window.addEventListener("focusin", ({ target }) => {
+    at = (target.dataset && target.dataset.edit) || "";
+    if (at) target.select();
+  });
+  window.addEventListener("change", ({ target }) => {
+    if (!target.matches || !target.matches("[data-edit]")) return;
+    const value = window.bohemiaNumber(target, target.dataset.of);
+    if (!isFinite(value)) { target.value = target.defaultValue; return; }
+    window.pressing(target, `${target.dataset.edit} ${value}`);
+  });
+  window.addEventListener("keydown", ({ key, target }) => {
+    if (!target.matches || !target.matches("[data-edit]")) return;
+    if (key === "Escape") { target.value = target.defaultValue; target.blur(); }
+    if (key === "Enter") target.blur();
+  });
+  new MutationObserver(() => {
+    if (!at || document.activeElement !== document.body) return;
+    const again = document.querySelector(`[data-edit="${at}"]`);
+    if (again) again.focus({ preventScroll: true });
+  }).observe(document.body, { childList: true, subtree: true });
+}
+/* The foot opens the explanation of the tab that is open, and the keys below it. */
+if (!window.helping) {
+  window.helping = true;
+  const shut = () => document.querySelectorAll(".bo-help[data-open]").forEach((one) => {
+    one.removeAttribute("data-open");
+  });
+  window.addEventListener("click", ({ target }) => {
+    if (!target.closest) return;
+    const open = document.querySelector(".bo-help[data-open]");
+    if (target.closest(".bo-help")) return;
+    shut();
+    if (open || !target.closest("[data-help]")) return;
+    const here = [...document.querySelectorAll(".bo-help")].filter((one) => one.parentElement.offsetParent).at(-1);
+    if (!here) return;
+    here.querySelectorAll(".bo-here").forEach((one) => one.remove());
+    const keys = document.querySelector(".bo-keys").cloneNode(true);
+    keys.hidden = false;
+    keys.className = "bo-here";
+    here.append(keys);
+    here.setAttribute("data-open", "");
+  });
+  window.addEventListener("keydown", ({ key }) => { if (key === "Escape") shut(); });
+}
