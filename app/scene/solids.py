@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from app.scene import painting, palette
+from app.scene.camera import axes_of, toward_of
 from app.scene.nodes import NO_LINE, NOTHING, ONE_FACE, Nodes, Side, colors, wxyz
 from app.scene.painting import Coat
 from kinematics.arrays import Array
@@ -23,6 +24,8 @@ _DRAW_ORDER = ("aspects", "workspace", "H1", "H2", "H3", "plus", "minus", "whole
 COATS = max(painting.STEPS + 1, painting.PIECES + 1)
 SIDES: tuple[Side, Side] = ("back", "front")
 HERE = 1.5  # as opaque as others is the piece with the machine
+FAN = (10.0, 170.0)  # degrees on the screen, from the right over the top: where names stand
+_PARTS = {"H1": "H₁", "H2": "H₂", "H3": "H₃", "plus": "+", "minus": "−", "body": "body"}
 OUTLINE = (0.0, 0.03)  # opacities of a solid of which only the edges matter
 
 Plane = tuple[Array, float]
@@ -57,6 +60,7 @@ class Solids:
         self._frames: dict[str, Any] = {}
         self._meshes: dict[str, dict[str, list[Any]]] = {}  # of either side, one for each coat
         self._edges: dict[str, Any] = {}
+        self._labels: dict[str, Any] = {}  # of the limbs' solids
         self._specs = {spec.key: spec for spec in specs}
         self._faces: dict[str, object] = {}  # which faces a mesh has
         self._shown: dict[str, tuple[object, ...]] = {}
@@ -72,6 +76,8 @@ class Solids:
                 ]
                 for side in SIDES
             }
+            if spec.limb is not None:
+                self._labels[spec.key] = nodes.label(f"/labels/{spec.key}")
             self._edges[spec.key] = nodes.lines(f"{name}/edges", palette.WORKSPACE, 1.0)
 
     def show(
@@ -95,6 +101,29 @@ class Solids:
         """Take a solid off display."""
         self._nodes.set(self._frames[key], visible=False)
         self._shown.pop(key, None)
+
+    def name(self, shown: Mapping[str, tuple[BuiltSolid, Array]]) -> None:
+        """Name the limbs' solids on display, each where it stands out in a direction of its own.
+
+        Args:
+            shown: each solid with its place (4, 4).
+        """
+        right, up, _ = axes_of(toward_of(False))
+        placed = {
+            key: solid.mesh.vertices @ at[:3, :3].T + at[:3, 3]
+            for key, (solid, at) in shown.items()
+            if key in self._labels and solid.triangles
+        }
+        # From the right to the left, as they lie there.
+        keys = sorted(placed, key=lambda key: -float((placed[key] @ right).mean()))
+        for key, label in self._labels.items():
+            tip = None
+            if key in placed:
+                share = (keys.index(key) + 0.5) / len(keys)
+                turn = np.radians(FAN[0] + (FAN[1] - FAN[0]) * share)
+                far = placed[key] @ (np.cos(turn) * right + np.sin(turn) * up)
+                tip = placed[key][int(far.argmax())]
+            self._nodes.text(label, title_of(self._specs[key]), tip)
 
     def _put(
         self,
@@ -152,6 +181,12 @@ class Solids:
                         opacity *= HERE
                 # What is not seen must not hide what is behind it.
                 self._nodes.set(node, opacity=min(opacity, 1.0), visible=opacity > 0.0)
+
+
+def title_of(spec: SolidSpec) -> str:
+    """A limb's solid in short: "limb 3", "H₁ limb 3"."""
+    part = _PARTS.get(spec.key.partition("/")[2], "")
+    return f"{part} limb {spec.limb}".strip()
 
 
 def _draw_order(spec: SolidSpec) -> int:

@@ -21,6 +21,7 @@ import viser
 
 from app.features.section import compute as sections
 from app.features.section.part import SectionPart
+from app.features.section.plot import Picture
 from app.features.singularities.part import ControlPart
 from app.features.solutions.compute import SOLUTIONS
 from app.features.solutions.part import SolutionsPart
@@ -32,9 +33,10 @@ from app.loop import Page
 from app.review.changes import Change
 from app.review.state import Review
 from app.server import make_server
-from kinematics.answers.sections import Box, Section, Sphere, Volume
+from kinematics.answers.sections import Box, Section, SectionSpec, Sphere, Volume
 from kinematics.errors import BohemiaError
 from kinematics.facets.solids import SolidRequest, build_solid
+from kinematics.machine import machine_of
 from tests.app.made_sections import LENS, RING, TWO
 
 # What a person chose in a widget and not in the review, and what is told of the way to it.
@@ -237,6 +239,8 @@ def _nodes(server: viser.ViserServer) -> Iterator[tuple[str, Any]]:
         if not node.visible or name.startswith(hidden):
             continue
         props = {prop: getattr(node, prop, None) for prop in _PROPS}
+        if props["text"] is not None:
+            props["text"] = _plain(props["text"])
         if props["batched_scales"] is not None:
             props |= _copies(props)
         yield name, {prop: np.asarray(value) for prop, value in props.items() if value is not None}
@@ -312,10 +316,16 @@ def made_section(wish: sections.Wish) -> sections.Drawn:
         sections.Extent((-100.0, 100.0 * (1.0 + _number(wish.region))), across),
         raised,
         limbs,
-        raised[:4],
+        np.concatenate([raised[:4], raised[:4, :1] + 1.0], axis=1),
         raised[:0],
-        f"<svg >{hash((wish.region, wish.at, wish.mark, wish.dark, wish.lost))}</svg>",
+        Picture(section, _spec(wish), mark=wish.mark, bounds=across),
     )
+
+
+def _spec(wish: sections.Wish) -> SectionSpec:
+    spec = machine_of(wish.region.design).section_spec
+    assert spec is not None
+    return spec
 
 
 def made_ball(of: sections.Region, center: object) -> tuple[Sphere, ...]:

@@ -2,12 +2,27 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from app.features.solutions.scene import _faces, _sticks, outline, right_triangles
+from app.features.solutions.compute import NONE_YET, Listed, Row
+from app.features.solutions.part import SolutionsPart
+from app.features.solutions.scene import (
+    NEAREST,
+    _faces,
+    _sticks,
+    name_of,
+    outline,
+    right_triangles,
+)
+from app.features.solutions.state import SetAtlas
+from app.review.changes import SetOption
+from app.scene import palette
 from kinematics.answers.drawings import Body
+from tests.app.seats import Seat, seat
 
 SQUARE = ((0.0, 0.0, 0.0), (30.0, 0.0, 0.0), (30.0, 20.0, 0.0), (0.0, 20.0, 0.0))
 
@@ -75,3 +90,55 @@ def test_copies_are_the_shape_at_every_placement() -> None:
     assert local.min() > -1e-6
     assert local[..., 0].max() == pytest.approx(30.0)
     assert local[..., 1].max() == pytest.approx(20.0)
+
+
+COUNT = 20
+
+
+def _listed() -> Listed:
+    """Solutions each farther away than the one before; the first is the present one."""
+    rows = tuple(
+        Row(n, n, (float(n),) * 5, "-+--+", 25.0 * n, 0.0, 1.0, "", True, n == 0, False)
+        for n in range(COUNT)
+    )
+    places = np.tile(np.eye(4), (COUNT, 1, 1))
+    places[:, 0, 3] = 25.0 * np.arange(COUNT)
+    return replace(NONE_YET, rows=rows, placements=places, stale=False)
+
+
+def _many(page: Seat, node: str) -> int:
+    """How many copies have a size."""
+    mesh = page.node(node)
+    return int((mesh.batched_scales > 0).any(axis=1).sum()) if mesh.visible else 0
+
+
+def test_all_are_dots_six_are_outlines_and_the_nearest_is_filled_and_named() -> None:
+    with seat("rpur-table1") as page:
+        page.do(SetAtlas("ghosts", True))
+        part, view = page.page.part(SolutionsPart), page.page.view
+        edges = outline([b for b in view.drawing.bodies if b.frame == "platform"])
+        for dark in (False, True):
+            page.do(SetOption("dark", dark))
+            part._ghosts.show(page.page.view, _listed(), None)
+            of = palette.scheme(dark)
+            assert _many(page, "/ghosts/dots") == COUNT - 1
+            assert _many(page, "/ghosts/edges") == NEAREST * len(edges)
+            assert _many(page, "/ghosts/faces") == len(right_triangles(edges[:, 0]))
+            assert page.node("/ghosts/faces").opacity == 0.35
+            colors = [tuple(c) for c in page.node("/ghosts/dots").batched_colors[: COUNT - 1]]
+            assert set(colors[:NEAREST]) == {palette.linear(of.ghost)}
+            assert set(colors[NEAREST:]) == {palette.linear(of.dot)}
+        label = page.node("/labels/nearest")
+        assert (label.visible, label.text) == (True, "#1 · 25.0 mm · −+−−+")
+        assert label.position == pytest.approx([25.0, 0.0, 0.0])
+        # A distance is told of the present actuators or not at all.
+        part._ghosts.show(page.page.view, replace(_listed(), stale=True), None)
+        assert not label.visible
+        page.do(SetAtlas("ghosts", False))
+        part._ghosts.show(page.page.view, _listed(), None)
+        assert _many(page, "/ghosts/dots") == _many(page, "/ghosts/faces") == 0
+
+
+def test_a_solution_without_a_mode_is_named_without() -> None:
+    row = replace(_listed().rows[3], mode="")
+    assert name_of(row) == "#3 · 75.0 mm"

@@ -1,4 +1,4 @@
-"""What is drawn of a section: hatching, edges, the extent; and which workspaces are the same."""
+"""What is drawn of a section: its fill, edges, the extent; and which workspaces are the same."""
 
 from __future__ import annotations
 
@@ -38,33 +38,15 @@ def test_edges_are_as_long_as_the_outline_and_each_is_of_its_limb(section: Secti
     assert set(limbs.tolist()) == set(section.limb.tolist())
 
 
-@pytest.mark.parametrize("section", [RING, LENS, TWO])
-def test_the_hatching_covers_the_region_and_nothing_else(section: Section) -> None:
-    lines, _ = compute.edges(section)
-    low, high = lines.reshape(-1, 2).min(axis=0), lines.reshape(-1, 2).max(axis=0)
-    extent = tuple(zip(low.tolist(), high.tolist(), strict=True))
-    hatch = compute.hatched(lines, extent)  # type: ignore[arg-type]
-    along = hatch[:, 1] - hatch[:, 0]
-    lengths = np.linalg.norm(along, axis=1)
-    assert np.allclose(along[:, 0], along[:, 1])  # at 45 degrees
-    # The lines, each standing for a strip as wide as their distance, make up the area.
-    step = float(np.sqrt((high - low).prod())) / compute.HATCHES
-    assert (lengths * step).sum() == pytest.approx(section.area, rel=0.02)
-    if section is RING:
-        middles = hatch.mean(axis=1)
-        assert (np.hypot(middles[:, 0] - 10.0, middles[:, 1]) > 39.0).all()  # not in the hole
-
-
-def test_hatching_stands_still_while_the_outline_changes() -> None:
-    square = np.array([[0, 0], [10, 0], [10, 10], [0, 10]], dtype=float)
-
-    def offsets(corners: np.ndarray) -> set[float]:
-        lines = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
-        hatch = compute.hatched(lines, ((0.0, 60.0), (0.0, 60.0)))
-        return {round(float(p[0] - p[1]), 6) for p in hatch[:, 0]}
-
-    small, large = offsets(square), offsets(2.5 * square)
-    assert small < large
+@pytest.mark.parametrize("at", [-120.0, 50.0, 326.0])
+def test_the_fill_covers_the_region_and_nothing_else(review: Review, at: float) -> None:
+    drawn = compute.draw(compute.wish(change(review, MoveCut(at))[0]))
+    a, b, c = np.moveaxis(drawn.fill, 1, 0)
+    turned = np.cross(b - a, c - a)
+    assert (turned[:, 0] > -1e-6).all()  # all of one side
+    assert not turned[:, 1:].any()
+    assert (drawn.fill[..., 0] == at).all()
+    assert 0.5 * turned[:, 0].sum() == pytest.approx(drawn.section.area, rel=5e-3)
 
 
 def test_equal_workspaces_are_one_region(review: Review) -> None:

@@ -141,6 +141,27 @@ def test_a_plane_takes_away_what_is_beyond_it(page: Seat, both: Any) -> None:
     assert len(solid.shaded.faces) == len(front.faces)
 
 
+def test_limbs_are_named_where_each_stands_out() -> None:
+    with seat("rpur-table1") as page:
+        review = page.review
+        for limb in (1, 3, 5):
+            review, _ = change(review, Show(f"limb{limb}/whole", True))
+        review, _ = change(review, Show("limb3/H1", True))
+        scene = page.page.part(SolidsPart)._scene
+        placed = {
+            w.spec.key: (build_solid(w.requests["preview"]), w.placement) for w in wishes(review)
+        }
+        scene.name(placed)
+        names = [n for n in page.seen("/labels/") if hasattr(page.node(n), "text")]
+        texts = {page.node(n).text: page.node(n).position for n in names}
+        assert set(texts) == {"limb 1", "limb 3", "limb 5", "H₁ limb 3"}
+        places = np.array(list(texts.values()))
+        gaps = np.linalg.norm(places[:, None] - places, axis=-1)[np.triu_indices(4, 1)]
+        assert gaps.min() > 40.0
+        scene.name({})
+        assert not [n for n in page.seen("/labels/") if hasattr(page.node(n), "text")]
+
+
 def _area(vertices: np.ndarray, faces: np.ndarray) -> float:
     a, b, c = (vertices[faces[:, n]].astype(float) for n in range(3))
     return float(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())

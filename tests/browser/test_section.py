@@ -70,7 +70,8 @@ def test_the_section_is_drawn_in_the_scene_as_a_plot_and_in_numbers(section: Tab
     section.wait_for_text(r"Area\s+463\.2 cm²")
     section.wait_for_text(r"4 pieces, 4 loops")
     section.wait(lambda: bool(_edges(section)), "edges in the scene")
-    assert section.props("/section/hatch")["points"] > 1000
+    assert section.props("/section/cap")["vertices"] > 1000
+    assert section.props("/section/cap")["visible"]
     assert section.props("/section")["visible"]
     drawn = section.page.locator("svg[role=img] path.edge").locator("visible=true")
     classes = {str(edge.get_attribute("class")) for edge in drawn.all()}

@@ -6,7 +6,6 @@ section is made here too, so that the page's loop only passes it on.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -35,7 +34,6 @@ CHART = "section"  # of a mechanism's loci: the one in this plane
 CHORD = 1.0  # mm of a section's outline, to see what is within
 CELLS = 100  # of a measure's picture, along its longer side
 STEP = 6.0  # mm, the longest chord of an arc in the scene
-HATCHES = 40  # lines across a square as large as the extent
 ON_PLANE = 0.05  # mm; the platform is in a plane that it is not farther from
 
 
@@ -105,7 +103,7 @@ class Drawn:
     Attributes:
         lines: (S, 2, 3) mm along the edges, in the frame of sections.
         line_limb: (S,) from 1.
-        hatch: (H, 2, 3) mm, lines that fill the region.
+        fill: triangles (T, 3, 3) mm that fill the region.
         locus: (L, 2, 3) mm along the curves where control is lost, likewise.
         picture: for the plot.
     """
@@ -115,7 +113,7 @@ class Drawn:
     extent: Extent
     lines: Array
     line_limb: np.ndarray
-    hatch: Array
+    fill: Array
     locus: Array
     picture: Picture
 
@@ -178,7 +176,9 @@ def _lost(review: Review) -> Lost | None:
 
 
 def draw(wanted: Wish) -> Drawn:
-    """The section, its edges, the region hatched, its plot."""
+    """The section, its edges, the region filled, its plot."""
+    from kinematics.solids.csg import flat_mesh
+
     of = wanted.region
     machine = machine_of(of.design)
     section = _sections(of).at(of.pose, of.modes, wanted.at)
@@ -186,7 +186,7 @@ def draw(wanted: Wish) -> Drawn:
     assert spec is not None
     reach = extent(of)
     lines, limbs = edges(section)
-    hatch = hatched(lines, reach.across) if reach.across and len(lines) else lines[:0]
+    points, faces = flat_mesh([section.polyline(n, STEP) for n in range(section.loops)])
     held = _held(wanted, section)
     curves, beyond = _parted(_curves(wanted), held)
     picture = Picture(
@@ -205,7 +205,7 @@ def draw(wanted: Wish) -> Drawn:
         reach,
         _raised(lines, at),
         limbs,
-        _raised(hatch, at),
+        _raised(points[faces], at),
         _raised(segments(curves), at),
         picture,
     )
@@ -320,28 +320,6 @@ def edges(section: Section, step: float = STEP) -> tuple[Array, np.ndarray]:
     flat = np.concatenate(pairs) if pairs else np.empty((0, 2, 2))
     limbs = np.repeat(section.limb, [len(pair) for pair in pairs])
     return flat, limbs
-
-
-def hatched(lines: Array, extent: Bounds) -> Array:
-    """Parallel lines (H, 2, 2) at 45° that fill what closed outlines (S, 2, 2) bound.
-
-    They stand still while the outlines change, at a distance that the extent gives.
-    """
-    (u0, u1), (v0, v1) = extent
-    step = max(math.sqrt((u1 - u0) * (v1 - v0)), 1e-3) / HATCHES
-    turned = lines @ (np.array([[1.0, 1.0], [-1.0, 1.0]]) / np.sqrt(2.0))  # across, along
-    (a, start), (b, end) = turned[:, 0].T, turned[:, 1].T
-    first, last = np.floor(turned[..., 0].min() / step), np.floor(turned[..., 0].max() / step)
-    places = step * np.arange(first + 1, last + 1)[:, None]
-    crossed = (a <= places) != (b <= places)
-    share = (places - a) / np.where(crossed, b - a, 1.0)
-    along = np.sort(np.where(crossed, start + share * (end - start), np.inf), axis=1)
-    along = along[:, : 2 * (along.shape[1] // 2)].reshape(len(places), -1, 2)
-    rows, pairs = np.nonzero(np.isfinite(along).all(axis=2))
-    across = np.broadcast_to(places[rows], (len(rows), 2))
-    found = np.stack([across, along[rows, pairs]], axis=-1)
-    back: Array = found @ (np.array([[1.0, -1.0], [1.0, 1.0]]) / np.sqrt(2.0))
-    return back
 
 
 def _raised(flat: Array, at: float) -> Array:

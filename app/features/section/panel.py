@@ -55,6 +55,7 @@ class SectionPanel(Panel):
         hint = "In the scene and as a plot (hotkey X)"
         command = "Section", "Show or hide the section of the workspace", "X"
         self.switch("Show the section", Cut, "on", hint, command)
+        self.switch("Open the solids", Cut, "clip", "What is before the plane is taken away")
         lengths = [c for c in review.machine.coordinates if c.unit == "mm"]
         # Until it is known where the workspace lies.
         self._range = (min(c.lower for c in lengths), max(c.upper for c in lengths))

@@ -19,7 +19,7 @@ from app.jobs.answers import Asked
 from app.jobs.parts import Client, Grip, Part, Stage
 from app.jobs.process import Process, give_way
 from app.review.state import Review
-from app.review.units import plural, volume_text
+from app.review.units import minus, plural, volume_text
 from app.review.view import Fact, Size, View, reaching_mode
 from app.widgets.desk import DIGITS, Sheet
 from kinematics.errors import BohemiaError
@@ -95,7 +95,9 @@ class SectionPart(Part):
         frame = required(machine_of(of.design).sections, "exact sections").frame(of.pose)
         extent = None if drawn is None else drawn.extent
         on, held = review[Cut].on, self._grip.held
-        self._plane.place(frame, review[Cut].at, extent, on=on, dragging=held)
+        spec, at = review.machine.section_spec, review[Cut].at
+        text = "" if spec is None else f"{spec.normal} = {minus(f'{at:.{DIGITS}f}')} mm"
+        self._plane.place(frame, at, extent, text, on=on, dragging=held)
 
     # --- what a person asks for
 

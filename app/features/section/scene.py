@@ -1,13 +1,14 @@
 """The section in the scene, and the ball and the box inside the workspace.
 
-All of it is opaque: the browser draws the translucent solids over it, whereas among translucent
-things it draws the nearer ones last and would leave out what is inside them. So the section is
-hatched, as in a drawing, and the box is its edges.
+But for the plane, all of it is opaque: the browser draws the translucent solids over it, whereas
+among translucent things it draws the nearer ones last and would leave out what is inside them. So
+the section is filled, and the box is its edges.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +20,8 @@ from kinematics.answers.sections import Box, Sphere
 from kinematics.arrays import Array
 
 ROOM = 0.06  # of the region's size around it in the outline of the plane
+SHEET = 0.06  # opacity of the plane
+BEHIND = 1e-3  # of the machine's size
 INSIDE = palette.mixed(palette.WORKSPACE, -0.2)
 
 
@@ -29,10 +32,11 @@ class Plane:
         self._nodes = nodes
         scene = nodes.server.scene
         self._frame = scene.add_frame("/section", show_axes=False, visible=False)
-        grey = palette.mixed(palette.WORKSPACE, -0.15)
-        self._hatch = nodes.lines("/section/hatch", grey, 1.2)
-        self._outline = nodes.lines("/section/outline", palette.WORKSPACE, 1.5)
-        self._edges = Edges(nodes, "/section", 3.0)
+        self._cap = nodes.mesh("/section/cap", palette.LIGHT.cut, None)
+        self._outline = nodes.lines("/section/outline", palette.INK, 1.2)
+        self._edges = Edges(nodes, "/section", 3.2)
+        self._label = nodes.label("/section/label")
+        self._sheet: Any = None
         handle = scene.add_transform_controls(
             "/section/handle",
             line_width=3.0,
@@ -49,16 +53,29 @@ class Plane:
     def hide(self) -> None:
         """Show nothing of it."""
         self._nodes.set(self._frame, visible=False)
+        if self._sheet is not None:
+            self._nodes.set(self._sheet, visible=False)
 
     def place(
-        self, frame: Array, at: float, extent: Extent | None, *, on: bool, dragging: bool
+        self,
+        frame: Array,
+        at: float,
+        extent: Extent | None,
+        text: str,
+        *,
+        on: bool,
+        dragging: bool,
     ) -> None:
-        """Put plane and handle where they belong; what fills it comes by `fill`."""
-        self._nodes.set(self._frame, visible=on)
+        """Put plane and handle where they belong, ``text`` on its upper edge; what fills it comes
+        by `fill`.
+        """
         if not on:
+            self.hide()
             return
-        self._nodes.pose(self._frame, frame)
-        ring, corner = NO_LINE[:0], (0.0, 0.0)
+        nodes, ink = self._nodes, palette.rgb(self._nodes.colors.ink)
+        nodes.set(self._frame, visible=True)
+        nodes.pose(self._frame, frame)
+        ring, corner, top = NO_LINE[:0], (0.0, 0.0), None
         if extent is not None and extent.across is not None:
             low, high = np.array(extent.across).T
             room = ROOM * float((high - low).max())
@@ -67,15 +84,41 @@ class Plane:
             corners = np.column_stack([np.full(4, at), flat])
             ring = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
             corner = (float(low[0]), float(high[1]))
-        self._nodes.points(self._outline, ring)
+            top = np.array([at, 0.5 * (low[0] + high[0]), high[1]])
+        nodes.set(self._outline, colors=np.array(ink, np.uint8))
+        nodes.points(self._outline, ring)
+        nodes.text(self._label, text, top)
+        self._show_sheet(ring[:, 0] @ frame[:3, :3].T + frame[:3, 3])
         if dragging:  # the hand that holds it decides where it is
-            self._nodes.forget("/section/handle")
+            nodes.forget("/section/handle")
         else:
-            self._nodes.set(self._handle, position=(at, *corner))
+            nodes.set(self._handle, position=(at, *corner))
+
+    def _show_sheet(self, corners: Array) -> None:
+        """The plane itself, hardly seen. Its node stands at the origin as those of the solids do,
+        and is made after them: so it is drawn after what it would hide.
+        """
+        if self._sheet is None:
+            self._sheet = self._nodes.mesh("/sheet", palette.INK, SHEET)
+            self._sheet.faces = np.array([[0, 1, 2], [0, 2, 3]], np.uint32)
+        if len(corners):
+            self._nodes.set(
+                self._sheet,
+                vertices=corners.astype(np.float32),
+                color=palette.rgb(self._nodes.colors.ink),
+            )
+        self._nodes.set(self._sheet, visible=len(corners) > 0)
 
     def fill(self, drawn: Drawn) -> None:
         """Show a section in the plane."""
-        self._nodes.points(self._hatch, drawn.hatch)
+        corners = drawn.fill.reshape(-1, 3)
+        # Behind its edges by what cannot be seen, so that they are.
+        behind = corners - [BEHIND * self._nodes.size, 0.0, 0.0]
+        if len(corners):
+            faces = np.arange(len(corners), dtype=np.uint32).reshape(-1, 3)
+            self._nodes.set(self._cap, vertices=behind.astype(np.float32), faces=faces)
+            self._nodes.set(self._cap, color=palette.rgb(self._nodes.colors.cut))
+        self._nodes.set(self._cap, visible=len(corners) > 0)
         self._edges.show(drawn.lines, drawn.line_limb, drawn.locus)
 
 

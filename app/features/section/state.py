@@ -11,6 +11,7 @@ from app.review import content as session
 from app.review.changes import Change, SetOne, Taken
 from app.review.state import Review, Slice
 from app.review.units import within
+from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.mechanism import Coordinate
 
@@ -19,28 +20,29 @@ FAR = 1e4  # mm; a plane may stand this far off, where it cuts nothing
 
 @dataclass(frozen=True)
 class Cut(Slice):
-    """The plane: whether it is on display, and where, mm."""
+    """The plane: whether it is on display, where (mm), and whether solids end there (``clip``)."""
 
     filed_as: ClassVar[str] = "section"
-    LOOKS: ClassVar[frozenset[str]] = frozenset(("on",))
+    LOOKS: ClassVar[frozenset[str]] = frozenset(("on", "clip"))
     on: bool = False
     at: float = 0.0
+    clip: bool = True
 
     @classmethod
     def fresh(cls, review: Review) -> Self:
         return cls(at=point_in_section(review)[0])
 
     def carried(self, before: Review, review: Review) -> Self:
-        return replace(review[type(self)], on=self.on)
+        return replace(review[type(self)], on=self.on, clip=self.clip)
 
     @classmethod
     def read(cls, content: dict[str, Any], review: Review, origin: str) -> Self:
         given = session.table(content, cls.filed_as, origin)
-        on = given.get("on", False)
-        if not isinstance(on, bool):
+        on, clip = given.get("on", False), given.get("clip", True)
+        if not (isinstance(on, bool) and isinstance(clip, bool)):
             raise InputError(f"{origin}: {cls.filed_as!r} is not of the right kind")
         at = session.number(given.get("at", review[cls].at), f"{origin}: section: at")
-        return cls(on, within_reach(review, at)[0])
+        return cls(on, within_reach(review, at)[0], clip)
 
 
 SetCut = partial(SetOne, Cut)
@@ -72,6 +74,17 @@ def point_in_section(review: Review) -> tuple[float, float, float]:
     position = machine.transform(review.pose, review.mode)[:3, 3]
     x, y, z = frame[:3, :3].T @ (position - frame[:3, 3])
     return float(x), float(y), float(z)
+
+
+def clipping(review: Review) -> tuple[Array, float] | None:
+    """The plane beyond which solids are taken away, in the base frame: its normal (3,) and how far
+    along it the plane is, mm; None while they are whole.
+    """
+    cut, sections = review[Cut], review.machine.sections
+    if not (cut.on and cut.clip) or sections is None:
+        return None
+    frame = sections.frame(review.pose)
+    return frame[:3, 0], cut.at + float(frame[:3, 0] @ frame[:3, 3])
 
 
 def within_reach(review: Review, at: float) -> tuple[float, str]:

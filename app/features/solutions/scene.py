@@ -1,10 +1,11 @@
 """The other assembly modes in the scene as ghosts of their platforms, and the fold ahead.
 
-Each is a dot where the platform's point would be, the nearest few are platforms, too: a hundred of
-those would be a heap. All dots, all outlines (thin sticks) and all faces (right triangles) are one
-batched mesh each, so a frame is a few small arrays however many there are, and the meshes
-themselves never change: they were made before the solids, so that the browser draws the faces
-first and the solids do not hide them. Clicking a ghost asks for a visit.
+Each is a dot where the platform's point would be, the nearest few are outlines of platforms, too,
+and the nearest of all is filled and named: a hundred of those would be a heap. All dots, all
+outlines (thin sticks) and all faces (right triangles) are one batched mesh each, so a frame is a
+few small arrays however many there are, and the meshes themselves never change: they were made
+before the solids, so that the browser draws the faces first and the solids do not hide them.
+Clicking a ghost asks for a visit.
 """
 
 from __future__ import annotations
@@ -16,10 +17,10 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation
 
-from app.features.solutions.compute import Ahead, Listed
+from app.features.solutions.compute import Ahead, Listed, Row
 from app.features.solutions.state import Atlas
 from app.review.state import Options
-from app.review.units import joint_text
+from app.review.units import joint_text, minus, tenths
 from app.review.view import View
 from app.scene import palette
 from app.scene.nodes import Nodes
@@ -31,7 +32,7 @@ THIN, THICK = 0.003, 0.006  # radius of a stick, of the machine's size: as a rul
 CAPACITY = 512  # sticks and triangles that a mesh is made for; doubled where they do not suffice
 NEAREST = 6  # that are drawn as platforms
 DOT = 0.012  # radius of a dot, of the machine's size
-FAINT, FULL = 0.2, 0.4  # opacity of a face: as a rule, and at the fold
+FILLED = 0.35  # opacity of a face
 
 # The right triangle between (0, 0), (1, 0) and (0, 1).
 _TRIANGLE = (
@@ -54,12 +55,13 @@ class Ghosts:
     def __init__(self, nodes: Nodes, visit: Callable[[int], None]) -> None:
         self._nodes = nodes
         # Before the solids' are made.
-        self._faces = _Batch(nodes, "/ghosts/faces", _TRIANGLE, FAINT, CAPACITY, visit)
+        self._faces = _Batch(nodes, "/ghosts/faces", _TRIANGLE, FILLED, 16, visit)
         self._dots = _Batch(nodes, "/ghosts/dots", _DOT, None, CAPACITY, visit)
         self._edges = _Batch(nodes, "/ghosts/edges", cylinder(6), None, CAPACITY, visit)
-        self._fold_faces = _Batch(nodes, "/fold/faces", _TRIANGLE, FULL, 16)
+        self._fold_faces = _Batch(nodes, "/fold/faces", _TRIANGLE, FILLED, 16)
         self._fold_edges = _Batch(nodes, "/fold/edges", cylinder(6), None, 16)
         self._label = nodes.label("/labels/fold")
+        self._name = nodes.label("/labels/nearest")
 
     def show(self, view: View, atlas: Listed, fold: Ahead | None) -> None:
         """Bring them to the solutions that pass the filter; all but the present one."""
@@ -72,10 +74,11 @@ class Ghosts:
         # Fainter while they belong to other actuators.
         dark = view.review[Options].dark
         tint = (-0.55 if dark else 0.6) if atlas.stale else 0.0
-        shade = palette.mixed(self._nodes.colors.ghost, tint)
-        colors = np.where(
-            new[:, None], palette.linear(palette.PLATFORM), palette.linear(shade)
-        ).astype(np.uint8)
+        of = self._nodes.colors
+        shades = [palette.linear(palette.mixed(code, tint)) for code in (of.ghost, of.dot)]
+        colors = np.array([shades[n >= NEAREST] for n in range(len(others))], np.uint8)
+        colors = colors.reshape(-1, 3)
+        colors[new] = palette.linear(of.platform)
         size = view.drawing.size
         placements = atlas.placements[others]
         turns = np.tile([1.0, 0.0, 0.0, 0.0], (len(others), 1))
@@ -84,7 +87,10 @@ class Ghosts:
         placements, colors, owners = placements[:NEAREST], colors[:NEAREST], owners[:NEAREST]
         sticks = _sticks(edges, placements, np.where(new[:NEAREST], THICK, THIN) * size)
         self._edges.show(*sticks, colors, owners)
-        self._faces.show(*_faces(edges, placements), colors, owners)
+        self._faces.show(*_faces(edges, placements[:1]), colors[:1], owners[:1])
+        named = others[:0] if atlas.stale else others[:1]
+        name = name_of(atlas.rows[named[0]]) if named else ""
+        self._nodes.text(self._name, name, placements[0, :3, 3] if named else None)
 
         ahead = fold if wanted and fold is not None and fold.fold is not None else None
         review = view.review
@@ -95,9 +101,15 @@ class Ghosts:
             axis = review.machine.joints[ahead.index]
             text = f"fold at {axis.symbol} = {joint_text(axis, ahead.goal)}"
         self._nodes.text(self._label, text, at[0, :3, 3] if len(at) else None)
-        red = np.tile(np.array(palette.linear(palette.BEYOND), np.uint8), (len(at), 1))
+        red = np.tile(np.array(palette.linear(of.beyond), np.uint8), (len(at), 1))
         self._fold_edges.show(*_sticks(edges, at, np.full(len(at), THICK * size)), red, [0])
         self._fold_faces.show(*_faces(edges, at), red, [0])
+
+
+def name_of(row: Row) -> str:
+    """ "#43 · 114.5 mm · −−−−+"."""
+    parts = [f"#{row.identity}", f"{tenths(row.distance)} mm", minus(row.mode)]
+    return " · ".join(filter(None, parts))
 
 
 class _Batch:

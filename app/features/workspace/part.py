@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from app.features.review.files import build_file, solid_name
+from app.features.section.state import clipping
 from app.features.workspace import compute
 from app.features.workspace.files import regions_file
 from app.features.workspace.painter import Painter
@@ -103,6 +104,7 @@ class SolidsPart(Part):
 
     def show(self, sheet: Sheet) -> None:
         review, built, old = sheet.view.review, self._built(), {}
+        cut = clipping(review)
         limbs = {w.spec.limb for w in self._wishes} - {None}
         others = bool(limbs) or ASPECTS in built
         for each in self._wishes:
@@ -128,13 +130,15 @@ class SolidsPart(Part):
                     bare=others and each.spec.limb is None and key != ASPECTS,
                     here=compute.piece_here(review, last) if key in built else None,
                 )
-                self._scene.show(key, last.solid, last.wish.placement, coats, look)
+                self._scene.show(key, last.solid, last.wish.placement, coats, look, cut)
         wished = {each.spec.key for each in self._wishes}
         for spec in review.machine.solid_specs:
             if spec.key not in wished:
                 self._shown.pop(spec.key, None)
             if spec.key not in self._shown:
                 self._scene.hide(spec.key)
+        placed = {k: (last.solid, last.wish.placement) for k, (last, _) in self._shown.items()}
+        self._scene.name(placed)
         self.stage.scene.ground("solids", self.bounds)
         if self._design != review.design and (built or not wished):
             if self._design is not None or built:

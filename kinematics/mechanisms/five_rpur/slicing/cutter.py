@@ -27,12 +27,13 @@ _MOST_EDGES = 4096  # of one section; twice what crossings of five limbs can mak
 @dataclass(frozen=True, eq=False)
 class Cuts:
     """Sections at ``at`` (N,): ``moments`` (N, 3) of 1, v, w about the origin,
-    ``marks`` (N,) equal where sections are built alike.
+    ``marks`` (N,) equal where sections are built alike, ``parts`` (N,) connected pieces.
     """
 
     at: Array
     moments: Array
     marks: NDArray[np.int64]
+    parts: NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +116,10 @@ class Cutter:
         moments, marks = np.empty((count, 6)), np.empty(count, np.int64)
         machine = self.limbs, self.signs, self.table, self.size, self.origin
         acceleration.call("measure", x, *self.heights(x), *machine, moments, marks)
-        return Cuts(x, moments[:, :3], marks)
+        runs = self.runs(x)
+        _, first = np.unique(runs.pieces, return_index=True)
+        parts = np.bincount(runs.sections[first], minlength=count)
+        return Cuts(x, moments[:, :3], marks, parts)
 
     def runs(self, x: Array) -> Runs:
         """The sections at x (N,) in runs."""
@@ -253,7 +257,6 @@ def _exercise() -> None:
     cutter = example()
     x = np.linspace(*cutter.range, 3)
     cutter.cut(x)
-    cutter.runs(x)
     cutter.outline(float(x[1]))
     cutter.integral(*cutter.range, 0.5, 60)
 
