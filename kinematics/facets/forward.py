@@ -165,9 +165,15 @@ class ForwardFacet(Facet[D]):
         for mode in dict.fromkeys(modes):
             yield np.flatnonzero(each == mode), mode
 
+    def held(self, poses: Array, mode: Any) -> tuple[Array, Array]:
+        """(N,) condition numbers, and determinants of the wrenches; 0 where there are none."""
+        rows = self.other(StaticsFacet).at(poses, mode).rows
+        value = np.nan_to_num(determinant(rows, self.mechanism.length))
+        return self.other(MeasuresFacet).condition(poses, mode), value
+
     def answers(self, found: Sequence[Found]) -> list[ForwardSolutions]:
         """Sets with all that is said of their solutions; measured together."""
-        mechanism, measures = self.mechanism, self.other(MeasuresFacet)
+        mechanism = self.mechanism
         counts = [len(one.poses) for one in found]
         poses = np.concatenate([one.poses for one in found])
         joints = np.repeat(np.array([one.joints for one in found]), counts, axis=0)
@@ -178,9 +184,7 @@ class ForwardFacet(Facet[D]):
             p, q = poses[some], joints[some]
             if found[0].residual is None:
                 told[0, some] = mechanism.residual(p, mode, q)
-            told[1, some] = measures.condition(p, mode)
-            rows = self.other(StaticsFacet).at(p, mode).rows
-            told[2, some] = np.nan_to_num(determinant(rows, mechanism.length))
+            told[1:3, some] = self.held(p, mode)
             told[3, some] = (mechanism.margins(p, mode, q)[..., ends] < -SLACK).any(axis=-1)
         parts = np.split(told, np.cumsum(counts)[:-1], axis=1)
         placed = np.split(mechanism.transform(poses, modes), np.cumsum(counts)[:-1])

@@ -109,6 +109,8 @@ def both(one: Layers, other: Layers) -> Layers:
     most = max(one.at.shape[1], other.at.shape[1])
 
     def wide(a: NDArray[np.generic], fill: float) -> NDArray[np.generic]:
+        if a.shape[1] == most:
+            return a
         return np.pad(a, ((0, 0), (0, most - a.shape[1])), constant_values=fill)
 
     return Layers(
@@ -200,38 +202,67 @@ def sheets(solid: Columned, at: Array, label: NDArray[np.int16]) -> Array:
 def layers(solid: Columned, at: Array) -> Layers:
     """The columns over base points (N, 2)."""
     begins, ends, first, last = _intervals(solid, at)
-    scale = _SAME * float(solid.high.max())
-    there = ends > begins + scale
-    begins, ends = np.where(there, begins, np.inf), np.where(there, ends, np.inf)
-    parting = solid.polynomial(at)
-    some = there.any(axis=1)
-    low = np.where(some, begins.min(axis=1), 0.0)
-    high = np.where(some, np.where(there, ends, -np.inf).max(axis=1), 0.0)
-    roots = np.full((len(at), 0), np.inf)
-    if parting is not None:
-        roots = crossings(parting, low, high)
-        inside = (roots[:, :, None] > begins[:, None]) & (roots[:, :, None] < ends[:, None])
-        roots = np.where(inside.any(axis=2), roots, np.inf)
-    v = np.concatenate([begins, ends, roots], axis=1)
-    step = np.concatenate(
-        [np.ones_like(first), -np.ones_like(last), np.zeros(roots.shape, dtype=np.int64)], axis=1
+    there = ends > begins + _SAME * float(solid.high.max())
+    some = np.flatnonzero(there.any(axis=1))
+    if not len(some):
+        none = np.zeros((len(at), 0))
+        return Layers(
+            none, none.astype(np.int16), none.astype(np.int8), np.zeros(len(at), dtype=np.int64)
+        )
+    # No more than there is: few columns have as many intervals as there may be.
+    there = there[some]
+    order = _those(there)
+    there = np.take_along_axis(there, order, axis=1)
+    begins, ends = (
+        np.where(there, np.take_along_axis(a[some], order, axis=1), np.inf) for a in (begins, ends)
     )
+    first, last = (np.take_along_axis(a[some], order, axis=1) for a in (first, last))
+    v, label, above = _from_below(solid.polynomial(at[some]), begins, ends, first, last)
+    below = np.zeros_like(above)
+    below[:, 1:] = above[:, :-1]
+    kept = np.isfinite(v) & (above != below)
+    order = _those(kept)
+    kept, v, label, above = (np.take_along_axis(a, order, axis=1) for a in (kept, v, label, above))
+    shape = len(at), order.shape[1]
+    found = Layers(
+        np.full(shape, np.inf),
+        np.zeros(shape, dtype=np.int16),
+        np.zeros(shape, dtype=np.int8),
+        np.zeros(len(at), dtype=np.int64),
+    )
+    found.at[some] = np.where(kept, v, np.inf)
+    found.label[some], found.above[some] = np.where(kept, label, 0), np.where(kept, above, 0)
+    found.count[some] = kept.sum(axis=1)
+    return found
+
+
+def _those(kept: Mask) -> NDArray[np.intp]:
+    """(N, M) where in each row the kept ones are, in order, M the most of them; then others."""
+    most = int(kept.sum(axis=1).max(initial=0))
+    return np.argsort(~kept, axis=1, kind="stable")[:, :most]
+
+
+def _from_below(
+    parting: Array | None, begins: Array, ends: Array, first: Ints, last: Ints
+) -> tuple[Array, Ints, NDArray[np.int8]]:
+    """All boundaries of columns with intervals (N, K), parted by a polynomial's sign: v, label and
+    what is above, (N, M) each; also such as have the same below and above."""
+    roots = np.full((len(begins), 0), np.inf)
+    if parting is not None:
+        high = np.where(np.isfinite(ends), ends, -np.inf).max(axis=1)
+        roots = crossings(parting, begins[:, 0], high)
+        inside = (roots[:, :, None] > begins[:, None]) & (roots[:, :, None] < ends[:, None])
+        roots = np.sort(np.where(inside.any(axis=2), roots, np.inf), axis=1)
+        roots = roots[:, : int(np.isfinite(roots).sum(axis=1).max(initial=0))]
+    v = np.concatenate([begins, ends, roots], axis=1)
+    step = np.repeat([1, -1, 0], [begins.shape[1], ends.shape[1], roots.shape[1]])
     label = np.concatenate([first, last, np.full(roots.shape, ROOT)], axis=1)
     order = np.argsort(v, axis=1, kind="stable")
-    v, step, label = (np.take_along_axis(a, order, axis=1) for a in (v, step, label))
+    v, label = (np.take_along_axis(a, order, axis=1) for a in (v, label))
     real = np.isfinite(v)
-    inside = (np.cumsum(np.where(real, step, 0), axis=1) > 0) & real
-    above = inside.astype(np.int8)
-    if parting is not None:
-        after = np.concatenate([v[:, 1:], np.full((len(v), 1), np.inf)], axis=1)
-        middle = np.where(inside, 0.5 * (v + after), 0.0)
-        above = np.where(inside, signs(parting, middle), 0).astype(np.int8)
-    below = np.concatenate([np.zeros((len(v), 1), dtype=np.int8), above[:, :-1]], axis=1)
-    kept = real & (above != below)
-    v = np.where(kept, v, np.inf)
-    order = np.argsort(v, axis=1, kind="stable")
-    v, label, above = (np.take_along_axis(a, order, axis=1) for a in (v, label, above))
-    count = kept.sum(axis=1)
-    most = int(count.max(initial=0))
-    above = np.where(np.isfinite(v), above, 0).astype(np.int8)
-    return Layers(v[:, :most], label[:, :most].astype(np.int16), above[:, :most], count)
+    inside = (np.cumsum(np.where(real, step[order], 0), axis=1) > 0) & real
+    if parting is None:
+        return v, label, inside.astype(np.int8)
+    after = np.concatenate([v[:, 1:], np.full((len(v), 1), np.inf)], axis=1)
+    middle = np.where(inside, 0.5 * (v + after), 0.0)
+    return v, label, np.where(inside, signs(parting, middle), 0).astype(np.int8)

@@ -139,6 +139,8 @@ def _joined(walls: Walls, known: Mask | None) -> tuple[Mask, Ints, Ints]:
     count, above = columns.count, columns.above
     plain = count[walls.at_a] == count[walls.at_b]
     plain &= (above[walls.at_a] == above[walls.at_b]).all(axis=1)
+    likely = np.flatnonzero(plain)
+    plain[likely] = ~_jumps(columns.take(walls.at_a[likely]), columns.take(walls.at_b[likely]))
     number = count[walls.at_a[plain]]
     wall = np.repeat(np.flatnonzero(plain), number)
     own = np.arange(len(wall)) - np.repeat(np.cumsum(number) - number, number)
@@ -165,6 +167,16 @@ def _joined(walls: Walls, known: Mask | None) -> tuple[Mask, Ints, Ints]:
 
 
 # --- what hangs together -------------------------------------------------------------------------
+
+
+def _jumps(a: Layers, b: Layers) -> Mask:
+    """(R,) whether some layers of columns that have as many of the same signs have neither v nor a
+    surface in common: one ends, and the other begins."""
+    if a.at.shape[1] < 2:
+        return np.zeros(len(a.at), dtype=bool)
+    apart = np.minimum(a.at[:, 1:], b.at[:, 1:]) <= np.maximum(a.at[:, :-1], b.at[:, :-1])
+    apart &= (a.label[:, :-1] != b.label[:, :-1]) & (a.label[:, 1:] != b.label[:, 1:])
+    return np.asarray((apart & (a.above[:, :-1] != 0)).any(axis=1))
 
 
 def _has_choice(walls: Walls, rows: NDArray[np.intp], plain: Mask) -> Mask:
@@ -268,8 +280,8 @@ class _Chain:
 
 def _next_to(one: Layers, other: Layers) -> Mask:
     """(N, M − 1, M − 1) which layers of columns next to each other hang together: one by one where
-    there are as many of the same signs; else those that have some v in common, or lie between the
-    same two surfaces."""
+    there are as many of the same signs and none jumps; else those that have some v in common, or
+    lie between the same two surfaces."""
     low = one.at[:, :-1, None], other.at[:, None, :-1]
     high = one.at[:, 1:, None], other.at[:, None, 1:]
     sign = one.above[:, :-1, None], other.above[:, None, :-1]
@@ -278,9 +290,9 @@ def _next_to(one: Layers, other: Layers) -> Mask:
     same &= (label[0] != ROOT) | (label[1] != ROOT)
     common = np.minimum(*high) > np.maximum(*low)
     alike = (sign[0] == sign[1]) & (sign[0] != 0) & np.isfinite(high[0]) & np.isfinite(high[1])
-    one_by_one = ((one.above == other.above).all(axis=1) & (one.count == other.count))[
-        :, None, None
-    ]
+    one_by_one = (one.above == other.above).all(axis=1) & (one.count == other.count)
+    one_by_one[one_by_one] = ~_jumps(one.take(one_by_one), other.take(one_by_one))
+    one_by_one = one_by_one[:, None, None]
     own = np.eye(low[0].shape[1], dtype=bool)
     return np.asarray(alike & np.where(one_by_one, own, common | same))
 

@@ -17,6 +17,7 @@ from scipy.optimize import fsolve
 
 from kinematics.designs.files import load_design
 from kinematics.machine import machine_of
+from kinematics.mechanisms.five_rpur.arrangements import arrangements
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.forward import families, general
 from kinematics.mechanisms.five_rpur.inverse import limb_lengths
@@ -43,10 +44,14 @@ def verdict(value: float, floor: float, *, above: bool = False) -> str:
 
 
 def simplified() -> None:
+    """The nine arrangements as the paper has them: limbs of a group stand in one working mode."""
     rng = np.random.default_rng(0)
     joints = rng.uniform(250, 400, (600, 5))
     for name in CLASSES:
         design = load_design(f"rpur-{name}")
+        assert isinstance(design, FiveRPURDesign)
+        groups = tuple(group.limbs for group in arrangements(design).groups)
+        design = replace(design, merged_joints=groups)
         each = iter(np.tile(joints, (2, 1)))
         alone = 1e3 * median(lambda design=design, each=each: forward(design, next(each)), 200)
         rate = len(joints) / median(lambda design=design: forward(design, joints), 3)
@@ -54,6 +59,16 @@ def simplified() -> None:
             f"{name:8s} {alone:6.2f} ms alone ({verdict(alone, 3)}: 3 ms), "
             f"{rate:6.0f} length vectors a second ({verdict(rate, 1000, above=True)}: 1000)"
         )
+
+
+def in_all_modes() -> None:
+    """The same designs as they are: limbs that do not share a joint stand in any mode."""
+    joints = np.random.default_rng(0).uniform(250, 400, (12, 5))
+    for name in CLASSES:
+        design = load_design(f"rpur-{name}")
+        each = iter(np.tile(joints, (2, 1)))
+        alone = 1e3 * median(lambda design=design, each=each: forward(design, next(each)), 12)
+        print(f"{name:8s} {alone:6.1f} ms with all modes of the design")
 
 
 def by_homotopy() -> None:
@@ -68,7 +83,7 @@ def by_homotopy() -> None:
     assert families.membership(generic).family.count == 1680
 
     def from_the_generic_start() -> None:
-        general._own.clear()
+        general._own._sets.clear()
         (found,) = forward(generic, LENGTHS)
         assert found.complete, found.notes
 
@@ -121,4 +136,5 @@ if __name__ == "__main__":
 
     warnings.simplefilter("ignore", RuntimeWarning)  # fsolve's, where it does not converge
     simplified()
+    in_all_modes()
     by_homotopy()

@@ -15,7 +15,7 @@ changes by itself.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from math import atan2, cos, sin
 
 import numpy as np
@@ -37,7 +37,7 @@ class Following(ClosureFollowing[FiveRPURDesign]):
     """Of a simplified design as of any other: limbs may pass into other working modes, those that
     share a U joint together."""
 
-    @property
+    @cached_property
     def unit(self) -> float:
         return float(self.design.link.mean())
 

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from kinematics.answers.solutions import ForwardSolutions
 from kinematics.arrays import Array, finite
 from kinematics.facets.forward import ForwardFacet, Found
+from kinematics.facets.statics import StaticsFacet
 from kinematics.homotopy.assembly_sets import NONE_REAL, accounted
 from kinematics.homotopy.solving import Roots
 from kinematics.homotopy.tracking import relative_size
@@ -41,6 +42,7 @@ from kinematics.mechanisms.five_rpur.forward.equations import (
     to_poses,
 )
 from kinematics.mechanisms.five_rpur.forward.families import membership
+from kinematics.screws.wrenches import condition, determinant
 
 _SORTED = 9  # decimals of angles that solutions are sorted by
 _NEAR_LENGTHS = 0.1  # of the longest: the largest change over which solutions are tracked on
@@ -76,6 +78,12 @@ class Solving(ForwardFacet[FiveRPURDesign]):
     def alike(self, modes: Sequence[str]) -> Iterator[tuple[Any, Any]]:
         """All at once: primitives take the signs of each."""
         yield slice(None), np.array([_SIGNS[mode] for mode in modes]).reshape(-1, LIMBS)
+
+    def held(self, poses: Array, mode: Any) -> tuple[Array, Array]:
+        """Of wrenches that are worked out once, see `ForwardFacet.held`."""
+        wrenches, length = self.other(StaticsFacet).at(poses, mode), self.mechanism.length
+        value = np.nan_to_num(determinant(wrenches.rows, length))
+        return condition(wrenches, length), value
 
     def solve(self, joints: Array, *, mixed_modes: bool) -> list[ForwardSolutions]:
         if self.is_quick(mixed_modes=mixed_modes):
@@ -228,7 +236,7 @@ def _made_real(g: Parameters, u: Complex) -> tuple[Array, Array]:
     Arrangements are exact where u was found, and but for rounding in the machine ``g``.
     """
     values, w = real_part(u)
-    fine, error = polish(g, from_real(values, w), rounds=2)
+    fine, error = polish(g, from_real(values, w), rounds=2, enough=_REAL_ENOUGH)
     better = error <= _REAL_ENOUGH
     values[:, better], w[:, better] = real_part(fine[:, better])
     return values, w

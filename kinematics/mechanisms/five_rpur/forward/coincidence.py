@@ -54,6 +54,8 @@ def self_motions(
     """
     # Far out regular solutions look singular; what is nearly real is tried first.
     singular = singular[:, np.abs(singular).max(axis=0, initial=0.0) < _FAR]
+    if not singular.shape[1]:
+        return ()
     away = np.abs(singular - conjugate(singular)).max(axis=0, initial=0.0)
     values, w = real_part(singular[:, np.argsort(away)[:_MOST]])
     q = terms(parameters(design, rho, frame), from_real(values, w)).q.real

@@ -216,8 +216,11 @@ def steepness(g: Parameters, u: Complex) -> Array:
     return np.nan_to_num(answer, nan=0.0, posinf=0.0)
 
 
-def polish(g: Parameters, u: Complex, rounds: int = 3) -> tuple[Complex, Array]:
-    """Newton's method with a pivoting solver: the points, and their last correction (n,)."""
+def polish(
+    g: Parameters, u: Complex, rounds: int = 3, enough: float = 0.0
+) -> tuple[Complex, Array]:
+    """Newton's method with a pivoting solver, until all corrections are small ``enough``: the
+    points, and their last correction (n,)."""
     error = np.full(u.shape[1], np.inf)
     with np.errstate(all="ignore"):
         for _ in range(rounds):
@@ -225,6 +228,8 @@ def polish(g: Parameters, u: Complex, rounds: int = 3) -> tuple[Complex, Array]:
             du = steps(u, t, _residuals(g, t), solve=_solve_pivoting)[0]
             u = u + du
             error = relative_size(du, u)
+            if (error <= enough).all():
+                break
     return u, error
 
 

@@ -6,12 +6,14 @@ orientation, without losing control. The pieces are slices of the aspects, which
 dimensions: two of them may be joined through other orientations. Frame x'y'z'; lengths mm.
 
 The meshes of Booleans show a piece if it is thicker than a cell, and a neck between two pieces if
-it is wider. So, but for a preview, what hangs together is looked up in exact columns (`columns`);
-where that is something else, the solid is made of these.
+it is wider. So, but for a preview, what hangs together is looked up in exact columns (`columns`),
+roughly at first. Where that is something else, meshes with the finest cells are tried; where those
+are wrong too, the solid is made of the columns.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -36,7 +38,7 @@ from kinematics.solids.partition import partition
 from kinematics.solids.refining import Fineness
 
 _NEAR = 1e-7  # part of the machine's size
-_LOOK = Fineness((16, 16), 5e-3, 2000)
+_LOOKS = (Fineness((16, 16), 2e-2, 2000), Fineness((16, 16), 5e-3, 2000))
 _QUALITY: dict[Resolution, Quality] = {
     "normal": Quality(Fineness((12, 12), 1e-3, 4000), exact=2e-4, promised=1e-3),
     "fine": Quality(Fineness((16, 16), 2e-4, 16000), exact=5e-5, promised=2e-4),
@@ -70,7 +72,44 @@ def aspects(
         InputError: an angle that is not finite, or a mode that is not five signs.
         ComputationError: every pose is singular, or manifold3d gave up.
     """
-    built = from_solid(
+    built = _of_meshes(design, phi, theta, mode, resolution)
+    determinant = Determinant.at(design, phi, theta, mode)
+    if resolution == "preview" or not determinant.closes:
+        return built
+    stands = merged_limbs(design, phi, theta, _MERGED)
+    columns = ModeColumns(determinant, stands)
+    tried = [built]
+    for look in _LOOKS:
+        pieces, settled = layout(columns, look)
+        clear = settled and len(pieces) <= _MANY
+        right = _one_alike(tried, pieces) if settled else None
+        if right is None and clear and resolution != "fine" and len(tried) == 1:
+            tried.append(_of_meshes(design, phi, theta, mode, "fine"))
+            right = _one_alike(tried[1:], pieces)
+        if right is not None:
+            return right
+    if clear:
+        try:
+            found = parted(shaped(columns, _QUALITY[resolution]), Field(determinant), columns.off)
+            right = _one_alike(tried, [(piece.sign, piece.volume) for piece in found.pieces])
+            if right is not None:
+                return right  # the looks had been too rough
+            return replace(found, volume_error=found.volume_error + stands.moved * found.area)
+        except LeakError:
+            pass
+    return replace(built, note=_UNCERTAIN)
+
+
+def _one_alike(meshes: Sequence[BuiltSolid], wanted: list[tuple[int, float]]) -> BuiltSolid | None:
+    """The first that has the pieces that it should have."""
+    return next((mesh for mesh in meshes if _alike(mesh, wanted)), None)
+
+
+def _of_meshes(
+    design: FiveRPURDesign, phi: float, theta: float, mode: str, resolution: Resolution
+) -> BuiltSolid:
+    """The pieces by Booleans of meshes, as far as their cells can tell them."""
+    return from_solid(
         design,
         phi,
         theta,
@@ -78,23 +117,6 @@ def aspects(
         resolution,
         lambda whole, moved: _parted(design, phi, theta, mode, resolution, whole, moved),
     )
-    determinant = Determinant.at(design, phi, theta, mode)
-    if resolution == "preview" or not determinant.closes:
-        return built
-    stands = merged_limbs(design, phi, theta, _MERGED)
-    columns = ModeColumns(determinant, stands)
-    pieces, settled = layout(columns, _LOOK)
-    if settled and _alike(built, pieces):
-        return built
-    if settled and len(pieces) <= _MANY:
-        try:
-            found = parted(shaped(columns, _QUALITY[resolution]), Field(determinant), columns.off)
-            if _alike(built, [(piece.sign, piece.volume) for piece in found.pieces]):
-                return built  # the look had been too rough
-            return replace(found, volume_error=found.volume_error + stands.moved * found.area)
-        except LeakError:
-            pass
-    return replace(built, note=_UNCERTAIN)
 
 
 def _alike(built: BuiltSolid, wanted: list[tuple[int, float]]) -> bool:

@@ -89,9 +89,7 @@ class ModeColumns:
     def polynomial(self, at: Array) -> Array:
         """F in z'."""
         d = self.determinant
-        a = d.coefficients(self.along(at[:, 0]), (0.0, 0.0))
-        u = at[:, 1, None] / d.size
-        return np.asarray((a[:, 0] + u * (a[:, 1] + u * a[:, 2])) / d.size ** np.arange(5))
+        return d.along_z(at[:, 1], self.along(at[:, 0])) / d.size ** np.arange(5)
 
     def place(self, at: Array, v: Array) -> Array:
         return np.stack([at[:, 1], self.along(at[:, 0]), v], axis=-1)

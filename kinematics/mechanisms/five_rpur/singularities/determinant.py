@@ -209,6 +209,37 @@ class Determinant:
         result[..., 1:] += np.einsum("tnj,tnk->njk", inner[..., 1], cube)
         return result
 
+    def along_z(self, x: Array, y: Array) -> Array:
+        """(N, 5) coefficients of F in powers of z' / size on the lines at x' and y' (N,)."""
+        result = np.empty((len(x), 5))
+        for part in range(0, len(x), _LINES):
+            here = slice(part, part + _LINES)
+            result[here] = self._on_lines(x[here], y[here]).T
+        return result
+
+    def _on_lines(self, x: Array, y: Array) -> Array:
+        own, q = self._heights(y)
+        cx, cy, cz = (column[:, None] / self.size for column in self.tip.T)
+        away = (x - self.offset[:, :1]) / self.size
+        p = -self.offset[:, 2:] / self.size - q  # at z' = 0
+        front = _SIGN[:, None] * q[_D] * q[_E] * _minor(own, q, cy * q - cz * own)
+        pa, pb, pc = p[_A], p[_B], p[_C]
+        xd, xe = front * away[_D], away[_E]
+        one, other = cx[_D] * front * xe, cx[_E] * xd
+        level = xd * xe * (q[_D] - q[_E] + cz[_E] - cz[_D]) - other * p[_E] + one * p[_D]
+        slope = one - other
+        pair, both = pb * pc, pb + pc
+        cube = (pa * pair, pair + pa * both, pa + both)
+        return np.stack(
+            [
+                (level * cube[0]).sum(axis=0),
+                (level * cube[1] + slope * cube[0]).sum(axis=0),
+                (level * cube[2] + slope * cube[1]).sum(axis=0),
+                (level + slope * cube[2]).sum(axis=0),
+                slope.sum(axis=0),
+            ]
+        )
+
     def on_grid(self, x: Array, y: Array, z: Array) -> Array:
         """F (nx, ny, nz) at the nodes of a grid."""
         center = float(x.mean()), float(z.mean())
@@ -269,6 +300,7 @@ def at_poses(
 
 
 _CHUNK = 2048  # points at a time, so that the temporaries stay in the cache
+_LINES = 512  # likewise
 
 
 def _minor(y: Array, q: Array, lean: Array) -> Array:

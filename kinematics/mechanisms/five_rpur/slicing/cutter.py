@@ -27,13 +27,12 @@ _MOST_EDGES = 4096  # of one section; twice what crossings of five limbs can mak
 @dataclass(frozen=True, eq=False)
 class Cuts:
     """Sections at ``at`` (N,): ``moments`` (N, 3) of 1, v, w about the origin,
-    ``marks`` (N,) equal where sections are built alike, ``parts`` (N,) connected pieces.
+    ``marks`` (N,) equal where sections are built alike.
     """
 
     at: Array
     moments: Array
     marks: NDArray[np.int64]
-    parts: NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,10 +115,7 @@ class Cutter:
         moments, marks = np.empty((count, 6)), np.empty(count, np.int64)
         machine = self.limbs, self.signs, self.table, self.size, self.origin
         acceleration.call("measure", x, *self.heights(x), *machine, moments, marks)
-        runs = self.runs(x)
-        _, first = np.unique(runs.pieces, return_index=True)
-        parts = np.bincount(runs.sections[first], minlength=count)
-        return Cuts(x, moments[:, :3], marks, parts)
+        return Cuts(x, moments[:, :3], marks)
 
     def runs(self, x: Array) -> Runs:
         """The sections at x (N,) in runs."""
@@ -257,6 +253,7 @@ def _exercise() -> None:
     cutter = example()
     x = np.linspace(*cutter.range, 3)
     cutter.cut(x)
+    cutter.runs(x)
     cutter.outline(float(x[1]))
     cutter.integral(*cutter.range, 0.5, 60)
 

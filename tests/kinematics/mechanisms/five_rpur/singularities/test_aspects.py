@@ -13,10 +13,14 @@ from kinematics.facets.solids import build_solid
 from kinematics.machine import machine_of
 from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.five_rpur.inverse import MODES, limb_lengths
+from kinematics.mechanisms.five_rpur.offsets import merged_limbs
 from kinematics.mechanisms.five_rpur.singularities.aspects import aspects
+from kinematics.mechanisms.five_rpur.singularities.columns import ModeColumns
 from kinematics.mechanisms.five_rpur.singularities.determinant import Determinant
 from kinematics.mechanisms.five_rpur.workspace.workspace import coarseness, workspace
+from kinematics.solids.column_solids import layout
 from kinematics.solids.csg import Solid
+from kinematics.solids.refining import Fineness
 from tests.kinematics.mechanisms.five_rpur.machines import preset
 from tests.kinematics.mechanisms.five_rpur.singularities.cases import (
     always_singular,
@@ -127,6 +131,28 @@ def test_a_neck_of_a_millimetre_is_none() -> None:
     owners = {built.piece_at(place) for place in places}
     assert len(owners) == 2
     assert len({p.sign for p in built.pieces}) == 2
+
+
+def test_pieces_that_normal_cells_lose_are_those_of_fine_ones() -> None:
+    """The three small ones, of which Booleans of normal cells join or lose some."""
+    design = preset("rpur-table1")
+    built = aspects(design, 0.0, 0.0, "+-+-+")
+    fine = aspects(design, 0.0, 0.0, "+-+-+", "fine")
+    assert not built.note
+    assert [p.sign for p in built.pieces] == [-1, -1, 1, 1, 1, 1]
+    for one, other in zip(built.pieces, fine.pieces, strict=True):
+        assert one.sign == other.sign
+        assert one.volume == pytest.approx(other.volume, abs=one.volume_error + other.volume_error)
+
+
+def test_layers_far_above_each_other_are_two_pieces() -> None:
+    """Between two columns next to each other one ends and the other begins, 430 mm above."""
+    design, phi, theta = preset("rpur-mpa1", merged=True), -0.4033562, -0.3819117
+    determinant = Determinant.at(design, phi, theta, "-----")
+    columns = ModeColumns(determinant, merged_limbs(design, phi, theta, 1e-6))
+    pieces, settled = layout(columns, Fineness((16, 16), 5e-3, 2000))
+    assert settled
+    assert [sign for sign, _ in pieces] == [1, 1]
 
 
 def test_vertices_of_the_locus_are_zeros() -> None:

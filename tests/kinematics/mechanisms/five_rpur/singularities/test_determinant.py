@@ -83,6 +83,19 @@ def test_the_polynomials_have_its_values_on_a_grid(seed: int) -> None:
     assert determinant.coefficients(y, (x[0], z[0]))[:, 2, 4].max() == 0.0
 
 
+@settings(max_examples=40)
+@given(st.integers(0, 10**6))
+def test_the_polynomials_along_lines_have_its_values(seed: int) -> None:
+    determinant = Determinant.at(*random_case(seed))
+    if not determinant.closes:
+        return
+    points = closing_points(determinant, 700, seed)  # more than are worked out at a time
+    found = determinant.along_z(points[:, 0], points[:, 1])
+    powers = np.power.outer(points[:, 2] / determinant.size, np.arange(5))
+    noise = determinant.roundoff(points) + 1e-13 * (np.abs(found) * np.abs(powers)).sum(axis=1)
+    assert (np.abs((found * powers).sum(axis=1) - determinant.value(points)) <= 10.0 * noise).all()
+
+
 def test_it_changes_sign_where_assembly_modes_merge() -> None:
     design = preset("rpur-table1")
     for fold in read("rpur_folds.json")["folds"]:

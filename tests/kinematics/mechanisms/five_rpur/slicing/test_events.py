@@ -112,11 +112,13 @@ def test_sections_alike_between_events_change_smoothly():
     cutter = Cutter(design, 0.0, 0.0, None)
     judged = 0
     for a, b in pairwise(changes(cutter, 300)):
-        cuts = cutter.cut(np.linspace(a + 0.3 * (b - a), b - 0.3 * (b - a), 65))
+        x = np.linspace(a + 0.3 * (b - a), b - 0.3 * (b - a), 65)
+        cuts, runs = cutter.cut(x), cutter.runs(x)
         if b - a < 1.0 or len(set(cuts.marks.tolist())) > 1:
             continue
         judged += 1
-        assert len(set(cuts.parts.tolist())) == 1
+        _, first = np.unique(runs.pieces, return_index=True)
+        assert len(set(np.bincount(runs.sections[first], minlength=len(x)).tolist())) == 1
         coarse, fine = (np.abs(np.diff(cuts.moments[::k, 0])).max() for k in (8, 1))
         assert fine <= 0.3 * coarse + 1e-9
     assert judged > 20
