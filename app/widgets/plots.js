@@ -30,7 +30,7 @@ if (!window.bohemiaPlots) {
     const x = cell(share(b[4], b[5], u, f[0], f[1]), n[0]);
     const y = cell(share(b[6], b[7], v, f[2], f[3]), n[1]);
     s.told = s.told || d.tips.split("|");
-    tip.textContent = d.columns.split("|")[x] + d.rows.split("|")[y] + s.told[x * n[1] + y];
+    tip.textContent = d.columns.split("|")[x] + d.rows.split("|")[y] + (s.told[x * n[1] + y] || "");
   };
   const zoom = (s, x0, x1, y0, y1) => {
     s.shown = [x0, x1, y0, y1];

@@ -232,7 +232,7 @@ def behind(figure: Figure) -> str:
 def _tools(*, zoomed: bool, behind: bool) -> str:
     """Small buttons at the foot of a plot."""
     known = [("whole", "Whole", "Show the whole again (double click)")] * zoomed
-    known += [("copy", "SVG", "Copy the plot as SVG")] * (not behind)
+    known += [("copy", "Copy", "Copy the plot as SVG")] * (not behind)
     word = "Plot" if behind else "Table"
     known.append(("table", word, "The numbers as a table" if not behind else "The plot again"))
     made = "".join(

@@ -78,7 +78,7 @@ def test_a_plot_is_copied_as_a_picture_of_its_own(tab: Tab) -> None:
     tab.context.grant_permissions(["clipboard-read", "clipboard-write"])
     plot = _area(tab)
     frame = plot.locator("xpath=..")
-    frame.get_by_role("button", name="SVG").click()
+    frame.get_by_role("button", name="Copy").click()
     frame.get_by_role("button", name="Copied").wait_for(timeout=10_000)
     text = str(tab.page.evaluate("navigator.clipboard.readText()"))
     root = ElementTree.fromstring(text)

@@ -101,7 +101,7 @@ def test_the_plane_goes_where_the_slider_the_arrow_and_typing_put_it(section: Ta
     section.wait_for_text(
         r"The section is empty here; the workspace lies within x′ = −200 … 395 mm"
     )
-    section.page.get_by_role("button", name="Through the platform").click()
+    section.page.get_by_role("button", name="Through O′", exact=True).click()
     section.wait_for_text(r"Perimeter\s+[\d.]+ mm")
     section.wait(lambda: section.page.locator("path.mark").count() == 1, "the platform's cross")
 
@@ -171,3 +171,51 @@ def test_the_largest_ball_is_found_shown_and_gone_to(tab: Tab) -> None:
     tab.wait_for_text("Reachable · mode")
     tab.type_into("φ (°)", 20)  # another workspace: the ball is not of it
     tab.wait(lambda: not tab.props("/inside/ball").get("visible"), "no ball")
+
+
+def test_an_empty_state_has_one_sentence_and_one_button(tab: Tab) -> None:
+    before = tab.page.viewport_size
+    tab.page.set_viewport_size(WIDE)  # type: ignore[arg-type]
+    tab.open_tab("Section")
+    tab.wait_for_text("No section yet")
+    window = tab.page.locator("[data-floating-window]:has(.bo-cut)")
+    assert window.count() == 0
+    tab.page.get_by_role("button", name="Cut through O′").click()
+    tab.wait_for_text(r"Perimeter\s+[\d.]+ mm")
+    tab.wait(lambda: tab.page.locator("path.mark").count() == 1, "the platform's cross")
+    box: Any = window.bounding_box()
+    assert (box["x"], round(box["y"] + box["height"])) == (0.0, 800)
+    assert (round(box["width"]), round(box["height"])) == (384, 505)
+    assert not tab.page.get_by_role("button", name="Cut through O′").is_visible()
+    tab.page.get_by_role("button", name="At the largest area").click()
+    told = tab.wait_for_text(r"max [\d.]+ at −?\d[\d.]* mm")
+    wanted = float(told.split()[-2].replace("−", "-"))
+    tab.wait(lambda: tab.value(AT) == pytest.approx(wanted, abs=0.06), "the plane there")
+    assert before is not None
+    tab.page.set_viewport_size(before)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.7])
+def test_a_drawing_is_true_to_scale_at_every_zoom(section: Tab, share: float) -> None:
+    plot = section.page.get_by_role("img", name="Section at").locator("visible=true")
+    plot.wait_for()
+    section.wait(lambda: float(str(plot.get_attribute("viewBox")).split()[2]) < 384, "its room")
+
+    def scales() -> tuple[float, float]:
+        _, _, wide, high, *ends = map(float, str(plot.get_attribute("data-box")).split())
+        return wide / (ends[1] - ends[0]), high / (ends[3] - ends[2])
+
+    across, up = scales()
+    assert across == pytest.approx(up)
+    box: Any = plot.bounding_box()
+    section.page.mouse.move(box["x"] + share * box["width"], box["y"] + share * box["height"])
+    section.page.mouse.wheel(0, -300)  # in a window over the scene nothing scrolls
+    section.wait(lambda: scales()[0] > 1.3 * across, "a part of it")
+    across, up = scales()
+    assert across == pytest.approx(up)
+    bar = section.page.locator("path.bar").get_attribute("d")
+    length = float(str(bar).split("h")[1])
+    said = str(section.page.locator("text.bar").text_content())
+    assert length == pytest.approx(across * float(said.removesuffix(" mm")), rel=1e-3)
+    section.page.mouse.dblclick(box["x"] + 100, box["y"] + 60)
+    section.wait(lambda: scales()[0] < across / 1.3, "the whole")

@@ -21,6 +21,7 @@ from app.features.singularities.state import Control
 from app.features.workspace.state import Workspace, solver_modes
 from app.jobs.answers import Question
 from app.review.state import Review
+from app.review.units import minus, tenths
 from app.scene.painting import scale
 from kinematics.answers.sections import Box, Section, Sphere, Volume
 from kinematics.arrays import Array
@@ -197,6 +198,7 @@ def draw(wanted: Wish) -> Drawn:
         curves=curves,
         beyond=beyond,
         shade=_shade(wanted, section, held),
+        note=of_what(of),
     )
     at = section.at
     return Drawn(
@@ -209,6 +211,16 @@ def draw(wanted: Wish) -> Drawn:
         _raised(segments(curves), at),
         picture,
     )
+
+
+def of_what(of: Region) -> str:
+    """The orientation and the modes of what is cut: "φ 0°, θ 0° · mode +−+−+"."""
+    axes = zip(machine_of(of.design).coordinates, of.pose, strict=True)
+    turned = [f"{c.symbol} {tenths(c.outer(v))}°" for c, v in axes if c.unit == "rad"]
+    modes = of.modes
+    every = "every mode" if modes is None else f"{len(modes)} modes"
+    which = minus(f"mode {modes[0]}") if modes is not None and len(modes) == 1 else every
+    return " · ".join(filter(None, (", ".join(turned), which)))
 
 
 def segments(curves: Sequence[Array]) -> Array:

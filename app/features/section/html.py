@@ -23,7 +23,7 @@ from app.widgets.axes import (
     ticks,
     upright,
 )
-from app.widgets.svg import AREA, EDGE, TAGGED, TEXT, label, line, tag
+from app.widgets.svg import AREA, BACK, EDGE, RULE, TAGGED, TEXT, label, line, tag
 from app.widgets.texts import box, chip, esc, faint, table
 from kinematics.answers.sections import Section, SectionSpec, Volume
 
@@ -52,7 +52,6 @@ def numbers_html(section: Section, spec: SectionSpec, along: tuple[float, float]
     )
     rows = (
         ("Cut at", f"{esc(spec.normal)} = {number(round(section.at, 4))} mm"),
-        ("Area", f'<span title="{exact}">{area_text(section.area)}</span>'),
         ("Perimeter", f"{section.perimeter:.1f} mm"),
         (
             f"Centroid ({esc(first)}, {esc(second)})",
@@ -72,7 +71,27 @@ def numbers_html(section: Section, spec: SectionSpec, along: tuple[float, float]
     summary = f"I<sub>{first}{first}</sub> = ∫{first}² dA"
     exactly = f"{exact}<br>second moments about the centroid ({summary}):<br>{moments}"
     details = faint(f"<summary>Exactly</summary>{exactly}", "details")
-    return box(f"{body}{details}")
+    look = "font-size:20px;line-height:24px;font-weight:600"
+    area = f'<span style="{look}" title="{exact}">{area_text(section.area)}</span>'
+    return box(f"<div>{faint('Area')} {area}</div>{body}{details}")
+
+
+def largest(volume: Volume) -> float:
+    """Where the section is largest, mm."""
+    x, area = _curve(volume)
+    return float(x[int(area.argmax())])
+
+
+# The drawing lies over the lower left of the scene, above the plots of a trajectory if there are.
+_CUT = "[data-floating-window]:has(.bo-cut)"
+WINDOW_HTML = f"""<div class="bo-cut"></div><style>
+{_CUT}{{left:0!important;top:auto!important;bottom:0!important;border-radius:0!important;
+height:min(505px,70vh)!important;box-shadow:none!important;border:1px solid {RULE};
+background:{BACK}}}
+body:has([data-floating-window] .bo-bar) {_CUT}{{bottom:min(352px,50vh)!important;
+height:min(448px,50vh)!important}}
+{_CUT} :is([data-dock-griphandle],[data-dock-strip]){{display:none!important}}
+{_CUT}>[data-dock-resize]{{display:none}}</style>"""
 
 
 def profile_axes(volume: Volume, look: Look = WHOLE) -> Axes | None:

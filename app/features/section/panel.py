@@ -7,10 +7,18 @@ from functools import partial
 from typing import Any
 
 from app.features.section.compute import Sections
-from app.features.section.html import mark, numbers_html, profile, profile_axes, profile_places
+from app.features.section.html import (
+    WINDOW_HTML,
+    largest,
+    mark,
+    numbers_html,
+    profile,
+    profile_axes,
+    profile_places,
+)
 from app.features.section.part import SectionPart
 from app.features.section.plot import section_figure
-from app.features.section.state import Cut, MoveCut, point_in_section
+from app.features.section.state import Cut, MoveCut, SetCut, point_in_section
 from app.review.state import Review
 from app.widgets.axes import nearest
 from app.widgets.boxes import Slider
@@ -23,7 +31,7 @@ from kinematics.machine import Machine
 KINDS = ("SVG", "DXF", "CSV")
 WINDOW = 384, 505  # px of the drawing over the scene; workspaces are higher than wide
 FIRST = "Computing the first section …<br>On the first start on a machine this takes a minute."
-HINT = "Show the section to see it in the scene and as a plot."
+HINT = "No section yet."
 
 HELP = """
 **Strong edges** in a limb's colour are what is left of its bounds, **faint** ones were cut away. A
@@ -68,11 +76,16 @@ class SectionPanel(Panel):
             lambda value, client: desk.send(MoveCut(value), client),
             digits=TYPED,
         )
-        self.button("Through the platform", self._go_through)
+        self._ways = [
+            self.button("Through O′", self._go_through),
+            self.button("At the largest area", self._go_largest),
+        ]
         self._window, tab = self.window(spec.title, *WINDOW, visible=review[Cut].on)
         with tab:
+            gui.add_html(WINDOW_HTML)
             self._drawing = Plot(desk, lambda _x, _y, _client: None, both=True, alone=True)
         self._numbers = gui.add_html("")
+        self._begin = self.button("Cut through O′", self._cut)
         self._profile = Plot(desk, self._pointed)
         self._known: Sections | None = None
         self._profile_of: Volume | None = None
@@ -87,7 +100,8 @@ class SectionPanel(Panel):
         if self._profile_of is not None:
             known_volume, at = self._profile_of, cut.at
             self._profile.mark(lambda figure: mark(known_volume, figure.axes, at))
-        self.see(cut.on, self._window)
+        self.see(cut.on, self._window, *self._ways)
+        self.see(not cut.on, self._begin)
         if not cut.on:
             self.say(self._numbers, box(HINT))
         elif known is not None and known.trouble:
@@ -123,6 +137,14 @@ class SectionPanel(Panel):
         figure = self._profile.figure
         if figure is not None:  # at what the drawing tells under the pointer
             self.desk.send(MoveCut(nearest(profile_places(figure.axes).tolist(), x)), client)
+
+    def _cut(self, client: Client) -> None:
+        self._go_through(client)
+        self.desk.send(SetCut("on", True), client)
+
+    def _go_largest(self, client: Client) -> None:
+        if self._profile_of is not None:
+            self.desk.send(MoveCut(round(largest(self._profile_of), 1)), client)
 
     def _go_through(self, client: Client) -> None:
         self.desk.send(MoveCut(point_in_section(self.review)[0]), client)

@@ -96,6 +96,7 @@ class Picture:
         beyond: likewise, where the machine does not come; drawn faint.
         shade: a measure to colour the section by.
         fills: the parts of which the section consists, each with its colour; none: all in one.
+        note: of what it is a section, in a few words.
     """
 
     section: Section
@@ -107,6 +108,7 @@ class Picture:
     beyond: Sequence[Array] = ()
     shade: Shade | None = None
     fills: Sequence[tuple[Section, str]] = ()
+    note: str = ""
 
     @property
     def axes(self) -> tuple[Named, Named]:
@@ -151,8 +153,8 @@ def section_figure(picture: Picture, look: Look = WHOLE) -> Figure:
         frame,
         _content(picture, frame) + key,
         *pointed(frame, *picture.axes, CELLS),
-        [""] * CELLS**2,
-        "",
+        (),
+        picture.note,
         f"Section at {at}",
         partial(_table, picture),
         title=f"Section {at}",
