@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from app.features.map import plot as maps
 from app.features.map.compute import chart_request, of
-from app.features.map.state import Chart, Span
+from app.features.map.state import Chart, Colours, Span, refined
 from app.features.section.html import profile
 from app.review.state import new_review
 from app.scene import palette
@@ -185,20 +185,80 @@ def test_the_map_of_a_review_runs_over_its_spans() -> None:
 def test_a_map_names_its_extremes_and_its_colours_run_between_them() -> None:
     values = np.array([[2.2e7, 2.3e7, 0.0], [2.25e7, 2.45e7, 2.4e7]])
     found = _map(values)
-    assert maps.extremes_text(found).splitlines() == [
-        "Largest: 24.50 ± 0.03 dm³ at φ 10.0°, θ 15.0°",
-        "Least: 22.00 ± 0.03 dm³ at φ −10.0°, θ 0.0°",
+    pose = new_review(load_design("rpur-table1")).pose  # φ and θ are none
+    table = ElementTree.fromstring(maps.extremes_html(found, pose))
+    heads, *rows = [["".join(cell.itertext()) for cell in row] for row in table.iter("tr")]
+    assert heads == ["", "dm³", "±", "φ (°)", "θ (°)"]
+    assert rows == [
+        ["○ largest", "24.5", "0.02", "10.0", "15.0"],
+        ["× smallest", "22", "0.02", "−10.0", "0.0"],
+        ["+ here", "22", "0.02", "−10.0", "0.0"],
+        ["mean of the map", "23.2", "", "", ""],
     ]
     drawn = ElementTree.fromstring(f"<svg>{maps.figure(found, stale=False).content}</svg>")
     texts = {t.text: t for t in drawn.iter("text")}
-    assert {"max 24.5", "min 22"} <= set(texts)
+    named = ("max 24.5 at 10°, 15°", "min 22 at −10°, 0°")
+    assert set(named) <= set(texts)
     fills = [p.get("fill") for p in drawn.iter("path") if p.get("shape-rendering")]
     assert {palette.ramp_color(0.0), palette.ramp_color(1.0)} <= set(fills)
     axes = maps.figure(found, stale=False).axes
     scale = [t for t in texts.values() if float(t.get("x", 0)) > axes.width - axes.right + 14]
     assert [float(t.text or 0) for t in scale] == [22.0, 22.5, 23.0, 23.5, 24.0, 24.5]
-    assert all(0 < float(texts[name].get("y", 0)) < axes.height for name in ("max 24.5", "min 22"))
-    assert maps.extremes_text(_map(np.zeros((2, 2)))) == ""
+    assert all(0 < float(texts[name].get("y", 0)) < axes.height for name in named)
+    assert maps.extremes_html(_map(np.zeros((2, 2))), (0.0,) * 3 + (9.0, 9.0)) == ""
+
+
+def test_the_range_of_the_colours_can_be_chosen() -> None:
+    found = _map(np.array([[1e7, 2e7], [3e7, 4e7]]))
+
+    def fills(**chosen: float) -> list[str | None]:
+        content = maps.figure(found, stale=False, colours=Colours(**chosen)).content
+        drawn = ElementTree.fromstring(f"<svg>{content}</svg>")
+        return [p.get("fill") for p in drawn.iter("path") if p.get("shape-rendering")]
+
+    assert palette.ramp_color(0.0) in fills()
+    assert palette.ramp_color(0.0) not in fills(low=0.0)
+    assert palette.ramp_color(1.0) not in fills(high=6e7)
+    # What is beyond the range has the colour of its end.
+    assert fills(low=2e7, high=3e7) == [palette.ramp_color(0.0), palette.ramp_color(1.0)]
+
+
+def test_contours_run_where_the_values_are_round() -> None:
+    values = np.add.outer(np.linspace(1e7, 3e7, 9), np.zeros(7))  # 0.4 dm³ a degree along φ
+    figure = maps.figure(_map(values), stale=False, colours=Colours(step=5e6))
+    drawn = ElementTree.fromstring(f"<svg>{figure.content}</svg>")
+    (lines,) = [p for p in drawn.iter("path") if p.get("class") == "contour"]
+    places = {round(float(x)) for x in re.findall(r"([\d.]+) [\d.]+", lines.get("d", ""))}
+    wanted = {round(figure.axes.px(phi, 0.0)[0]) for phi in (-10.0, -5.0, 0.0, 5.0, 10.0)}
+    assert places <= wanted
+    assert {round(figure.axes.px(phi, 0.0)[0]) for phi in (-5.0, 0.0, 5.0)} <= places
+    assert lines.get("stroke") == "#FFFFFF"
+    plain = maps.figure(_map(values), stale=False, colours=Colours(contours=False)).content
+    assert "contour" not in plain
+
+
+def test_cells_without_a_workspace_are_hatched_and_only_these() -> None:
+    values = np.full((4, 3), 1e7)
+    values[1, 2] = 0.0
+    figure = maps.figure(_map(values), stale=False)
+    drawn = ElementTree.fromstring(f"<svg>{figure.content}</svg>")
+    (lines,) = [p for p in drawn.iter("path") if p.get("class") == "empty"]
+    places = np.array(re.findall(r"([\d.]+) ([\d.]+)", lines.get("d", "")), dtype=float)
+    x0, x1 = (figure.axes.px(phi, 0.0)[0] for phi in (-20.0 / 3.0, 0.0))
+    y0, y1 = (figure.axes.px(0.0, theta)[1] for theta in (37.5, 22.5))
+    assert len(places) > 6
+    assert (places[:, 0] >= x0 - 0.1).all()
+    assert (places[:, 0] <= x1 + 0.1).all()
+    assert (places[:, 1] >= y0 - 0.1).all()
+    assert (places[:, 1] <= y1 + 0.1).all()
+
+
+def test_a_map_about_the_maximum_is_finer() -> None:
+    chart = Chart("volume", Span(-1.0, 1.0, 11), Span(0.0, 1.0, 5))
+    fine = refined(chart, (0.2, 0.5))
+    assert (fine.first.low, fine.first.high) == pytest.approx((-0.2, 0.6))
+    assert (fine.second.low, fine.second.high) == pytest.approx((0.0, 1.0))
+    assert (fine.first.count, fine.second.count) == (11, 9)
 
 
 def test_a_map_of_one_value_has_one_colour() -> None:

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.features.map.state import Chart, Span
+from app.features.map.state import Chart, Colours, Span
 from app.features.section.state import Cut
 from app.features.solutions.state import Atlas
 from app.features.workspace.state import Shown, Workspace
@@ -137,11 +137,13 @@ def test_broken_ways_of_showing_solutions(review: Review, given: object, message
 
 
 def test_section_and_map_are_kept(review: Review) -> None:
-    chart = Chart("pieces", Span(-0.5, 0.25, 7), Span(0.0, 1.0, 11))
+    colours = Colours(low=0.5, high=None, contours=False, step=2.0)
+    chart = Chart("pieces", Span(-0.5, 0.25, 7), Span(0.0, 1.0, 11), colours)
     shown = review.having(Cut(on=True, at=-12.5), chart)
     again = session.from_text(session.to_text(shown), origin="x")
     assert again[Cut] == shown[Cut]
     assert again[Chart].quantity == "pieces"
+    assert again[Chart].colours == colours
     for span, expected in ((again[Chart].first, chart.first), (again[Chart].second, chart.second)):
         assert (span.low, span.high) == pytest.approx((expected.low, expected.high), abs=1e-12)
         assert span.count == expected.count
@@ -169,6 +171,11 @@ def test_sessions_from_before_there_were_sections_and_maps_still_open(review: Re
         ({"map": {"phi_deg": [0, "10", 3]}}, "finite number"),
         ({"map": {"theta_deg": [10, 0, 3]}}, "θ must end above"),
         ({"map": {"theta_deg": [0, 999, 3]}}, "must stay within"),
+        ({"map": {"colours": 3}}, "'colours' is not of the right kind"),
+        ({"map": {"colours": {"low": "a"}}}, "finite number"),
+        ({"map": {"colours": {"low": 2, "high": 1}}}, "must end above"),
+        ({"map": {"colours": {"step": -1}}}, "the step of the contours"),
+        ({"map": {"colours": {"contours": 1}}}, "are drawn or not"),
     ],
 )
 def test_broken_sections_and_maps(review: Review, edit: dict, message: str) -> None:

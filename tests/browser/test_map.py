@@ -42,9 +42,10 @@ def _place(plot: Locator, phi: float, theta: float) -> tuple[float, float]:
 
 def _set_spans(tab: Tab, low: float, high: float, count: int) -> None:
     for symbol in "φθ":
-        tab.type_into(f"{symbol} from, to (°), values", f"{low}, {high}, {count}")
-        # The browser sends what changed every 50 ms, and of two boxes in that time only the last.
-        tab.page.wait_for_timeout(250)
+        for name, value in (("from", low), ("to", high), ("values", count)):
+            tab.type_into(f"{symbol} {name}", value)
+            # The browser sends what changed every 50 ms, and of two boxes only the last.
+            tab.page.wait_for_timeout(250)
 
 
 def _run(tab: Tab, low: float, high: float, count: int) -> None:
@@ -133,12 +134,11 @@ def test_what_is_typed_after_undo_is_what_is_computed(tab: Tab) -> None:
     tab.open_tab("Review")
     tab.page.get_by_role("button", name="Undo").click()
     tab.open_tab("Map")
-    label = "φ from, to (°), values"
-    tab.wait(lambda: tab.field(label).last.input_value() == "−90, 90, 7", "undone")
+    tab.wait(lambda: tab.field("θ values").last.input_value() == "7", "undone")
     _run(tab, -60, 60, 4)
     told = _plot(tab).get_attribute("data-grid")
     assert told == "4 4"
-    assert tab.field(label).last.input_value() == "-60, 60, 4"
+    assert tab.field("φ from").last.input_value() == "-60"
 
 
 def test_maps_of_several_quantities_are_kept_and_told_apart(tab: Tab) -> None:
@@ -158,14 +158,46 @@ def test_maps_of_several_quantities_are_kept_and_told_apart(tab: Tab) -> None:
 
 def test_ranges_that_cannot_be_used_are_told_and_change_nothing(tab: Tab) -> None:
     tab.open_tab("Map")
-    label = "φ from, to (°), values"
-    tab.type_into(label, "-90, -120, 5")
+    _set_spans(tab, -90, 90, 5)
+    tab.type_into("φ to", "-120")
     tab.wait_for_text("φ must end above where it begins")
-    tab.type_into(label, "nan, 60, 5")
-    tab.wait_for_text("The ends of φ must be finite numbers")
-    tab.type_into(label, "-90,")
-    tab.wait_for_text("φ needs three numbers")
+    tab.type_into("φ to", "nan")
+    tab.wait_for_text("An end of φ: finite numbers")
+    tab.type_into("φ to", "")
+    tab.wait_for_text("An end of φ is one number")
     tab.page.get_by_role("button", name="Start", exact=True).click()
-    tab.type_into(label, "-90 45 5")
-    tab.wait(lambda: "three numbers" not in tab.text(), "ranges that can be used")
+    tab.type_into("φ to", "45")
+    tab.wait(lambda: "one number" not in tab.text(), "ranges that can be used")
     assert "Computing: " not in tab.text()
+
+
+def test_a_map_covers_the_scene_and_gives_way_to_the_machine(tab: Tab) -> None:
+    before = tab.page.viewport_size
+    tab.page.set_viewport_size({"width": 1280, "height": 800})
+    _run(tab, -20, 20, 5)
+    window = tab.page.locator("[data-floating-window]:has(.bo-map)")
+    panel = tab.page.locator('[data-dock-region="right"]').bounding_box()
+    assert panel is not None
+
+    def box() -> tuple[int, ...]:
+        found: Any = window.bounding_box()
+        return tuple(round(found[name]) for name in ("x", "y", "width", "height"))
+
+    tab.wait(lambda: box() == (0, 0, round(panel["x"]), 800), "the map in the scene's place")
+    plot = _plot(tab)
+    tab.wait(lambda: float(str(plot.get_attribute("viewBox")).split()[2]) > 800, "as large")
+    low, high = (tab.page.locator(f"path.{name}").count() for name in ("min", "max"))
+    assert (low, high) == (1, 1)
+    tab.shot("map-whole")
+    tab.page.get_by_role("button", name="Smallest", exact=True).click()
+    tab.wait(lambda: box() == (0, 380, 420, 420), "the map beside the machine")
+    tab.wait(lambda: float(str(plot.get_attribute("viewBox")).split()[2]) < 420, "as small")
+    tab.shot("map-folded")
+    tab.open_tab("Move")
+    tab.wait(lambda: not window.is_visible(), "no map where it is not asked for")
+    tab.wait(lambda: abs(tab.value("φ (°)")) == 20.0, "the machine at the least value")
+    tab.open_tab("Map")
+    tab.page.get_by_role("button", name="Over the scene").click()
+    tab.wait(lambda: box()[2] > 800, "the map in the scene's place again")
+    assert before is not None
+    tab.page.set_viewport_size(before)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -10,28 +9,33 @@ from typing import Any
 import viser
 
 from app.features.map.compute import Charted
+from app.features.map.html import FOLDED, SPANS, state_html, window_html
 from app.features.map.part import MapPart
-from app.features.map.plot import extremes_text, figure
-from app.features.map.state import Chart, SetChart, Span, map_axes
+from app.features.map.plot import ends, extremes, extremes_html, figure, here, scale_of
+from app.features.map.state import Chart, SetChart, Span, map_axes, refined
 from app.features.move.state import Place
 from app.features.section.part import SectionPart
 from app.review.state import Review
 from app.review.units import number, page_unit
-from app.widgets.axes import cross, nearest
-from app.widgets.boxes import Typed, Typing
-from app.widgets.desk import Client, Panel, Sheet, explain
+from app.widgets.axes import nearest
+from app.widgets.boxes import Typed, Typing, typed_numbers
+from app.widgets.desk import TYPED, Client, Panel, Sheet, explain
 from app.widgets.plots import Plot
-from app.widgets.texts import box, esc, red
+from app.widgets.texts import box, esc
 from kinematics.errors import InputError
+from kinematics.facets.map_sweeps import Map
 from kinematics.machine import Machine
 from kinematics.mechanism import Coordinate
 
 KINDS = ("CSV", "NPZ", "PNG", "SVG")
-HINT = "Three numbers; both ends are included, and more values take longer"
-
+HINT = "Both ends are included, and more values take longer"
+GO = {"Largest": "max", "Smallest": "min"}
 HELP = """
 Each cell is computed from exact
 sections; the errors are bounds, not guesses. It is drawn coarse first and refined cell by cell.
+
+The map covers the scene until you go somewhere on it; then it lies beside the machine. **White
+lines** join equal values, hatching marks orientations without a workspace.
 
 The **cross** is the machine's present orientation. **Point** at the map to read it; **click or
 drag** to turn the machine there: x, y and z stay, so the pose may be out of reach, and undo takes
@@ -65,20 +69,19 @@ class MapPanel(Panel):
             lambda key: SetChart(replace(self.review[Chart], quantity=key)),
         )
         self._typing = Typing(desk, together=True)
-        self._spans = []
-        for c in self._axes:
-            title = f"{c.symbol} from, to ({page_unit(c)}), values"
-            handle = gui.add_text(title, shown(c, Span()), hint=HINT)
-            # Text, because number boxes keep to themselves what is no number.
-            self._spans.append(Typed(desk, handle, partial(typed_span, c), partial(shown, c)))
-        for typed in self._spans:
-            self._typing.watch(typed, self._edit)
+        self._spans = self._add_spans()
         self._start = self.button("Start", self._begin, icon=viser.Icon.PLAYER_PLAY)
         self._stop = self.asks("Cancel", part.give_up, icon=viser.Icon.PLAYER_STOP, visible=False)
+        self._refine = self.button("Refine about the maximum", self._about_maximum, visible=False)
         self._state = gui.add_html("")
         self._progress = gui.add_progress_bar(0.0, visible=False, animated=True)
-        self._plot = Plot(desk, self._pointed, both=True)
-        self._extremes = gui.add_html("")
+        self._extremes_folder = gui.add_folder("Extremes", visible=False)
+        with self._extremes_folder:
+            self._extremes = gui.add_html("")
+            self._go = gui.add_button_group("Go to", tuple(GO))
+        self.clicked(self._go, self._go_to)
+        self._add_colours()
+        self._add_window()
         self._known: Charted | None = None
         self.asks_for(
             "Platform into the workspace",
@@ -89,16 +92,85 @@ class MapPanel(Panel):
         self.saving(KINDS, part.save_map)
         explain(gui, review.machine.text("map"), HELP)
 
+    def _add_spans(self) -> list[tuple[Typed, Typed, Typed]]:
+        """A row for each coordinate: from, to, how many; as text, because boxes for numbers keep to
+        themselves what is none.
+        """
+        gui, desk, rows = self.gui, self.desk, []
+        with gui.add_folder("Over"):
+            units = {page_unit(c) for c in self._axes}
+            unit = f" ({units.pop()})" if len(units) == 1 else ""
+            gui.add_html(f'<div class="bo-spans"></div>{SPANS}')
+            gui.add_html(
+                f'<div class="bo-heads"><i></i><i>from{unit}</i><i>to{unit}</i><i>values</i></div>'
+            )
+            for c in self._axes:
+                gui.add_html(f'<div class="bo-name">{esc(c.symbol)}</div>')
+                span, made = Span(), []
+                for part, value in (("from", span.low), ("to", span.high)):
+                    handle = gui.add_text(f"{c.symbol} {part}", _end(c, value))
+                    made.append(Typed(desk, handle, partial(typed_end, c), partial(_end, c)))
+                handle = gui.add_text(f"{c.symbol} values", f"{span.count}", hint=HINT)
+                made.append(Typed(desk, handle, partial(typed_count, c), str))
+                rows.append((made[0], made[1], made[2]))
+        for row in rows:
+            for typed in row:
+                self._typing.watch(typed, self._edit)
+        return rows
+
+    def _add_colours(self) -> None:
+        gui, desk = self.gui, self.desk
+        with gui.add_folder("Colours", expand_by_default=False):
+            hint = "Two numbers in the map's unit; empty for the least and the largest value"
+            handle = gui.add_text("Range", "", hint=hint)
+            self._range = Typed(desk, handle, self._typed_range, self._shown_range)
+            self.button("From 0", lambda client: self._colour(client, low=0.0))
+            self.button("From the least value", lambda client: self._colour(client, low=None))
+            self._step = gui.add_number("Contours apart", 0.0, min=0.0, hint="0 for a round step")
+            self.set(self._step, precision=TYPED)
+            self._lines = gui.add_checkbox("Contours", True)
+        self.answer(handle, self._take_range)
+        self.answer(self._lines, lambda on, client: self._colour(client, contours=on))
+        self.answer(
+            self._step,
+            lambda value, client: self._colour(client, step=value / self._scale()),
+        )
+
+    def _add_window(self) -> None:
+        """The map over the scene, and beside the machine once a person went somewhere on it."""
+        self._window, tab = self.window("The map", *FOLDED, visible=False)
+        with tab:
+            self._place = self.gui.add_html("")
+            self._fold = self.button("Beside the machine", lambda _: self.desk.ask(self._turn))
+            self._plot = Plot(self.desk, self._pointed, both=True, alone=True)
+        self._folded = False
+
+    def _turn(self, folded: bool | None = None) -> None:
+        """Let it cover the scene, or give way to the machine."""
+        self._folded = not self._folded if folded is None else folded
+        self._draw_place()
+
+    def _draw_place(self) -> None:
+        self.set(self._place, content=window_html(folded=self._folded))
+        label = "Over the scene" if self._folded else "Beside the machine"
+        self.set(self._fold, label=label)
+
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)
+        chart = self.review[Chart]
         if not self._typing.wrong:  # what is being typed stays until it can be used
-            for typed, span in zip(self._spans, self.review[Chart].spans, strict=True):
-                typed.draw(span)
-        self._draw_cross()
+            for row, span in zip(self._spans, chart.spans, strict=True):
+                for typed, value in zip(row, (span.low, span.high, span.count), strict=True):
+                    typed.draw(value)
+        self._range.draw((chart.colours.low, chart.colours.high))
+        self.put(self._lines, chart.colours.contours)
+        self.put(self._step, chart.colours.step * self._scale())
+        self._draw_map()
 
     def told(self, sheet: Sheet, news: Any) -> None:
         if not isinstance(news, Charted):
             return
+        self._known = news
         running = bool(news.running)
         self.see(running, self._progress, self._stop)
         self.see(not running, self._start)
@@ -106,99 +178,134 @@ class MapPanel(Panel):
         wanted = self.review[Chart].quantity
         chosen = next(title for title, key in self._titles.items() if key == wanted)
         self.say(self._state, state_html(news, chosen))
-        self._known, found = news, news.map
-        told = "" if found is None else extremes_text(found)
-        self.say(self._extremes, box(esc(told).replace("\n", "<br>")) if told else "", news.stale)
-        if found is None:
+        self._draw_map()
+
+    def _draw_map(self) -> None:
+        """The map, its extremes, and where the machine is on it."""
+        news = self._known
+        found = None if news is None else news.map
+        there = found is not None and bool(found.done.any())
+        self.see(there, self._window, self._extremes_folder)
+        self._draw_place()
+        if news is None or found is None or not there:
+            self.see(False, self._refine)
             self._plot.draw(None)
-        else:
-            of = news.of, int(found.done.sum()), found.request, news.stale
-            self._plot.draw(of, partial(figure, found, stale=news.stale))
-        self._draw_cross()
+            return
+        self.see(not news.stale and found.complete, self._refine)
+        colours, pose = self.review[Chart].colours, self.review.pose
+        self.say(self._extremes, box(extremes_html(found, pose)), news.stale)
+        of = news.of, int(found.done.sum()), found.request, news.stale, colours
+        make = partial(figure, found, stale=news.stale, colours=colours)
+        self._plot.draw(of, make)
+        self._plot.mark(lambda drawn: here(found, drawn.axes, pose))
 
-    def _draw_cross(self) -> None:
-        pose = self.review.pose
-        x, y = (c.outer(pose[n]) for c, n in zip(self._axes, self._indices, strict=True))
-        self._plot.mark(lambda figure: cross(figure.axes, x, y, 8.0))
+    def _scale(self) -> float:
+        """How many of the unit that is shown a value of one is."""
+        found = None if self._known is None else self._known.map
+        if found is None:
+            return 1.0
+        return scale_of(found.request.quantities[0], ends(found)[1])[1]
 
-    def _edit(self, _: Span, client: Client) -> None:
+    # --- what a person does
+
+    def _edit(self, _: object, client: Client) -> None:
         """Take the spans as soon as all can be used."""
-        spans = [typed.read() for typed in self._spans]
-        self.desk.send(
-            SetChart(Chart(self.review[Chart].quantity, *spans).checked(self.review)), client
-        )
+        spans = [Span(low.read(), high.read(), count.read()) for low, high, count in self._spans]
+        chart = replace(self.review[Chart], first=spans[0], second=spans[1])
+        self.desk.send(SetChart(chart.checked(self.review)), client)
 
     def _begin(self, client: Client) -> None:
         if not self._typing.wrong:  # else it stands above the button what is wrong
+            self.desk.ask(self._turn, folded=False)
             self.desk.ask(self._part.begin, client)
+
+    def _about_maximum(self, client: Client) -> None:
+        found = None if self._known is None else self._known.map
+        if found is not None and (place := dict(_places_of(found)).get("max")):
+            self.desk.send(SetChart(refined(self.review[Chart], place)), client)
+            self.desk.ask(self._part.begin, client)
+
+    def _go_to(self, client: Client) -> None:
+        found = None if self._known is None else self._known.map
+        if found is not None and (place := dict(_places_of(found)).get(GO[self._go.value])):
+            self._visit(place, client)
 
     def _pointed(self, x: float, y: float, client: Client) -> None:
         if self._known is None or self._known.map is None:
             return
         request = self._known.map.request
+        place = tuple(  # that of the cell that is told
+            nearest(known, c.inner(value))
+            for c, value, known in zip(
+                self._axes, (x, y), (request.first, request.second), strict=True
+            )
+        )
+        self._visit((place[0], place[1]), client)
+
+    def _visit(self, place: tuple[float, float], client: Client) -> None:
+        """Turn the machine there, and show it."""
         pose = list(self.review.pose)
-        for n, c, value, known in zip(
-            self._indices, self._axes, (x, y), (request.first, request.second), strict=True
-        ):
-            pose[n] = nearest(known, c.inner(value))  # that of the cell that is told
+        for n, value in zip(self._indices, place, strict=True):
+            pose[n] = value
+        self.desk.ask(self._turn, folded=True)
         self.desk.send(Place(tuple(pose), gesture="map"), client)
 
+    def _colour(self, client: Client, **values: Any) -> None:
+        chart = self.review[Chart]
+        colours = replace(chart.colours, **values)
+        self.desk.send(SetChart(replace(chart, colours=colours), gesture="colours"), client)
 
-def shown(axis: Coordinate, span: Span) -> str:
-    """A span as it can be typed: "-90, 90, 37"."""
-    low, high = (number(round(axis.outer(v), 6)) for v in (span.low, span.high))
-    return f"{low}, {high}, {span.count}"
+    def _take_range(self, _: str, client: Client) -> None:
+        low, high = self._range.read()
+        self._colour(client, low=low, high=high)
+
+    def _typed_range(self, text: str) -> tuple[float | None, float | None]:
+        values = typed_numbers(text, "The range of the colours")
+        if not values:
+            return None, None
+        if len(values) != 2:
+            raise InputError("The range of the colours: two numbers, or nothing")
+        return values[0] / self._scale(), values[1] / self._scale()
+
+    def _shown_range(self, ends_: tuple[float | None, float | None]) -> str:
+        found = None if self._known is None else self._known.map
+        if ends_ == (None, None) or found is None:
+            return ""
+        low, high = (
+            own if end is None else end for end, own in zip(ends_, ends(found), strict=True)
+        )
+        return f"{number(low * self._scale())}, {number(high * self._scale())}"
 
 
-def typed_span(axis: Coordinate, typed: str) -> Span:
-    """What a person typed: three numbers, with commas, semicolons or spaces between them.
+def _places_of(found: Map) -> list[tuple[str, tuple[float, float]]]:
+    """Where the extremes are, mm or rad."""
+    request = found.request
+    return [(name, (request.first[i], request.second[j])) for name, (i, j) in extremes(found)]
+
+
+def _end(axis: Coordinate, value: float) -> str:
+    return number(round(axis.outer(value), 6))
+
+
+def typed_end(axis: Coordinate, typed: str) -> float:
+    """An end of a span, mm or rad, as a person typed it.
 
     Raises:
-        InputError: it is something else.
+        InputError: it is no number.
     """
-    words = re.split(r"[\s,;…]+", typed.strip().replace("−", "-"))
-    try:
-        low, high, count = map(float, words)
-    except ValueError:
-        raise InputError(
-            f"{axis.symbol} needs three numbers: from, to, and how many values, as "
-            f"{shown(axis, Span())}"
-        ) from None
-    if not abs(count) < 1e9 or count != round(count):
+    values = typed_numbers(typed, f"An end of {axis.symbol}")
+    if len(values) != 1:
+        raise InputError(f"an end of {axis.symbol} is one number")
+    return axis.inner(values[0])
+
+
+def typed_count(axis: Coordinate, typed: str) -> int:
+    """How many values a span has.
+
+    Raises:
+        InputError: it is no whole number.
+    """
+    values = typed_numbers(typed, f"How many values of {axis.symbol}")
+    if len(values) != 1 or not abs(values[0]) < 1e9 or values[0] != round(values[0]):
         raise InputError(f"how many values of {axis.symbol} is a whole number")
-    return Span(axis.inner(low), axis.inner(high), int(count))
-
-
-def state_html(charted: Charted, chosen: str) -> str:
-    """What the plot shows, and what is going on; ``chosen`` is the title of what is wanted."""
-    if charted.running:
-        done = f"{100 * charted.share:.0f} %" if charted.share else "starting …"
-        what = "" if charted.running == chosen else f" {esc(charted.running)},"
-        return box(f"Computing:{what} {done} · {charted.seconds:.0f} s{_other(charted, chosen)}")
-    if charted.trouble:
-        return red(charted.trouble)
-    if charted.map is None or not charted.map.done.any():
-        return box("Nothing is computed yet: choose what to show and start it.")
-    share = 100 * charted.map.done.mean()
-    if charted.stale:
-        part = "" if charted.map.complete else f" It was stopped at {share:.0f} %."
-        return box(
-            f"<b>Of the design or working modes before.</b>{part} Press Start for the present."
-        )
-    if other := _other(charted, chosen):
-        return box(f"{other} Press Start for {esc(_lower(chosen))}.")
-    if not charted.map.complete:
-        return box(f"Stopped at {share:.0f} % of the map; press Start to compute it whole.")
-    return ""
-
-
-def _other(charted: Charted, chosen: str) -> str:
-    """A sentence when the plot shows something else than what is chosen."""
-    if charted.map is None or not charted.map.done.any():
-        return ""
-    shown = charted.map.request.quantities[0].title
-    return "" if shown == chosen else f" <b>Shown: {esc(_lower(shown))}.</b>"
-
-
-def _lower(title: str) -> str:
-    return title[0].lower() + title[1:]
+    return int(values[0])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar, Self
 
 from app.review import content as session
@@ -25,14 +25,32 @@ class Span:
     count: int = 37
 
 
+@dataclass(frozen=True, slots=True)
+class Colours:
+    """How the values of a map are drawn, in their own units.
+
+    Attributes:
+        low, high: of the colours; None: the least and the largest value.
+        contours: lines of equal value are drawn.
+        step: from line to line; 0 for a round one.
+    """
+
+    low: float | None = None
+    high: float | None = None
+    contours: bool = True
+    step: float = 0.0
+
+
 @dataclass(frozen=True)
 class Chart(Slice):
-    """What a map shows (a key of the mechanism's `MapSpec`) and over which two spans."""
+    """What a map shows (a key of the mechanism's `MapSpec`), over which two spans, and how."""
 
     filed_as: ClassVar[str] = "map"
+    LOOKS: ClassVar[frozenset[str]] = frozenset(("colours",))
     quantity: str = "volume"
     first: Span = Span()
     second: Span = Span()
+    colours: Colours = Colours()
 
     @property
     def spans(self) -> tuple[Span, Span]:
@@ -54,6 +72,7 @@ class Chart(Slice):
             for end in (span.low, span.high):
                 if beyond := within(axis, end)[1]:
                     raise InputError(beyond.replace("is kept", "must stay"))
+        _check(self.colours)
         return self
 
     def written(self, review: Review) -> dict[str, Any]:
@@ -64,7 +83,8 @@ class Chart(Slice):
             session.key_of(c): [c.outer(s.low), c.outer(s.high), s.count]
             for c, s in zip(axes, self.spans, strict=True)
         }
-        return {self.filed_as: {"quantity": self.quantity} | spans}
+        drawn = {"colours": asdict(self.colours)} if self.colours != Colours() else {}
+        return {self.filed_as: {"quantity": self.quantity} | spans | drawn}
 
     @classmethod
     def read(cls, content: dict[str, Any], review: Review, origin: str) -> Self:
@@ -83,10 +103,32 @@ class Chart(Slice):
                 low, high = (c.inner(session.number(v, what)) for v in values[:2])
                 span = Span(low, high, values[2])
             spans.append(span)
+        drawn = session.table(given, "colours", f"{origin}: map")
+        colours = _colours(drawn, f"{origin}: map: colours")
         try:
-            return cls(given.get("quantity", usual.quantity), *spans).checked(review)
+            quantity = given.get("quantity", usual.quantity)
+            return cls(quantity, spans[0], spans[1], colours).checked(review)
         except InputError as error:
             raise InputError(f"{origin}: map: {error}") from None
+
+
+def _colours(given: dict[str, Any], what: str) -> Colours:
+    ends = [given.get(name) for name in ("low", "high")]
+    low, high = (None if end is None else session.number(end, what) for end in ends)
+    contours, step = given.get("contours", True), session.number(given.get("step", 0.0), what)
+    if not isinstance(contours, bool):
+        raise InputError(f"{what}: contours are drawn or not")
+    return Colours(low, high, contours, step)
+
+
+def _check(colours: Colours) -> None:
+    low, high = colours.low, colours.high
+    if not all(math.isfinite(v) for v in (low, high, colours.step) if v is not None):
+        raise InputError("the range of the colours and the step of the contours are finite numbers")
+    if low is not None and high is not None and low >= high:
+        raise InputError("the colours must end above where they begin")
+    if colours.step < 0.0:
+        raise InputError("the step of the contours is positive, or 0 for a round one")
 
 
 @dataclass(frozen=True)
@@ -98,6 +140,15 @@ class SetChart(Change):
 
     def apply(self, review: Review) -> Taken:
         return review.having(self.chart.checked(review)), ""
+
+
+def refined(chart: Chart, at: tuple[float, float]) -> Chart:
+    """A chart of as many values about a place, mm or rad, two of its steps either way."""
+    spans = []
+    for span, middle in zip(chart.spans, at, strict=True):
+        step = (span.high - span.low) / (span.count - 1)
+        spans.append(Span(middle - 2.0 * step, middle + 2.0 * step, max(span.count, 9)))
+    return replace(chart, first=spans[0], second=spans[1])
 
 
 def map_axes(review: Review) -> tuple[Coordinate, ...]:
