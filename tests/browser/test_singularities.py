@@ -52,7 +52,7 @@ def test_the_place_is_told_and_drawn(control: Tab) -> None:
 
 def test_aspects_are_shown_listed_and_coloured(control: Tab) -> None:
     control.check("Show").click()
-    control.wait_for_text(r"1\s+2\.81\d* dm³\s+det < 0\s+you are in this one")
+    control.wait_for_text(r"1\s+det < 0\s+2\.81\d* dm³\s+[\d.]+\s+the machine is here")
     control.wait_for_text(r"together 6\.00\d* ± [\d.]+ dm³")
     lost = palette.rgb(palette.BEYOND)
     control.wait(lambda: lost in _coats(control), "the singular surface")

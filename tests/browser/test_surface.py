@@ -22,9 +22,10 @@ def _undo(tab: Tab) -> None:
 
 def test_the_true_surface_is_shown_told_and_taken_back(tab: Tab) -> None:
     tab.open_tab("Workspace")
-    tab.wait_for_text("normal solid|fine solid")
+    tab.wait_for_text("mesh: (normal|fine)")
     tab.wait_for_text("facets, right on the average")
     before = tab.props("/solids/workspace/front0")["vertices"]
+    tab.unfold("Look")
     _choose(tab, "Made of", "The true surface")
     tab.wait_for_text("true: vertices within")
     tab.wait(lambda: tab.props("/solids/workspace/front0")["vertices"] > before, "more vertices")
