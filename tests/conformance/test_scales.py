@@ -14,6 +14,7 @@ import pytest
 import kinematics as kin
 from app import cli
 from kinematics.designs import files
+from kinematics.facets.reach import reach
 from kinematics.machine import machine_of
 from kinematics.mechanism import mechanism_class
 from tests.conformance.machines import ONE_EACH, held, machine
@@ -74,6 +75,20 @@ def test_postures_margins_and_singularities(name: str, factor: float) -> None:
         np.testing.assert_allclose(there.joints, joints_by * one.joints, rtol=1e-9)
         singular = [m.singularities.at(p, 1e-3) for m, p in ((usual, one), (other, there))]
         assert [each.kind for each in singular[1]] == [each.kind for each in singular[0]]
+
+
+@each
+@by_factor
+def test_where_coordinates_can_go(name: str, factor: float) -> None:
+    usual, other = machine(name), scaled(name, factor)
+    by = lengths(usual.coordinates, factor)
+    here = usual.home
+    before = reach(usual.inverse, here.pose, here.mode)
+    after = reach(other.inverse, (by * here.pose).tolist(), here.mode)
+    for axis, scale, one, two in zip(usual.coordinates, by, before, after, strict=True):
+        assert len(one) == len(two)
+        within = (axis.upper - axis.lower) / 1000
+        assert np.abs(two / scale - one).max(initial=0.0) <= within
 
 
 @each

@@ -9,7 +9,7 @@ from typing import Any
 from app.features.move import html
 from app.features.move.state import Drive, Flip, GiveWay, GoHome, Move, Place
 from app.review.state import Review
-from app.review.units import page_unit
+from app.review.units import page_unit, sentence
 from app.review.view import Limits, Moment, Reach
 from app.widgets.boxes import Slider, pose_box
 from app.widgets.desk import Client, Panel, Sheet, explain
@@ -111,7 +111,9 @@ class MovePanel(Panel):
         self._picker.say(html.picker_html(self.review, answered))
         self._modes.note(html.reaching_text(self.review, answered))
         self._meeting = machine.singularities.mode_change(sheet.view.posture)
-        self.say(self._change, "" if self._meeting is None else box(esc(self._meeting.text)))
+        self.say(
+            self._change, "" if self._meeting is None else box(esc(sentence(self._meeting.text)))
+        )
         self.set(self._go, visible=self._meeting is not None and not self._meeting.here)
 
     def told(self, sheet: Sheet, news: Any) -> None:

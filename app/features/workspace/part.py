@@ -14,7 +14,7 @@ from app.features.workspace import compute
 from app.features.workspace.files import regions_file
 from app.features.workspace.painter import Painter
 from app.features.workspace.scene import Flats
-from app.features.workspace.state import ASPECTS, modes_text, usual_opacity
+from app.features.workspace.state import ASPECTS, colour_text, modes_text, usual_opacity
 from app.jobs.answers import Asked
 from app.jobs.lane import Lane
 from app.jobs.parts import Client, Part, Stage
@@ -153,7 +153,7 @@ class SolidsPart(Part):
         self, review: Review, built: compute.Built | None, old: compute.Built | None
     ) -> None:
         """How large the workspace is, where no exact section tells it; and its colour."""
-        entry = ((palette.WORKSPACE, f"workspace, {modes_text(review)}"),)
+        entry = ((palette.WORKSPACE, colour_text(review)),)
         self.stage.tell(Legend("workspace", entry if built or old else ()))
         if review.machine.section_spec is not None or review.machine.region_specs:
             return
@@ -234,7 +234,7 @@ class RegionsPart(Part):
             area = sum(region.section.area for region in regions)
             fact = Fact(area_text(area), of) if regions else None
             self.stage.tell(Size(fact, told.stale))
-            entries = ((palette.WORKSPACE, f"workspace, {of}"),) if regions else ()
+            entries = ((palette.WORKSPACE, colour_text(sheet.view.review)),) if regions else ()
             self.stage.tell(Legend("workspace", entries))
         if told.now is not None and not self._fitted:
             self._fitted = True

@@ -137,6 +137,12 @@ def modes_text(review: Review) -> str:
     return "this mode" if modes == "current" else f"{len(modes)} modes together"
 
 
+def colour_text(review: Review) -> str:
+    """What the workspace's colour stands for."""
+    one = len(review.machine.modes) == 1
+    return "workspace" if one else f"workspace, {modes_text(review)}"
+
+
 @dataclass(frozen=True)
 class Show(Change):
     """Show or hide a solid."""
