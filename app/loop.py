@@ -349,9 +349,9 @@ class Page:
 
     def _look(self, name: Look | None = None, client: viser.ClientHandle | None = None) -> None:
         """Show all that there is, from one side or as at first."""
-        bounds = [b for part in self._parts if (b := part.bounds) is not None]
+        more = [points for part in self._parts if (points := part.points) is not None]
         covered = max(part.covered for part in self._parts)
-        look(self.server, self._view, bounds, name, client, covered)
+        look(self.server, self._view, more, name, client, covered)
 
 
 def _superseded(item: _Asked, later: Sequence[Any]) -> bool:

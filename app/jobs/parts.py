@@ -176,8 +176,8 @@ class Part:
         return 0.0
 
     @property
-    def bounds(self) -> tuple[Array, Array] | None:
-        """The box around what it shows, mm, to be seen whole; None as a rule."""
+    def points(self) -> Array | None:
+        """Points (N, 3) mm of what it shows that are to be seen all; None as a rule."""
         return None
 
     @property

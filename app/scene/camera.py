@@ -41,19 +41,16 @@ UP = {False: (0.0, 0.0, 1.0), True: (0.0, 1.0, 0.0)}
 MOST_COVERED = 0.6  # of the picture; the machine has the rest at the least
 ASPECT = 1.0  # of a picture that is not known yet
 
-Bounds = tuple[Array, Array]
-"""The least and the largest corner of a box, (3,) mm each."""
-
 
 def look(
     server: viser.ViserServer,
     view: View,
-    more: Sequence[Bounds],
+    more: Sequence[Array],
     name: Look | None = None,
     client: viser.ClientHandle | None = None,
     covered: float = 0.0,
 ) -> None:
-    """Show the machine whole, and ``more`` boxes.
+    """Show the machine whole, and ``more`` points (N, 3), mm.
 
     Args:
         covered: px at the foot of the scene over which something lies.
@@ -61,7 +58,7 @@ def look(
         client: in this browser; None in every one and in those to come.
     """
     planar, size = is_planar(view.review.machine), view.drawing.size
-    points = np.concatenate([_corners(b) for b in (machine_bounds(view.drawing), *more)])
+    points = np.concatenate([machine_points(view.drawing), *more])
     parallel = view.review[Options].parallel
 
     def aim(camera: Any, aspect: float, toward: Array, narrow: bool, foot: float = 0.0) -> None:
@@ -97,11 +94,6 @@ def _seen_from(camera: Any) -> Array:
     """From where a person looks, as a vector."""
     seen: Array = np.asarray(camera.position) - np.asarray(camera.look_at)
     return seen
-
-
-def _corners(bounds: Bounds) -> Array:
-    """The corners of a box (8, 3)."""
-    return np.array([[bounds[n >> k & 1][k] for k in range(3)] for n in range(8)])
 
 
 def axes_of(toward: Array, *, flat: bool = False) -> tuple[Array, Array, Array]:
@@ -148,13 +140,10 @@ def frame(
     return flat_place + distance * back, flat_place + middle * back
 
 
-def machine_bounds(drawing: Drawing) -> tuple[Array, Array]:
-    """The box around a machine, mm."""
-    points = np.array([p for bar in drawing.bars for p in (bar.start, bar.end)])
-    low, high = points.min(axis=0), points.max(axis=0)
-    for body in drawing.bodies:
-        if body.frame == "base":
-            own = np.array(body.points)
-            low = np.minimum(low, own.min(axis=0) - body.radius)
-            high = np.maximum(high, own.max(axis=0) + body.radius)
-    return low, high
+def machine_points(drawing: Drawing) -> Array:
+    """Points (N, 3) mm around a machine: the ends of its bars, its base with its thickness."""
+    ends = [p for bar in drawing.bars for p in (bar.start, bar.end)]
+    around = np.concatenate([np.eye(3), -np.eye(3)])
+    bases = [b for b in drawing.bodies if b.frame == "base"]
+    thick = [(np.array(b.points)[:, None] + b.radius * around).reshape(-1, 3) for b in bases]
+    return np.concatenate([np.array(ends), *thick])

@@ -113,9 +113,11 @@ class Scene(Nodes):
             if not dragging:
                 self.pose(self.handle, view.platform)
 
-    def ground(self, what: str, bounds: tuple[Array, Array] | None) -> None:
-        """Put the ground below something that is shown, in this box; None: it is not any more."""
-        self._lowest[what] = math.inf if bounds is None else float(bounds[0][2])
+    def ground(self, what: str, points: Array | None) -> None:
+        """Put the ground below something that is shown, by its points (N, 3) mm; None: it is not
+        any more.
+        """
+        self._lowest[what] = math.inf if points is None else float(points[:, 2].min())
         self._show_ground()
 
     def _show_ground(self) -> None:

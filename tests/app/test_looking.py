@@ -103,8 +103,7 @@ def test_the_ground_is_below_everything_that_is_shown() -> None:
         floor = page.node("/grid").position[2]
         assert floor < base_floor(drawing)
         assert floor > base_floor(drawing) - 1.2 * cell
-        low = np.array([0.0, 0.0, -234.0])
-        page.page.scene.ground("something", (low, -low))
+        page.page.scene.ground("something", np.array([[0.0, 0.0, -234.0], [0.0, 0.0, 9.0]]))
         assert -234.0 - 1.2 * cell < page.node("/grid").position[2] < -234.0
         page.page.scene.ground("something", None)
         assert page.node("/grid").position[2] == floor

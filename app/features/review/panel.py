@@ -38,9 +38,9 @@ OPTIONS: dict[str, tuple[str, Said | None]] = {
 
 HELP = """
 **Drag** to turn the view, **right-drag** to shift it, **scroll** to zoom. **Ctrl/Cmd + K** opens
-the command palette with every hotkey: **F** fit the view, **H** home, **Ctrl+Z** undo,
-**Ctrl+Y** redo, **L** labels, **W** workspace, **A** aspects, **X** section, **T** trajectory,
-**P** play.
+the command palette with every hotkey: **F** fit the view, **1**–**4** isometric, plan, front and
+side, **H** home, **Ctrl+Z** undo, **Ctrl+Y** redo, **L** labels, **W** workspace, **A** aspects,
+**X** section, **T** trajectory, **P** play.
 
 A solid is saved in the base frame, in mm. A **session file** holds the whole review: design, pose,
 what is shown; a colleague opens it here or with `bohemia serve --session FILE`. The **scene as a

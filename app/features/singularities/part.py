@@ -21,7 +21,7 @@ from app.jobs.parts import Client, Grip, Part, Stage
 from app.review.changes import Change
 from app.review.state import Review
 from app.review.view import Clear, Limits, View
-from app.scene.camera import machine_bounds
+from app.scene.camera import machine_points
 from app.widgets.desk import Sheet
 from kinematics.answers.loci import LocusCurves
 from kinematics.arrays import Array
@@ -204,9 +204,9 @@ class ControlPart(Part):
         return super().due if self._swing is None else FRAME
 
     @property
-    def bounds(self) -> tuple[Array, Array] | None:
+    def points(self) -> Array | None:
         other = self.stage.view.beside
-        return None if other is None else machine_bounds(other.drawing)
+        return None if other is None else machine_points(other.drawing)
 
     def catch_up(self) -> None:
         if self._swing is not None:

@@ -180,12 +180,10 @@ class TrajectoryPart(Part):
         return FRAME if playing.waits or self._fit_at is not None else super().due
 
     @property
-    def bounds(self) -> tuple[Array, Array] | None:
-        """The box around the way of O′, mm; None while there is none."""
+    def points(self) -> Array | None:
+        """The way of O′, mm; None while there is none."""
         computed = self.answers[compute.TRAJECTORY].shown
-        return (
-            None if computed is None else (computed.spots.min(axis=0), computed.spots.max(axis=0))
-        )
+        return None if computed is None else computed.spots
 
     @property
     def covered(self) -> float:

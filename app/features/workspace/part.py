@@ -139,7 +139,7 @@ class SolidsPart(Part):
                 self._scene.hide(spec.key)
         placed = {k: (last.solid, last.wish.placement) for k, (last, _) in self._shown.items()}
         self._scene.name(placed)
-        self.stage.scene.ground("solids", self.bounds)
+        self.stage.scene.ground("solids", self.points)
         if self._design != review.design and (built or not wished):
             if self._design is not None or built:
                 self.stage.fit_view()  # solids are larger than the machine
@@ -170,15 +170,14 @@ class SolidsPart(Part):
         return self._painter.coats(review, built.wish, built.solid, values)
 
     @property
-    def bounds(self) -> tuple[Array, Array] | None:
-        """The box around the solids on display, mm."""
-        corners = []
-        for last, _ in self._shown.values():
-            if last.solid.triangles:
-                at = last.wish.placement
-                placed = last.solid.mesh.vertices @ at[:3, :3].T + at[:3, 3]
-                corners += [placed.min(0), placed.max(0)]
-        return (np.min(corners, axis=0), np.max(corners, axis=0)) if corners else None
+    def points(self) -> Array | None:
+        """The vertices of the solids on display, mm."""
+        placed = [
+            last.solid.mesh.vertices @ last.wish.placement[:3, :3].T + last.wish.placement[:3, 3]
+            for last, _ in self._shown.values()
+            if last.solid.triangles
+        ]
+        return np.concatenate(placed) if placed else None
 
     # --- files
 
@@ -226,7 +225,7 @@ class RegionsPart(Part):
         told = self.answers[compute.REGIONS]
         if self._scene is not None:
             self._scene.show(told.shown, faint=self.aged(told))
-            self.stage.scene.ground("regions", self.bounds)
+            self.stage.scene.ground("regions", self.points)
         self.stage.tell(compute.Laying(told.shown, told.stale, told.trouble))
         if self._scene is not None:
             regions = () if told.shown is None else told.shown.regions
@@ -241,13 +240,10 @@ class RegionsPart(Part):
             self.stage.fit_view()
 
     @property
-    def bounds(self) -> tuple[Array, Array] | None:
-        """The box around the regions on display, mm."""
+    def points(self) -> Array | None:
+        """The outlines of the regions on display, mm."""
         laid = self.answers[compute.REGIONS].shown
-        if laid is None or not len(laid.lines):
-            return None
-        points = laid.lines.reshape(-1, 3)
-        return points.min(axis=0), points.max(axis=0)
+        return None if laid is None or not len(laid.lines) else laid.lines.reshape(-1, 3)
 
     def save_regions(self, kind: str, client: Client) -> None:
         """Save the plane regions on display as a file of this kind."""
