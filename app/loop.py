@@ -38,6 +38,7 @@ from kinematics.errors import InputError
 log = logging.getLogger(__name__)
 
 TICK = 0.25  # s between looks at the clock while nothing happens
+HAND_OVER = 0.004  # s to wait at most for what was set to be taken for sending
 MOMENT = 0.03  # s, the same while something waits to be brought up to date
 PANEL_WIDTH = 416  # px; with its edge 420
 
@@ -81,6 +82,7 @@ class Page:
         self._dark: bool | None = None
         self._stopping = threading.Event()
         self._parts = [kind(self) for kind in each("part", Part)]
+        self._next = 0  # of them, whose turn it is to be drawn
 
     # --- what panels ask for (Desk)
 
@@ -238,10 +240,40 @@ class Page:
                     redraw |= bool(item())
         if redraw:
             self._publish()
-        for part in self._parts:
-            part.catch_up()
+        self._catch_up([part for part in self._parts if any(map(part.awaits, items))])
         if self._header is not None:
             self._header.draw_work(self._longest_work())
+
+    def _catch_up(self, first: Sequence[Part]) -> None:
+        """Draw what is late, where an answer has come first.
+
+        Once something waits in the inbox it goes before the rest, which the next turn begins with;
+        so all are drawn in the end, however many turns there are.
+        """
+        for part in first:
+            part.catch_up()
+        if first:
+            self._hand_over()
+        for _ in self._parts:
+            part = self._parts[self._next]
+            self._next = (self._next + 1) % len(self._parts)
+            late = part.late
+            part.catch_up()
+            if late and not part.late and not self._inbox.empty():
+                return
+
+    def _hand_over(self) -> None:
+        """Have what was set so far taken for sending, before more is set.
+
+        From the next atomic block on nothing would be, and the event loop is seldom sooner.
+        """
+        self.server.flush()
+        buffer = self.server._websock_server._broadcast_buffer
+        last, end = buffer.message_counter - 1, time.monotonic() + HAND_OVER
+        while min([*buffer.generator_cursors.values()], default=last) < last:
+            if time.monotonic() >= end:  # a browser that is slow to take what it gets
+                return
+            time.sleep(0.0002)
 
     def apply(self, change: Change, client: viser.ClientHandle | None) -> bool:
         """Take a change; true when the page has to be brought to it."""
@@ -284,7 +316,7 @@ class Page:
             for part in self._parts:
                 part.follow()
             self.show_machine()
-        self.server.flush()  # the machine waits for no panel
+        self._hand_over()  # the machine waits for no panel
         with self.server.atomic():
             sheet = self.sheet()
             for panel in self._panels:

@@ -19,7 +19,7 @@ from typing import Any
 from app.jobs.process import Process, Spawning, give_way
 from kinematics.errors import ComputationError, InputError
 
-YIELD = 10  # how much the processes give way to whatever a person is waiting for (nice)
+YIELD = 19  # how much the processes give way to whatever a person is waiting for (nice)
 REPLY = 5.0  # s for a scheduler to answer, and as much again for a worker
 LOOK = 2.0  # s between two looks at a cluster
 PATIENCE = 30.0  # s to wait for the workers of a cluster that has lost them all

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any, ClassVar, ParamSpec, Protocol, TypeVar
 
-from app.jobs.answers import Answers, Asked, Told
+from app.jobs.answers import Answers, Asked, Key, Told
 from app.jobs.lane import Done, Lane, Lost
 
 if TYPE_CHECKING:
@@ -238,6 +238,13 @@ class Part:
             redraw = self.came(asked, event.result)
         self.ask()  # more may be asked now
         return redraw
+
+    def awaits(self, item: object) -> bool:
+        """Whether something in the loop's inbox came from one of its lanes."""
+        if not isinstance(item, Done | Lost):
+            return False
+        key = item.job.key
+        return isinstance(key, Key) and key.question.lane in self.lanes
 
     def catch_up(self) -> None:
         """Draw what is late, after everything else."""

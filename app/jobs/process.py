@@ -17,7 +17,7 @@ from kinematics.errors import BohemiaError
 
 T = TypeVar("T")
 
-GIVES_WAY = 8
+GIVES_WAY = 15
 """Steps of niceness of all that is not the coarse solid, which a hand waits for."""
 
 

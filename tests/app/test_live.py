@@ -140,3 +140,27 @@ def test_the_machine_is_sent_before_the_panels_are_drawn(monkeypatch: pytest.Mon
             )
         seat.do(Move(3, 0.1))
         assert happened[: happened.index("panel")] == ["machine", "flush"]
+
+
+def test_what_comes_goes_before_what_is_late_and_all_is_drawn(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    with seats.seat() as seat:
+        page, drawn = seat.page, []
+        for part in page._parts:
+            show = part.show
+            monkeypatch.setattr(
+                part, "show", lambda sheet, part=part, show=show: (drawn.append(part), show(sheet))
+            )
+        page.apply(Move(3, 0.1), None)
+        page._publish()
+        solids = page.part(SolidsPart)
+        page.put("redraw")  # something waits all the time
+        page._catch_up([solids])
+        assert drawn[0] is solids
+        assert len(drawn) == 2
+        late = [part for part in page._parts if part.late]
+        for _ in late:
+            page._catch_up([])
+        assert not any(part.late for part in late if part.due == 0.0)
+        assert len(drawn) == len(set(drawn))

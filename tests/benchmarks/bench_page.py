@@ -36,19 +36,19 @@ class Watched(Page):
 
     def __init__(self, server: viser.ViserServer, name: str) -> None:
         super().__init__(server, new_review(load_design(name)), "bench", None)
-        self.shown: queue.Queue[tuple[Built, str, float]] = queue.Queue()
+        self.sent: queue.Queue[tuple[Built, str, float]] = queue.Queue()
 
     def tell(self, news: object, view: View | None = None) -> None:
         super().tell(news, view)
         if isinstance(news, Solids):
             now = time.perf_counter()
             for built in news.built.values():
-                self.shown.put((built, built.resolution, now))
+                self.sent.put((built, built.resolution, now))
 
     def wait(self, resolution: str, phi: float) -> tuple[float, Built]:
         """When the solid of this orientation and resolution was sent."""
         while True:
-            built, got, when = self.shown.get(timeout=60)
+            built, got, when = self.sent.get(timeout=60)
             if got == resolution and built.wish.what[2] == phi:
                 return when, built
 

@@ -25,7 +25,7 @@ from app.widgets.desk import DIGITS, Sheet
 from kinematics.errors import BohemiaError
 from kinematics.machine import machine_of, required
 
-PREPARING = 15  # how much that process gives way to all others (nice)
+PREPARING = 19  # how much that process gives way to all others (nice)
 QUESTIONS: dict[str, Any] = {"ball": compute.BALL, "box": compute.BOX}
 
 
