@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from functools import cache
+from math import comb
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -34,14 +37,48 @@ def signs(coefficients: Array, v: Array) -> NDArray[np.int8]:
 def crossings(coefficients: Array, low: Array, high: Array) -> Array:
     """Where polynomials (N, D + 1) change their sign between ``low`` and ``high`` (N,).
 
-    Between the places where the derivative does there is one at most: that is bracketed.
-
     Returns:
         (N, D), ∞ where there is none.
     """
     degree = coefficients.shape[1] - 1
     if degree <= 2:
         return _of_a_square(coefficients, low, high)
+    found = np.full((len(coefficients), degree), np.inf)
+    some = np.flatnonzero(_may_change(coefficients, low, high))
+    if len(some):
+        found[some] = _between_turns(coefficients[some], low[some], high[some])
+    return found
+
+
+def _may_change(coefficients: Array, low: Array, high: Array) -> NDArray[np.bool_]:
+    """(N,) which polynomials may change their sign: not those whose coefficients in Bernstein's
+    basis between the ends have one sign, for they are in the hull of these."""
+    shifted = list(coefficients.T)
+    width, degree = high - low, len(shifted) - 1
+    for k in range(degree):
+        for j in range(degree - 1, k - 1, -1):
+            shifted[j] = shifted[j] + low * shifted[j + 1]
+    power = np.ones_like(low)
+    for k in range(1, degree + 1):
+        power = power * width
+        shifted[k] = shifted[k] * power
+    hull = _bernstein(degree) @ np.stack(shifted)
+    far = np.maximum(np.abs(low), np.abs(high))
+    noise = _NOISE * values(np.abs(coefficients), far[:, None])[:, 0]
+    return np.asarray(~((hull.min(axis=0) > noise) | (hull.max(axis=0) < -noise)))
+
+
+@cache
+def _bernstein(degree: int) -> Array:
+    """(D + 1, D + 1): the coefficients in Bernstein's basis from those of powers, in [0, 1]."""
+    count = range(degree + 1)
+    return np.array([[comb(j, k) / comb(degree, k) for k in count] for j in count])
+
+
+def _between_turns(coefficients: Array, low: Array, high: Array) -> Array:
+    """`crossings`: between the places where the derivative changes its sign there is one at most,
+    which is bracketed."""
+    degree = coefficients.shape[1] - 1
     slope = coefficients[:, 1:] * np.arange(1, degree + 1)
     turns = crossings(slope, low, high)
     marks = np.concatenate(
