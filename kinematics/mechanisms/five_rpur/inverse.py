@@ -334,10 +334,11 @@ def _elbows(
 
 def _tips(design: FiveRPURDesign, poses: Array) -> _Components:
     """x, y, z of C_i = p + Q s'_i (eq. 6), each (5, n)."""
-    q = _platform_rotation(poses).transpose(1, 2, 0)[:, :, None, :]  # (3, 3, 1, n)
     sx, sy, sz = design.platform.T[:, :, None]
-    x, y, z = (poses[:, k] + q[k, 0] * sx + q[k, 1] * sy + q[k, 2] * sz for k in range(3))
-    return x, y, z
+    px, py, pz, phi, theta = poses.T
+    c, s, cf, sf = np.cos(theta), np.sin(theta), np.cos(phi), np.sin(phi)
+    up = sf * sy + cf * sz
+    return px + c * sx + s * up, py + cf * sy - sf * sz, pz - s * sx + c * up
 
 
 def _residual(
