@@ -17,8 +17,8 @@ from app.widgets.svg import DIM, heading
 from app.widgets.texts import esc
 
 _STYLE = """<style>
-:root{--bo-workspace:#54677C}[data-mantine-color-scheme=dark]{--bo-workspace:#8FA9C6}
-div:has(>.plot)+div+div{visibility:hidden;position:absolute;height:0;overflow:hidden}
+div:has(>.plot)+div+div{visibility:hidden;position:absolute;height:0;overflow:hidden;
+padding:0!important}
 .plot,.over{position:relative;padding:0 4px}
 .plot svg,.over svg{display:block;width:100%;height:auto;font-family:inherit;font-size:11px;
 font-variant-numeric:tabular-nums;color:var(--bo-ink,#1F2933)}

@@ -120,7 +120,7 @@ def test_a_path_is_drawn_with_the_mouse(way: Tab) -> None:
 def test_the_plots_lie_over_the_foot_of_the_scene(way: Tab) -> None:
     way.wait_for_text(r"nearest to a singularity: [\d.]+ mm")
     plot = way.page.get_by_label("The trajectory against time")
-    window = way.page.locator("[data-floating-window]:has(.bo-bar)")
+    window = way.page.locator("[data-floating-window]:has(.bo-play)")
     way.wait(
         lambda: plot.get_attribute("viewBox") == _size(plot), "the drawing as large as its room"
     )

@@ -29,7 +29,7 @@ SPANS = (
     f"{_SPANS}>div{{padding:0 0 4px!important;margin:0}}{_SPANS}>div:first-child{{display:none}}"
     f"{_SPANS}>div:nth-child(2){{grid-column:1/-1}}"
     f".bo-heads i{{font-style:normal;font-size:11px;text-align:right;color:{DIM}}}"
-    f".bo-name{{font-size:12px}}{_SPANS} input{{text-align:right}}"
+    f".bo-axis{{font-size:12px}}{_SPANS} input{{text-align:right}}"
     f"{_SPANS}>div>.mantine-Flex-root>div:first-child{{position:absolute!important;opacity:0;"
     "width:1px!important;height:1px;overflow:hidden;white-space:nowrap}</style>"
 )

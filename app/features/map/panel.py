@@ -105,7 +105,7 @@ class MapPanel(Panel):
                 f'<div class="bo-heads"><i></i><i>from{unit}</i><i>to{unit}</i><i>values</i></div>'
             )
             for c in self._axes:
-                gui.add_html(f'<div class="bo-name">{esc(c.symbol)}</div>')
+                gui.add_html(f'<div class="bo-axis">{esc(c.symbol)}</div>')
                 span, made = Span(), []
                 for part, value in (("from", span.low), ("to", span.high)):
                     handle = gui.add_text(f"{c.symbol} {part}", _end(c, value))

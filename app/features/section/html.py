@@ -88,7 +88,7 @@ WINDOW_HTML = f"""<div class="bo-cut"></div><style>
 {_CUT}{{left:0!important;top:auto!important;bottom:0!important;border-radius:0!important;
 height:min(505px,70vh)!important;box-shadow:none!important;border:1px solid {RULE};
 background:{BACK}}}
-body:has([data-floating-window] .bo-bar) {_CUT}{{bottom:min(352px,50vh)!important;
+body:has([data-floating-window] .bo-play) {_CUT}{{bottom:min(352px,50vh)!important;
 height:min(448px,50vh)!important}}
 {_CUT} :is([data-dock-griphandle],[data-dock-strip]){{display:none!important}}
 {_CUT}>[data-dock-resize]{{display:none}}</style>"""

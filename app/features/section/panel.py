@@ -100,7 +100,8 @@ class SectionPanel(Panel):
         if self._profile_of is not None:
             known_volume, at = self._profile_of, cut.at
             self._profile.mark(lambda figure: mark(known_volume, figure.axes, at))
-        self.see(cut.on, self._window, *self._ways)
+        self.see(cut.on, *self._ways)
+        self.see(cut.on and known is not None and known.drawn is not None, self._window)
         self.see(not cut.on, self._begin)
         if not cut.on:
             self.say(self._numbers, box(HINT))

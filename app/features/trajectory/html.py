@@ -48,7 +48,7 @@ LAWS = {
     "trapezoidal": "trapezoidal",
 }
 # The window over the scene's foot, as wide as the scene; in it the play bar is one row.
-_WINDOW, _ROW = "[data-floating-window]:has(.bo-bar)", "div:has(>div>.bo-bar)"
+_WINDOW, _ROW = "[data-floating-window]:has(.bo-play)", "div:has(>div>.bo-play)"
 _BUTTONS = f"{_ROW}>div:nth-child(-n+6) button"
 AT_FOOT = f"""
 {_WINDOW}{{left:0!important;top:auto!important;bottom:0!important;border-radius:0!important;
@@ -59,7 +59,7 @@ box-shadow:none!important;border-top:1px solid {RULE};background:{BACK}}}
 {_ROW}{{display:flex;flex-wrap:wrap;align-items:center;align-content:flex-start;
 padding:4px 8px 0!important}}
 {_ROW}>div{{padding:0 4px!important;margin:0;flex:0 0 auto}}
-{_ROW}>div:has(>.bo-bar){{padding:0!important}}
+{_ROW}>div:has(>.bo-play){{padding:0!important}}
 {_ROW}>div:nth-child(3){{flex:1 1 0;padding-right:18px!important}}
 {_ROW}>div:nth-child(n+7){{flex:0 0 100%;padding:0!important}}
 {_BUTTONS}{{width:auto;height:26px;min-height:26px;padding:0 8px;font-size:12px;font-weight:400;
@@ -69,6 +69,7 @@ color:{TEXT};background:{FIELD};border:1px solid {EDGE};border-radius:4px}}
 {_ROW}>div:nth-child(2) .mantine-Button-label{{position:absolute;opacity:0}}
 {_ROW}>div:nth-child(2) .mantine-Button-inner{{justify-content:center;width:100%}}
 {_ROW}>div:nth-child(2) .mantine-Button-section{{margin:0!important}}
+{_ROW}>div:nth-child(2) svg{{position:static;transform:none;margin:0}}
 {_ROW}>div:nth-child(-n+4)>.mantine-Flex-root>div:first-child{{opacity:0;overflow:hidden;
 position:absolute!important;width:1px!important;height:1px;white-space:nowrap}}
 {_ROW}>div:nth-child(4) button{{border-color:transparent!important;padding:0 7px;min-width:34px;
@@ -153,7 +154,7 @@ def bar_html(computed: Computed | None, pace: float) -> str:
     marked = ",".join(spans) or "none"
     chosen = PACES.index(pace) + 1 if pace in PACES else 0
     return (
-        f'<div class="bo-bar"></div><style>{AT_FOOT}'
+        f'<div class="bo-play"></div><style>{AT_FOOT}'
         f"{_ROW} .mantine-Slider-track::after{{background:{marked}}}"
         f"{_ROW}>div:nth-child(4) button:nth-of-type({chosen}){{background:{FIELD}!important;"
         f"border-color:{EDGE}!important;font-weight:600}}</style>"
