@@ -24,9 +24,12 @@ WIDE = {"width": 1280, "height": 800}  # the plot's window beside the machine
 
 @pytest.fixture
 def section(tab: Tab) -> Iterator[Tab]:
-    """The Section tab with the section on display."""
+    """The Section tab with the section of every mode together on display."""
     before = tab.page.viewport_size
     tab.page.set_viewport_size(WIDE)  # type: ignore[arg-type]
+    tab.open_tab("Workspace")
+    tab.field("Of").first.click()
+    tab.page.get_by_role("option", name="All working modes together", exact=True).click()
     tab.open_tab("Section")
     tab.check("Show the section").click()
     tab.wait_for_text(r"Perimeter\s+[\d.]+ mm")
