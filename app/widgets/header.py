@@ -187,7 +187,7 @@ def _status(sheet: Sheet, clear: Clear, size: Size) -> str:
         words.append(f"{clear.fact.value} {clear.fact.what}")
         facts += [_fact(clear.fact, clear.stale)] if len(facts) < 2 else []
     if status.level == "bad" and clear.back is not None:
-        facts.append('<button class="bo-button" data-send="back">Nearest pose in reach</button>')
+        facts.append('<button class="bo-button" data-send="back">Nearest in reach</button>')
     elif size.fact is not None:
         facts.append(_fact(size.fact, size.stale))
     cells = "".join(f"<div>{fact}</div>" for fact in facts[:3])
