@@ -171,8 +171,9 @@ def _doing(title: str, waited: float) -> str:
     """What is being computed, in the place of the third fact, and a line at the status's edge."""
     # How long a boolean takes is not known beforehand: approach the end, never reach it.
     share = 100.0 * waited / (waited + 1.5)
+    told = f"Computing {esc(title)} · {waited:.0f} s"
     return (
-        f'<div class="bo-work"><div>Computing {esc(title)} · {waited:.0f} s</div>'
+        f'<div class="bo-work"><div title="{told}">{told}</div>'
         f"{icon_button('cancel', 'Cancel', 'Give it up')}</div>"
         f'<div class="bo-line"><i style="width:{share:.0f}%"></i></div>'
     )

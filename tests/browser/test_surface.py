@@ -40,6 +40,6 @@ def test_the_choice_of_modes_follows_undo(tab: Tab) -> None:
     tab.wait(lambda: tab.page.get_by_text("Modes", exact=True).is_visible(), "the set of modes")
     _undo(tab)
     tab.wait(
-        lambda: tab.field("Of").first.input_value() == "All working modes together", "all modes"
+        lambda: tab.field("Of").first.input_value() == "The current working mode", "the mode"
     )
     assert not tab.page.get_by_text("Modes", exact=True).is_visible()
