@@ -39,7 +39,5 @@ def test_the_choice_of_modes_follows_undo(tab: Tab) -> None:
     _choose(tab, "Of", "A chosen set")
     tab.wait(lambda: tab.page.get_by_text("Modes", exact=True).is_visible(), "the set of modes")
     _undo(tab)
-    tab.wait(
-        lambda: tab.field("Of").first.input_value() == "The current working mode", "the mode"
-    )
+    tab.wait(lambda: tab.field("Of").first.input_value() == "The current working mode", "the mode")
     assert not tab.page.get_by_text("Modes", exact=True).is_visible()
