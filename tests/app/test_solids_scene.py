@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.features.workspace.compute import Built, SolidWish, piece_here, wishes
+from app.features.singularities.state import SetControl
+from app.features.workspace.compute import Built, SolidWish, colour_key, piece_here, wishes
 from app.features.workspace.part import SolidsPart
 from app.features.workspace.state import Fade, Show
 from app.review.changes import SetOption, change
@@ -210,3 +211,24 @@ def test_colours_of_a_page_follow_its_theme(page: Seat, both: Any) -> None:
         linear = {tuple(c) for c in page.node("/machine/bars").batched_colors}
         assert palette.linear(of.joint) in linear
         assert palette.linear(of.steel) in linear
+
+
+@pytest.mark.parametrize("dark", [False, True])
+def test_the_legend_tells_what_is_in_the_scene_in_its_colours(both: Any, dark: bool) -> None:
+    review, _ = change(new_review(load_design("rps-3")), SetOption("dark", dark))
+    of = palette.scheme(dark)
+    solids = {key: solid for key, (_, solid) in both.items()}
+    assert colour_key(review, {}) == ()
+    ((color, text),) = colour_key(review, {"workspace": solids["workspace"]})
+    assert color == of.workspace
+    assert text.startswith("workspace")
+    entries = dict(colour_key(review, {"aspects": solids["aspects"]}))
+    assert entries == {
+        of.aspects[1][0]: "det > 0",
+        of.aspects[-1][0]: "det < 0",
+        of.beyond: "singular surface",
+    }
+    bare, _ = change(review, SetControl("locus", False))
+    assert of.beyond not in dict(colour_key(bare, solids))
+    shaded, _ = change(review, SetControl("shade", "conditioning"))
+    assert len(colour_key(shaded, solids)) == 1  # the measure has a scale of its own

@@ -305,5 +305,6 @@ class SolutionsPart(Part):
         solutions = explorer.shown(view)
         self._ghosts.show(view, solutions.atlas, solutions.fold)
         self.stage.tell(solutions)
-        ghost = palette.scheme(options.dark).ghost
-        self.stage.tell(Legend("ghosts", ((ghost, "other solutions"),) if wanted.ghosts else ()))
+        of = palette.scheme(options.dark)
+        entries = (of.ghost, "other solutions, the nearest"), (of.dot, "further ones, at O′")
+        self.stage.tell(Legend("ghosts", entries if wanted.ghosts else ()))

@@ -11,10 +11,18 @@ from numpy.typing import NDArray
 
 from app.features.section.compute import edges, segments
 from app.features.singularities.compute import field
-from app.features.workspace.state import Flat, Workspace, solver_modes
+from app.features.singularities.state import Control
+from app.features.workspace.state import (
+    ASPECTS,
+    KEY,
+    Flat,
+    Workspace,
+    colour_text,
+    solver_modes,
+)
 from app.jobs.answers import Asked, Question
-from app.review.state import Review
-from app.scene import painting
+from app.review.state import Options, Review
+from app.scene import painting, palette
 from app.scene.painting import Scale
 from app.scene.palette import LIGHT, Scheme
 from app.terminal.tables import outer, with_units
@@ -203,6 +211,20 @@ def piece_here(review: Review, built: Built) -> int | None:
     solids = required(review.machine.solids, "solids")
     at = solids.point(built.wish.spec.key, review.pose, review.mode)
     return built.solid.piece_at((np.linalg.inv(built.wish.placement) @ np.append(at, 1.0))[:3])
+
+
+def colour_key(review: Review, shown: Mapping[str, BuiltSolid]) -> tuple[tuple[str, str], ...]:
+    """The colours of the solids on display that no limb has, and what each stands for."""
+    of = palette.scheme(review[Options].dark)
+    entries = [(of.workspace, colour_text(review))] if KEY in shown else []
+    parted = shown.get(ASPECTS)
+    if parted is not None and not review[Control].shade:
+        signs = {piece.sign for piece in parted.pieces}
+        texts = {1: "det > 0", -1: "det < 0"}
+        entries += [(palette.aspect_color(s, 0, of), t) for s, t in texts.items() if s in signs]
+        if review[Control].locus and len(signs) > 1:
+            entries.append((of.beyond, "singular surface"))
+    return tuple(entries)
 
 
 def wish(review: Review) -> Wish | None:

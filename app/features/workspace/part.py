@@ -14,12 +14,12 @@ from app.features.workspace import compute
 from app.features.workspace.files import regions_file
 from app.features.workspace.painter import Painter
 from app.features.workspace.scene import Flats
-from app.features.workspace.state import ASPECTS, colour_text, modes_text, usual_opacity
+from app.features.workspace.state import ASPECTS, KEY, colour_text, modes_text, usual_opacity
 from app.jobs.answers import Asked
 from app.jobs.lane import Lane
 from app.jobs.parts import Client, Part, Stage
 from app.jobs.process import apart, load_finer_solids, load_solids
-from app.review.state import Review
+from app.review.state import Options, Review
 from app.review.units import area_text, plural, volume_text
 from app.review.view import Fact, Legend, Size, View
 from app.scene import palette
@@ -32,7 +32,6 @@ from kinematics.facets.solids import RESOLUTIONS, Resolution
 if TYPE_CHECKING:
     from kinematics.mechanism import Design
 
-KEY = "workspace"  # of its solid, and of its region
 FAINT = 0.4  # of its opacity has a solid that is of before
 
 
@@ -148,13 +147,13 @@ class SolidsPart(Part):
         scale = next((steps for steps in scales if steps is not None), None)
         self.stage.tell(compute.Solids(self._wishes, built, old, scale))
         self._tell_size(review, built.get(KEY), old.get(KEY))
+        solids = {key: last.solid for key, (last, _) in self._shown.items()}
+        self.stage.tell(Legend("workspace", compute.colour_key(review, solids)))
 
     def _tell_size(
         self, review: Review, built: compute.Built | None, old: compute.Built | None
     ) -> None:
-        """How large the workspace is, where no exact section tells it; and its colour."""
-        entry = ((palette.WORKSPACE, colour_text(review)),)
-        self.stage.tell(Legend("workspace", entry if built or old else ()))
+        """How large the workspace is, where no exact section tells it."""
         if review.machine.section_spec is not None or review.machine.region_specs:
             return
         known = built or old
@@ -229,11 +228,12 @@ class RegionsPart(Part):
         self.stage.tell(compute.Laying(told.shown, told.stale, told.trouble))
         if self._scene is not None:
             regions = () if told.shown is None else told.shown.regions
-            of = modes_text(sheet.view.review)
+            modes = modes_text(sheet.view.review)
             area = sum(region.section.area for region in regions)
-            fact = Fact(area_text(area), of) if regions else None
+            fact = Fact(area_text(area), modes) if regions else None
             self.stage.tell(Size(fact, told.stale))
-            entries = ((palette.WORKSPACE, colour_text(sheet.view.review)),) if regions else ()
+            of = palette.scheme(sheet.view.review[Options].dark)
+            entries = ((of.workspace, colour_text(sheet.view.review)),) if regions else ()
             self.stage.tell(Legend("workspace", entries))
         if told.now is not None and not self._fitted:
             self._fitted = True

@@ -13,6 +13,8 @@ from kinematics.errors import InputError
 from kinematics.facets.solids import SURFACES, SurfaceKind
 
 ModeChoice = Literal["all", "current"]
+KEY = "workspace"
+"""The key of the workspace's solid, and of its region."""
 ASPECTS = "aspects"
 """The key of the solid that is parted by singular surfaces."""
 _OPACITY = {"workspace": 0.35, ASPECTS: 0.5}
