@@ -21,6 +21,7 @@ from websockets.sync.client import connect
 from app.features.move.state import Move
 from app.features.workspace.compute import Built, Solids
 from app.features.workspace.part import SolidsPart
+from app.features.workspace.state import ChooseModes
 from app.loop import Page
 from app.review.state import new_review
 from app.review.view import View
@@ -37,6 +38,11 @@ class Watched(Page):
     def __init__(self, server: viser.ViserServer, name: str) -> None:
         super().__init__(server, new_review(load_design(name)), "bench", None)
         self.sent: queue.Queue[tuple[Built, str, float]] = queue.Queue()
+        self.handed: dict[float, float] = {}  # by φ, when the machine was taken for sending
+
+    def _hand_over(self) -> None:
+        super()._hand_over()
+        self.handed.setdefault(self.view.review.pose[3], time.perf_counter())
 
     def tell(self, news: object, view: View | None = None) -> None:
         super().tell(news, view)
@@ -128,13 +134,17 @@ def main() -> None:
         thread = threading.Thread(target=page.run)
         thread.start()
         page.wait("fine", page._history.present.pose[3])
-        preview = []
-        for n in range(MOVES):
-            phi = -0.3 + 0.003 * n + 1e-7
-            begun = time.perf_counter()
-            page.send(Move(3, phi))
-            preview.append(page.wait("preview", phi)[0] - begun)
-        figures(f"{name}: event to preview solid", preview)
+        for modes, off in (("current", 1e-7), ("all", 2e-7)):
+            page.send(ChooseModes(modes))
+            machine, preview = [], []
+            for n in range(MOVES):
+                phi = -0.3 + 0.003 * n + off
+                begun = time.perf_counter()
+                page.send(Move(3, phi))
+                preview.append(page.wait("preview", phi)[0] - begun)
+                machine.append(page.handed[phi] - begun)
+            figures(f"{name}, {modes}: event to machine", machine)
+            figures(f"{name}, {modes}: event to preview solid", preview)
         for resolution, delay in (("normal", 0.15), ("fine", 0.7)):
             times = []
             for n in range(20 if resolution == "normal" else 10):
