@@ -13,7 +13,7 @@ from kinematics.arrays import Array
 
 SHARED = 18.0  # px; points that are nearer share a name
 LETTER, MARGIN, HEIGHT = 6.5, 10.0, 18.0  # px, of a name on the screen
-ACROSS = 560.0  # px that a machine has where it is seen whole
+ACROSS = 440.0  # px that a machine has beside its solids, where all is seen whole
 DOTS = 6  # along each arrow of the handle, none of which a name is to cover
 
 Side = Literal["center", "left", "right", "top", "bottom"]
