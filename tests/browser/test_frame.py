@@ -135,3 +135,49 @@ def test_a_number_of_the_design_is_edited_in_its_table(tab: Tab) -> None:
     tab.wait(lambda: "ρ min" in str(tab.page.evaluate(focused)), "the keys in the next box")
     tab.page.get_by_role("button", name="Undo", exact=True).click()
     tab.wait(lambda: again.input_value() == "150", "the old link")
+
+
+CONTRAST = """() => {
+    const lum = (c) => { const [r, g, b] = c.map((v) => v / 255)
+        .map((v) => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
+        return 0.2126 * r + 0.7152 * g + 0.0722 * b; };
+    const parse = (text) => (text.match(/[\\d.]+/g) || []).map(Number);
+    const ground = (at) => { for (; at; at = at.parentElement) {
+        const c = parse(getComputedStyle(at).backgroundColor);
+        if (c.length && (c.length < 4 || c[3] > 0.9)) return c.slice(0, 3); }
+        return [255, 255, 255]; };
+    const faint = [], root = document.querySelector('[data-dock-region=right]');
+    const walk = document.createTreeWalker(root, NodeFilter.SHOW_TEXT);
+    while (walk.nextNode()) {
+        const at = walk.currentNode.parentElement, text = walk.currentNode.textContent.trim();
+        if (!text || !at.offsetParent && getComputedStyle(at).position !== 'fixed') continue;
+        if (at.closest('script,style,svg,:disabled,[inert],.aged')) continue;
+        if (at.closest('[aria-hidden=true]:not(.bo-verdict)')) continue;
+        let opacity = 1;
+        for (let up = at; up; up = up.parentElement) opacity *= getComputedStyle(up).opacity;
+        if (!opacity) continue;
+        const under = ground(at), ink = parse(getComputedStyle(at).color).slice(0, 3)
+            .map((v, n) => v * opacity + under[n] * (1 - opacity));
+        const [a, b] = [lum(ink), lum(under)].sort((x, y) => y - x);
+        const ratio = (a + 0.05) / (b + 0.05);
+        if (ratio < 4.5) faint.push(`${text.slice(0, 40)}: ${ratio.toFixed(2)}`);
+    }
+    return [...new Set(faint)];
+}"""
+
+
+@pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
+def test_every_text_of_the_panel_can_be_read(tab: Tab, dark: bool) -> None:
+    """WCAG AA: 4.5 to 1 for text."""
+    tab.open_tab("Review")
+    if dark:
+        tab.check("Dark page").click()
+        tab.wait(lambda: bool(tab.page.locator("[data-mantine-color-scheme=dark]").count()), "dark")
+    for name in TABS:
+        tab.open_tab(name)
+        tab.page.mouse.move(5, 300)
+        tab.page.wait_for_timeout(900)
+        assert tab.page.evaluate(CONTRAST) == [], name
+    if dark:
+        tab.open_tab("Review")
+        tab.check("Dark page").click()

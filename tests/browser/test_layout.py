@@ -20,6 +20,7 @@ pytestmark = pytest.mark.browser
 
 FAULTS = (Path(__file__).parent / "layout.js").read_text(encoding="utf-8")
 LAPTOP, ZOOMED = (1280, 800, 1.0), (1024, 640, 1.25)  # the same screen at 125 %
+DESK = (1440, 900, 1.0)
 
 
 @pytest.fixture
@@ -63,12 +64,25 @@ def _faults(tab: Tab) -> list[str]:
     return list(dict.fromkeys(found))
 
 
-@pytest.mark.parametrize("design", ["rpur-table1", "five-bar", "sps-spr", "spr-3", "rps-3"])
-@pytest.mark.parametrize("size", [LAPTOP, ZOOMED], ids=["100", "125"])
+@pytest.mark.parametrize(
+    ("design", "size", "dark"),
+    [
+        *((design, ZOOMED, False) for design in ("rpur-table1", "five-bar", "sps-spr", "spr-3")),
+        ("rps-3", LAPTOP, False),
+        ("rpur-table1", LAPTOP, True),
+        ("sps-spr", DESK, True),
+        ("rpur-table1", DESK, False),
+    ],
+    ids=str,
+)
 def test_no_text_is_cut_or_lies_over_another(
-    at_size: Callable[..., Tab], design: str, size: tuple[int, int, float]
+    at_size: Callable[..., Tab], design: str, size: tuple[int, int, float], dark: bool
 ) -> None:
     tab = at_size(design, size)
+    if dark:
+        tab.open_tab("Review")
+        tab.check("Dark page").click()
+        tab.wait(lambda: bool(tab.page.locator("[data-mantine-color-scheme=dark]").count()), "dark")
     names = [each.inner_text() for each in tab.page.get_by_role("tab").all()]
     for name in names:
         tab.open_tab(name)

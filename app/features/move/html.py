@@ -52,7 +52,7 @@ def joints_html(rows: Sequence[JointRow]) -> str:
 def limits_html(limits: Limits, most: int) -> str:
     """The nearest limits."""
     if not limits.rows:
-        return quiet("No limit is known of this pose.")
+        return quiet("Looking …" if limits.stale else "No limit is known of this pose.")
     rows = ((f"{chip(color)}{esc(what)}", far) for color, what, far in limits.rows[:most])
     return box(table(rows, ("", NUMERIC)))
 

@@ -128,7 +128,7 @@ class MovePanel(Panel):
                 self._reach = news
                 self._draw_bands()
             case Limits(stale=stale):
-                self.say(self._limits, html.limits_html(news, LIMITS), stale)
+                self.say(self._limits, html.limits_html(news, LIMITS), stale and bool(news.rows))
 
     def _draw_machine(self, sheet: Sheet) -> None:
         """Pose and actuators, be it on a trajectory."""
