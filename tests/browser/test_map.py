@@ -74,14 +74,14 @@ def test_a_map_is_computed_read_and_steers_the_machine(tab: Tab, tmp_path: Path)
     found = re.fullmatch(TOLD, _told(plot))
     assert found is not None, _told(plot)
     assert (found[1], found[2]) == ("0.0", "0.0")
-    assert abs(float(found[3]) - 24.501399) <= float(found[4]) + 1e-6
+    assert abs(float(found[3]) - 6.001738) <= float(found[4]) + 1e-6
     with tab.page.expect_download(timeout=60_000) as started:
         tab.page.get_by_role("button", name="NPZ", exact=True).locator("visible=true").click()
     path = tmp_path / started.value.suggested_filename
     started.value.save_as(path)
     with np.load(path) as saved:
         assert saved["volume_mm3"].shape == (5, 5)
-        assert saved["volume_mm3"][2, 2] == pytest.approx(24_501_399, rel=1e-4)
+        assert saved["volume_mm3"][2, 2] == pytest.approx(6_001_738, rel=1e-4)
     # The machine goes where the map is clicked; x, y and z stay, and undo takes it back.
     plot = _plot(tab)
     before = plot.locator("xpath=ancestor::div[2]/following-sibling::div[1]").inner_html()

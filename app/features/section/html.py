@@ -91,7 +91,8 @@ background:{BACK}}}
 body:has([data-floating-window] .bo-play) {_CUT}{{bottom:min(352px,50vh)!important;
 height:min(448px,50vh)!important}}
 {_CUT} :is([data-dock-griphandle],[data-dock-strip]){{display:none!important}}
-{_CUT}>[data-dock-resize]{{display:none}}</style>"""
+{_CUT}>[data-dock-resize]{{display:none}}
+body:has([data-floating-window] .bo-cut) .bo-legend{{left:396px}}</style>"""
 
 
 def profile_axes(volume: Volume, look: Look = WHOLE) -> Axes | None:

@@ -56,6 +56,7 @@ width:var(--bo-free,calc(100vw - 420px))!important;height:min(352px,50vh)!import
 box-shadow:none!important;border-top:1px solid {RULE};background:{BACK}}}
 {_WINDOW}>[data-dock-resize],
 {_WINDOW} :is([data-dock-griphandle],[data-dock-strip]){{display:none!important}}
+body:has([data-floating-window] .bo-play) .bo-legend{{bottom:calc(min(352px,50vh) + 12px)}}
 {_ROW}{{display:flex;flex-wrap:wrap;align-items:center;align-content:flex-start;
 padding:4px 8px 0!important}}
 {_ROW}>div{{padding:0 4px!important;margin:0;flex:0 0 auto}}
