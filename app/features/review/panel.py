@@ -30,7 +30,7 @@ OPTIONS: dict[str, tuple[str, Said | None]] = {
     "frames": ("Frames", None),
     "axes": ("Axes e₁, e₂", ("Axes e₁ and e₂", "Show or hide them", "E")),
     "grid": ("Ground grid", None),
-    "scale": ("Scale along x, y, z", None),
+    "scale": ("Scale", None),
     "parallel": ("Parallel view", None),
     "dark": ("Dark page", None),
 }
