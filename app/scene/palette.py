@@ -144,7 +144,6 @@ def scheme(dark: bool) -> Scheme:
 BEYOND, WORKSPACE, STEEL, PLATFORM = LIGHT.beyond, LIGHT.workspace, LIGHT.steel, LIGHT.platform
 INK, COUNTERPART, ASPECTS, BASE = LIGHT.ink, LIGHT.counterpart, LIGHT.aspects, LIGHT.base
 INK_DARK = DARK.ink
-WORKSPACE_DEEP = "#3F5B7C"  # a machine's curves in a plot
 LOAD = "#2E343C"  # what acts on the platform
 VELOCITY, ACCELERATION = "#3F5B7C", "#8C7355"
 FREE = "#A9B7C6"  # a ball without a singularity
