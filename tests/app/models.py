@@ -218,7 +218,8 @@ def _plain(content: str) -> str:
     """HTML without what tells the way to a set of solutions, and how long it took."""
     content = re.sub(r"#\d+", "#", content)
     content = re.sub(r'<div class="bo-bar">.*?</div>', "", content)  # what may be taken back
-    content = re.sub(r"<u>new</u> ", "", content)
+    content = re.sub(r'data-send="go \d+"|New \d+|, new(?=")', "", content)
+    content = re.sub(r"<small[^>]*>new</small> ?", "", content)
     content = re.sub(r"<div[^>]*>[^<]*(appeared|merged) on the way:[^<]*</div>", "", content)
     content = re.sub(r"· [^·<]* in (\d|less)[^<·]*s\b", "", content)
     return content if re.search(r"<svg|<style|>[^<]", content) else ""

@@ -31,13 +31,11 @@ def table_html(
     rows = listed.rows[:most]
     if not rows:
         return ""
-    marks = any(_marks(row) for row in rows)
     heads: list[tuple[str, Sort | None]] = [("mode", "mode")] if signs else []
     heads += [(c.symbol, "height" if c.key == "z" else None) for c in axes]
-    heads += [("Δ", "distance"), ("cond.", "condition")]
-    heads += [("", None)] if marks else []
+    heads += [("Δ", "distance"), ("cond.", "condition"), ("", None)]
     titles = "".join(_head(text, sort, order) for text, sort in heads)
-    body = "".join(row_html(row, axes, marks=marks, signs=signs) for row in rows)
+    body = "".join(row_html(row, axes, signs=signs) for row in rows)
     return (
         f'<table class="bo-table bo-list"><thead><tr>{titles}</tr></thead>'
         f"<tbody>{body}</tbody></table>"
@@ -63,15 +61,13 @@ TITLES: dict[Sort, str] = {
 }
 
 
-def row_html(
-    row: Row, axes: Sequence[Coordinate], *, marks: bool = True, signs: bool = True
-) -> str:
+def row_html(row: Row, axes: Sequence[Coordinate], *, signs: bool = True) -> str:
     """One solution: its mode as ticks, its pose, how far it is and how well it is held."""
     numbers = [tenths(c.outer(v)) for c, v in zip(axes, row.pose, strict=True)]
     numbers += ["here" if row.here else tenths(row.distance), condition_text(row.condition)]
     cells = [f"<td>{ticks(row.mode)}</td>"] if signs else []
     cells += [f'<td class="n">{text}</td>' for text in numbers]
-    cells += [f"<td>{_marks(row)}</td>"] if marks else []
+    cells.append(f"<td>{_marks(row)}</td>")
     current = " aria-current" if row.here else ""
     said = esc(spoken(row, axes))
     return (
