@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import kinematics as kin
+from kinematics.facets.solids import build_solid
 from kinematics.facets.spaces import ShownSolid, Space
 from tests.conformance.machines import ONE_EACH, held, machine
 
@@ -100,3 +101,37 @@ def test_a_machine_at_a_posture_answers_everything(name: str) -> None:
     assert away.nearest_pose().text
     for text in (here, away, m, m.workspace(), m.home, m.inverse(m.home.pose)):
         assert 10 < len(repr(text)) < 600
+
+
+@pytest.mark.parametrize("name", ONE_EACH)
+def test_the_sign_of_an_aspect_is_that_of_the_determinant(name: str) -> None:
+    m = machine(name)
+    if m.solids is None or all(spec.key != "aspects" for spec in m.solid_specs):
+        pytest.skip("a mechanism without aspects as solids")
+    home = np.array(m.home.pose)
+    low, high = (np.array([getattr(c, end) for c in m.coordinates]) for end in ("lower", "upper"))
+    # A solid that depends on a coordinate is of its value at home.
+    for n, step in enumerate(0.01 * np.eye(len(home))):
+        one, two = (
+            m.solids.request("aspects", p.tolist(), (m.home.mode,), "normal")
+            for p in (home, home + step)
+        )
+        if one.arguments != two.arguments:
+            low[n] = high[n] = home[n]
+    rng = np.random.default_rng(4)
+    for mode in dict.fromkeys((m.home.mode, *m.mechanism.modes[:2])):
+        poses = rng.uniform(low, high, (200_000, len(low)))
+        poses = poses[m.inverse.inside(poses, (mode,))][:40]
+        if not len(poses):
+            continue
+        built = build_solid(m.solids.request("aspects", poses[0].tolist(), (mode,), "normal"))
+        back = np.linalg.inv(m.solids.placement("aspects", poses[0].tolist()))
+        told = 0
+        for pose in poses:
+            point = np.append(m.solids.point("aspects", pose.tolist(), mode), 1.0)
+            piece = built.piece_at((back @ point)[:3])
+            determinant = float(m.statics.wrenches(pose, mode).determinant)
+            if piece is not None and abs(determinant) > 1e-3:  # else a chord may lie between
+                assert np.sign(determinant) == built.pieces[piece].sign
+                told += 1
+        assert told > 10

@@ -11,7 +11,7 @@ platform on one place, is one piece if the machine can go from one to the other.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -20,10 +20,13 @@ from numpy.typing import NDArray
 from kinematics.arrays import Array, Frozen
 from kinematics.facets.solids import Resolution
 from kinematics.mechanisms.tripods import polynomial
-from kinematics.mechanisms.tripods.chart import from_chart
+from kinematics.mechanisms.tripods.chart import from_chart, to_chart
 from kinematics.mechanisms.tripods.columns import TripodColumns
 from kinematics.mechanisms.tripods.design import TripodDesign, mode_sign
 from kinematics.mechanisms.tripods.limbs import limb_lengths
+from kinematics.mechanisms.tripods.posing import placement
+from kinematics.mechanisms.tripods.statics import wrenches
+from kinematics.screws.wrenches import determinant
 from kinematics.solids.column_solids import Quality, Shape, parted, shaped, whole
 from kinematics.solids.columns import surface_of
 from kinematics.solids.csg import BuiltSolid
@@ -52,11 +55,25 @@ def workspace(design: TripodDesign, mode: str, resolution: Resolution = "normal"
 def aspects(design: TripodDesign, mode: str, resolution: Resolution = "normal") -> BuiltSolid:
     """The workspace parted where P = 0: in every piece the machine moves without a singularity.
 
-    A piece's sign is that of P.
+    A piece's sign is that of the wrenches' determinant.
     """
     bare = _bare(design)
     field = _Field(bare, mode, _polynomial)
-    return parted(_shape(bare, mode, resolution), field, _Limits(bare, mode))
+    built = parted(_shape(bare, mode, resolution), field, _Limits(bare, mode))
+    side = _side(bare, mode)
+    return replace(built, pieces=tuple(replace(p, sign=side * p.sign) for p in built.pieces))
+
+
+def _side(design: TripodDesign, mode: str) -> int:
+    """+1 or −1: the sign of the wrenches' determinant where P > 0.
+
+    They differ by ± 6.75 x h³ (see `statics`), which has one sign all over a mode, as x ≥ 0 there.
+    So any pose tells it.
+    """
+    pose = np.array([1.1 * design.base_radius, 0.3, 0.2])
+    rows = wrenches(design, placement(design, pose, mode)).rows
+    value = _polynomial(design, mode, to_chart(design, pose))
+    return int(np.sign(determinant(rows, design.platform_radius)) * np.sign(value))
 
 
 def _bare(design: TripodDesign) -> TripodDesign:
