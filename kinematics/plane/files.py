@@ -162,13 +162,16 @@ def _draw(space: Any, section: Section, layers: dict[int, str], scale: float) ->
 
 
 def _nearest_index(shown: Color, used: Collection[int]) -> int:
-    """The numbered colour that comes nearest, for programs that know no others; none twice."""
+    """The numbered colour that comes nearest, for programs that know no others; none twice, and not
+    7, which is black or white as a program likes.
+    """
     from ezdxf.colors import aci2rgb
 
     def distance(index: int) -> int:
         return sum((a - b) ** 2 for a, b in zip(aci2rgb(index), shown, strict=True))
 
-    return min((n for n in range(1, 250) if n not in used or len(used) > 200), key=distance)
+    known = [n for n in range(1, 250) if n != 7]
+    return min((n for n in known if n not in used or len(used) > 200), key=distance)
 
 
 def _angle(center: list[float], point: list[float]) -> float:
