@@ -148,7 +148,9 @@ def test_fading_changes_only_the_named(review: Review) -> None:
 
 
 def test_modes_of_the_workspace(review: Review) -> None:
-    assert solver_modes(review) is None
+    assert solver_modes(review) == (review.mode,)
+    every, _ = change(review, ChooseModes("all"))
+    assert solver_modes(every) is None
     current, _ = change(review, ChooseModes("current"))
     assert solver_modes(current) == (review.mode,)
     chosen, _ = change(review, ChooseModes(("+-+-+", "-----")))

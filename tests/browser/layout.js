@@ -47,7 +47,7 @@
       if (rect.right > box.right + 1.5 || rect.left < box.left - 1.5)
         found.push(`cut: ${text.slice(0, 50)} (${Math.round(rect.left)}–${Math.round(rect.right)}`
           + ` of ${Math.round(box.left)}–${Math.round(box.right)})`);
-      seen.push({ text, rect, parent, top: Math.max(rect.top, box.top),
+      seen.push({ node, text, rect, parent, top: Math.max(rect.top, box.top),
         bottom: Math.min(rect.bottom, box.bottom) });
     }
   }
@@ -66,7 +66,7 @@
         - Math.max(one.rect.left, other.rect.left);
       const high = Math.min(one.bottom, other.bottom) - Math.max(one.top, other.top);
       const sticky = [one, other].some((each) => each.parent.closest(".bo-help"));
-      if (wide > 2 && high > 3 && !sticky)
+      if (wide > 2 && high > 3 && !sticky && one.node !== other.node)
         found.push(`over one another: ${one.text.slice(0, 30)} / ${other.text.slice(0, 30)}`);
     }
     if (bar && bar.getBoundingClientRect().width) {
