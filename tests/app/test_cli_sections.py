@@ -239,7 +239,7 @@ def test_a_section_in_words_tells_its_file(here: Run) -> None:
     done = here("section", "rpur-table1", "--x", "50", "-o", "cut.svg", "--modes", "+++++,-----")
     assert done.code == 0
     assert "working modes +++++, -----" in done.stdout or "empty" in done.stdout
-    assert done.stdout.splitlines()[-1] == "file       cut.svg"
+    assert done.stdout.splitlines()[-1] == "file       cut.svg (mm)"
 
 
 # --- map -----------------------------------------------------------------------------------
