@@ -35,7 +35,8 @@ check: $(VENV)/installed-tools
 	@PYTHONPATH=. $(BIN)/lint-imports
 
 # Everything, and what is slow and rarely breaks: run before an issue is closed.
-check-all: check test sweeps
+check-all: check sweeps
+	@$(MAKE) test ARGS="-m 'slow or not slow' $(ARGS)"
 
 # Designs, files and commands drawn at random; more by SWEEP=10000, others by FROM=10000.
 FROM ?= 0

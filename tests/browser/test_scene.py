@@ -112,7 +112,13 @@ def _content(scene: np.ndarray, ground: tuple[int, int, int]) -> tuple[np.ndarra
 
 
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
-@pytest.mark.parametrize("design", MACHINES)
+@pytest.mark.parametrize(
+    "design",
+    [
+        design if design == "rpur-table1" else pytest.param(design, marks=pytest.mark.slow)
+        for design in MACHINES
+    ],
+)
 def test_a_machine_is_seen_whole_in_the_colours_of_its_limbs(
     show: Show, design: str, dark: bool
 ) -> None:
