@@ -140,6 +140,7 @@ def test_the_status_has_one_height_and_stays_in_sight(tab: Tab) -> None:
     assert place() == home
     legend = tab.page.locator(".bo-legend")
     assert legend.evaluate("e => e.scrollHeight - e.clientHeight") <= 1
+    tab.wait(lambda: tab.page.locator("tr.sol").count() > 30, "a list longer than the panel")
     assert _scroll(tab, 400) > 100
     tab.page.wait_for_timeout(300)
     top, height, _ = place()
