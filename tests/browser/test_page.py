@@ -26,8 +26,8 @@ VOLUME = r"[\d.,]+ ± [\d.,]+ (?:dm³|cm³)"
 def _wait_for_solid(tab: Tab, resolution: str = "fine") -> str:
     """The volume that the page states once the solid has this resolution."""
     tab.open_tab("Workspace")
-    tab.wait_for_text(f"mesh: {resolution}")
-    return tab.wait_for_text(VOLUME)
+    told = tab.wait_for_text(rf"mesh: {resolution}, \d+ triangles, {VOLUME}")
+    return told.partition("triangles, ")[2]
 
 
 def _pose_text(tab: Tab) -> list[float]:
