@@ -30,7 +30,8 @@ PAPERS_AREA = 1_983_383.8618  # mm², of the five-bar's workspace in all working
 
 @cache
 def _review(name: str) -> Review:
-    return new_review(load_design(name))
+    """With the regions of all modes on display."""
+    return change(new_review(load_design(name)), ChooseModes("all"))[0]
 
 
 @cache

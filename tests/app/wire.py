@@ -138,7 +138,7 @@ def browser(one: Served) -> Iterator[Wire]:
     ) as connection:
         wire = Wire(connection)
         end = time.monotonic() + PATIENCE
-        while "Undo" not in wire.widgets:  # of the last tab
+        while "Fit the view" not in wire.widgets:  # of the last tab
             assert time.monotonic() < end
             wire.listen(0.1)
         wire.send(**CAMERA)
