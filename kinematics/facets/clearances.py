@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from math import ceil, floor, inf
+from math import ceil, floor, inf, isfinite
 from typing import NamedTuple
 
 import numpy as np
@@ -163,6 +163,8 @@ class ClearancesFacet(Facet[D]):
             paths: tuple[Path, ...] = (("limb", i, "stroke", 1 - low), ("stroke", 1 - low))
             path = next((path for path in paths if path in fields), None)
             if path is None or reason.bound.end not in ("min", "max"):
+                return ()
+            if not isfinite(posture.joints[i]):  # no stroke is long enough
                 return ()
             both = wanted.get(path, posture.joints[i]), posture.joints[i]
             wanted[path] = min(both) if low else max(both)
