@@ -119,9 +119,13 @@ def test_the_panels_beside_the_scene_leave_it_room(at_size: Callable[..., Tab]) 
 
 def test_the_status_has_one_height_and_stays_in_sight(tab: Tab) -> None:
     def place() -> tuple[float, ...]:
-        tops = "e => [e.getBoundingClientRect().top, e.getBoundingClientRect().height]"
-        status = tab.page.locator(".bo-status").evaluate(tops)
-        return (*status, tab.page.get_by_role("tablist").first.evaluate(tops)[0])
+        # All at once: the status is drawn anew at any time.
+        found: list[float] = tab.page.evaluate(
+            """() => { const at = (what) => document.querySelector(what).getBoundingClientRect();
+                const status = at(".bo-status");
+                return [status.top, status.height, at("[role=tablist]").top]; }"""
+        )
+        return tuple(found)
 
     tab.wait_for_text("Reachable")
     tab.wait(lambda: place()[1] > 0, "the status")

@@ -7,7 +7,7 @@ from collections import defaultdict
 from functools import lru_cache
 
 from app.review.state import Review
-from app.review.units import number
+from app.review.units import minus
 from app.scene import palette
 from app.widgets.texts import box, chip, edged, esc, faint, tone
 from kinematics.answers.solutions import Finding
@@ -96,10 +96,12 @@ def _listed(group: str, fields: list[DesignField]) -> str:
 
 def _box(group: str, field: DesignField) -> str:
     name = f"{group}: {field.label}" + (f" ({_unit(field)})" if field.unit else "")
+    value = shown(field)
+    whole = minus(f"{round(value, 9) + 0.0:.12g}")
     return (
         f'<input type="text" inputmode="decimal" data-edit="{esc(key(field))}" '
-        f'data-of="{_unit(field)}" value="{number(round(shown(field), 9))}" '
-        f'aria-label="{esc(name)}" title="{esc(name)}">'
+        f'data-of="{_unit(field)}" value="{minus(f"{value + 0.0:.4g}")}" data-whole="{whole}" '
+        f'aria-label="{esc(name)}" title="{esc(name)}: {whole}">'
     )
 
 

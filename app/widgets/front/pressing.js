@@ -31,7 +31,13 @@ if (!window.editing) {
   let at = "";
   window.addEventListener("focusin", ({ target }) => {
     at = (target.dataset && target.dataset.edit) || "";
-    if (at) target.select();
+    if (!at) return;
+    target.value = target.dataset.whole; /* the box shows but a few digits of it */
+    target.select();
+  });
+  window.addEventListener("focusout", ({ target }) => {
+    if (target.dataset && target.dataset.edit && target.value === target.dataset.whole)
+      target.value = target.defaultValue;
   });
   window.addEventListener("change", ({ target }) => {
     if (!target.matches || !target.matches("[data-edit]")) return;

@@ -48,14 +48,18 @@ def test_aspects_are_the_workspace_in_pieces_of_one_sign(name: str) -> None:
     assert parted.volume == pytest.approx(whole.volume, rel=1e-5)
     assert {piece.sign for piece in parted.pieces} == {1, -1}
     k = mode_sign("2") * design.platform_radius
+    statics = machine_of(design).statics
     for n, piece in enumerate(parted.pieces):
-        z, tilt, azimuth = chart.from_chart(design, np.array(piece.centroid))
+        z, tilt, azimuth = pose = chart.from_chart(design, np.array(piece.centroid))
         if parted.piece_at(piece.centroid) != n:
             continue  # its centroid is outside of it
         value = polynomial.value(
             design.mechanism, design.base_radius, k, z, tilt, np.sin(3.0 * azimuth)
         )
-        assert np.sign(value) == piece.sign
+        determinant = float(statics.wrenches(pose, "2").determinant)
+        # The determinant is the polynomial times what has one sign: −1 of a 3-RPS in mode 2.
+        assert np.sign(value) == np.sign(determinant) * (-1 if name == "rps-3" else 1)
+        assert np.sign(determinant) == piece.sign
     home = chart.to_chart(design, np.array(machine_of(design).home.pose))
     assert parted.piece_at(home) is not None
 
