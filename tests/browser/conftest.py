@@ -242,9 +242,11 @@ class Tab:
             view.click()
 
     def unfold(self, title: str) -> None:
-        """Open a group that is closed."""
+        """Open a group, if it is closed."""
         heading = self.page.get_by_text(title, exact=True).locator("visible=true").first
-        heading.click()
+        inside = heading.locator("xpath=following-sibling::div[1]")
+        if inside.get_attribute("aria-hidden") != "false":
+            heading.click()
 
     def field(self, label: str, index: int = 0) -> Locator:
         """The number or text box that belongs to a label."""
