@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 
 import numpy as np
 import pytest
 
-from app.features.move.state import Flip
-from app.features.workspace.compute import Solids
+from app.features.move.state import Flip, Move, Place
+from app.features.workspace.compute import Built, Solids, build, piece_around, wishes
 from app.features.workspace.html import report_html
 from app.features.workspace.state import ChooseModes
 from app.review.changes import change
@@ -90,3 +91,28 @@ def test_a_position_that_only_other_modes_reach_is_no_contradiction() -> None:
     assert "but not" not in report_html(home, Solids((), {}, {}, None), None)
     alone, _ = change(home, Flip(other))
     assert "O′ outside" in report_html(alone, Solids((), {}, {}, None), None)
+
+
+def test_the_piece_of_the_machine_is_told_at_any_orientation() -> None:
+    turned, _ = change(new_review(load_design("rpur-table1")), Move(4, 0.25))
+    (wish,) = wishes(turned)
+    built = Built(wish, "normal", build(wish.requests["normal"]))
+    rng = np.random.default_rng(1)
+    poses = np.tile(turned.pose, (200_000, 1))
+    poses[:, :3] = rng.uniform(-500.0, 550.0, (len(poses), 3))
+    told = set()
+    for pose in poses[MACHINE.inverse.inside(poses, (turned.mode,))][:40].tolist():
+        there, _ = change(turned, Place(tuple(pose)))
+        html = report_html(there, Solids((wish,), {"workspace": built}, {}, None), None)
+        (row,) = re.findall(r"<tr aria-current>.*?</tr>", html) or [""]
+        here = piece_around(there, built)
+        assert ("the machine is here" in row) == (here is not None)
+        if here is not None:
+            own = built.wish.placement[:3, :3].T @ np.array(pose[:3])  # built about the y axis
+            low, high = built.solid.pieces[here].bounds
+            assert (np.array(low) <= own).all()
+            assert (own <= np.array(high)).all()
+            told.add(re.sub(r"<[^>]*>", "", row)[0])
+    assert told == {"1", "2"}
+    before = report_html(turned, Solids((wish,), {}, {"workspace": built}, None), None)
+    assert "the machine is here" not in before  # where it is in a solid of before is not told

@@ -206,8 +206,11 @@ def inside(review: Review) -> bool:
 
 def piece_here(review: Review, built: Built) -> int | None:
     """Which piece of a solid that is parted holds the machine, from 0; None where none does."""
-    if built.solid.piece_of is None:
-        return None
+    return None if built.solid.piece_of is None else piece_around(review, built)
+
+
+def piece_around(review: Review, built: Built) -> int | None:
+    """The same of any solid."""
     solids = required(review.machine.solids, "solids")
     at = solids.point(built.wish.spec.key, review.pose, review.mode)
     return built.solid.piece_at((np.linalg.inv(built.wish.placement) @ np.append(at, 1.0))[:3])

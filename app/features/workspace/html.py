@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from app.features.section.compute import Modes, Sections
-from app.features.workspace.compute import Built, Laying, Solids, inside, region_colors
+from app.features.workspace.compute import (
+    Built,
+    Laying,
+    Solids,
+    inside,
+    piece_around,
+    region_colors,
+)
 from app.features.workspace.state import ASPECTS, Workspace
 from app.review.state import Review
 from app.review.units import area_text, minus, plural, spaced, tenths, volume_text
@@ -16,6 +23,9 @@ from app.terminal.tables import surface_text
 from app.widgets.texts import NUMERIC, aged, bar, box, chip, esc, faint, red, styled, table, tone
 from kinematics.facets.solids import SolidSpec
 from kinematics.machine import Machine
+
+if TYPE_CHECKING:
+    from kinematics.solids.csg import BuiltSolid
 
 MOST = 8  # pieces that are told
 
@@ -32,9 +42,10 @@ def report_html(review: Review, solids: Solids, sections: Sections | None) -> st
         key = wish.spec.key
         built, old = solids.built.get(key), solids.old.get(key)
         if built is not None:
-            parts.append(_solid(review, built, exact=sections))
+            here = piece_around(review, built) if review.posture.reachable else None
+            parts.append(_solid(built, here, exact=sections))
         elif old is not None:
-            parts.append(aged(_solid(review, old, exact=sections), True))
+            parts.append(aged(_solid(old, None, exact=sections), True))
     return box("".join(parts))
 
 
@@ -67,14 +78,14 @@ def _answer(value: float, error: float, what: str, exact: str) -> str:
     return f'<div title="{exact}"><b class="bo-answer">{number}</b> {rest}{what}</div>'
 
 
-def _solid(review: Review, built: Built, exact: Sections | None) -> str:
+def _solid(built: Built, here: int | None, exact: Sections | None) -> str:
     """The pieces of a solid, and what its mesh is."""
     solid = built.solid
     lines = []
     if solid.pieces and exact is None:
         lines.append(_answer(solid.volume, solid.volume_error, "", f"{spaced(solid.volume)} mm³"))
     if solid.pieces:
-        lines.append(_pieces(review, built))
+        lines.append(_pieces(solid, here))
     elif built.resolution == "fine" and not solid.note:
         lines.append("<div>At this orientation the workspace is empty.</div>")
     elif built.resolution != "fine":
@@ -93,12 +104,8 @@ def _solid(review: Review, built: Built, exact: Sections | None) -> str:
     return "".join(lines)
 
 
-def _pieces(review: Review, built: Built) -> str:
+def _pieces(solid: BuiltSolid, here: int | None) -> str:
     """A row for each piece, that of the machine marked."""
-    solid = built.solid
-    here, solids = None, review.machine.solids
-    if solids is not None and review.posture.reachable:
-        here = solid.piece_at(solids.point(built.wish.spec.key, review.pose, review.mode))
     rows, looks = [], []
     largest = max(piece.volume for piece in solid.pieces)
     for n, piece in enumerate(solid.pieces[:MOST]):
