@@ -117,32 +117,30 @@ class Seat:
 
     def _put_html(self, label: str, value: float) -> None:
         """Type a number into a box that is a piece of HTML."""
-        handles = self._handles()
-        for n, handle in enumerate(handles):
-            for box in re.findall(r"<input[^>]*>", _html(handle)):
-                if re.search(rf'aria-label="[^"]*{re.escape(label)}"', box):
-                    edited = re.search(r'data-edit="([^"]*)"', box)
-                    assert edited is not None, label
-                    sent = next(h for h in handles[n:] if getattr(h, "label", "") == "Pressed")
-                    sent._impl.value = f"{edited[1]} {value!r} {time.monotonic()}"
-                    self._tell(sent)
-                    return
-        raise AssertionError(f"no box {label!r}")
+        edited = self._in_html("input", f'[^"]*{re.escape(label)}', "data-edit")
+        self._press(edited, f" {value!r}")
 
     def _press_html(self, label: str) -> None:
         """Press a button that is a piece of HTML."""
-        handles = self._handles()
-        for n, handle in enumerate(handles):
-            for button in re.findall(r"<button[^>]*>", _html(handle)):
-                if f'aria-label="{label}"' in button:
-                    assert " disabled" not in button, label
-                    sent = re.search(r'data-send="([^"]*)"', button)
+        self._press(self._in_html("button", re.escape(label), "data-send"))
+
+    def _in_html(self, tag: str, label: str, sends: str) -> tuple[int, str]:
+        """Which handle has an element with a label that matches, and what it sends."""
+        for n, handle in enumerate(self._handles()):
+            for element in re.findall(rf"<{tag}[^>]*>", _html(handle)):
+                if re.search(rf'aria-label="{label}"', element):
+                    assert " disabled" not in element, label
+                    sent = re.search(rf'{sends}="([^"]*)"', element)
                     assert sent is not None, label
-                    box = next(h for h in handles[n:] if getattr(h, "label", "") == "Pressed")
-                    box._impl.value = f"{html.unescape(sent[1])} {time.monotonic()}"
-                    self._tell(box)
-                    return
-        raise AssertionError(f"no button {label!r}")
+                    return n, html.unescape(sent[1])
+        raise AssertionError(f"no {tag} {label!r}")
+
+    def _press(self, sent: tuple[int, str], more: str = "") -> None:
+        """Have the hidden box behind a piece of HTML tell what a browser would."""
+        n, text = sent
+        box = next(h for h in self._handles()[n:] if getattr(h, "label", "") == "Pressed")
+        box._impl.value = f"{text}{more} {time.monotonic()}"
+        self._tell(box)
 
     def point(self, title: str, x: float, y: float) -> None:
         """Point at a place of the plot with this name, of several the first."""
