@@ -23,7 +23,6 @@ from app.widgets.desk import Command, Group, Sheet, put_prop
 from app.widgets.front import FRONT
 from app.widgets.icons import icon_button
 from app.widgets.markup import Markup
-from app.widgets.plots import PLOTTED
 from app.widgets.texts import aged, box, chip, esc, faint, styled, tone
 
 LOOKS: dict[Look, str] = {
@@ -42,7 +41,7 @@ class Header(Group):
     """A line that is always true, what the colours mean, and what is being computed."""
 
     def build(self, review: Review) -> None:
-        self.gui.add_html(FRONT + PLOTTED)
+        self.gui.add_html(FRONT)
         desk = self.desk
         self.key("Undo", "Take back the last change", "ctrl+Z", lambda _: desk.undo())
         self.key("Redo", "Do it again", "ctrl+Y", lambda _: desk.redo())
@@ -192,7 +191,9 @@ def _status(sheet: Sheet, clear: Clear, size: Size) -> str:
     elif size.fact is not None:
         facts.append(_fact(size.fact, size.stale))
     cells = "".join(f"<div>{fact}</div>" for fact in facts[:3])
-    beside = styled(esc(notes), f"color:{tone('near')}") if notes else f"<span>{status.mode}</span>"
+    beside = (
+        styled(esc(notes), f"color:{tone('near')}") if notes else f"<span>{esc(status.mode)}</span>"
+    )
     whole = esc(" · ".join(words) + (f" {notes}" if notes else ""))
     return (
         f'<div class="bo-status" role="status" style="--bo-tone:{tone(status.level)}" '

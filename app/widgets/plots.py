@@ -1,7 +1,8 @@
 """Plots of one family: what is seen of them, what a person does on them, and the numbers behind.
 
-A plot is inline SVG; what a person does on it comes as text through a hidden box (`plots.js`). The
-drawing stays in the page while a person drags on it: what moves is a second drawing over it.
+A plot is inline SVG; what a person does on it comes as text through a hidden box, see
+`front/plots.js`. The drawing stays in the page while a person drags on it: what moves is a second
+drawing over it.
 """
 
 from __future__ import annotations
@@ -9,43 +10,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from pathlib import Path
 
 from app.widgets.axes import Bounds, Figure, Look
 from app.widgets.desk import Client, Desk, answer, put_prop
+from app.widgets.front import run
 from app.widgets.svg import DIM, heading
 from app.widgets.texts import esc
 
-_STYLE = """<style>
-div:has(>.plot)+div+div{visibility:hidden;position:absolute;height:0;overflow:hidden;
-padding:0!important}
-.plot,.over{position:relative;padding:0 4px}
-.plot svg,.over svg{display:block;width:100%;height:auto;font-family:inherit;font-size:11px;
-font-variant-numeric:tabular-nums;color:var(--bo-ink,#1F2933)}
-.plot svg[data-box]{touch-action:none;user-select:none;cursor:crosshair}
-.over{pointer-events:none}
-.plot .tools{position:absolute;right:6px;bottom:2px;display:flex;gap:2px}
-.plot .tools button{border:0;background:var(--bo-bg,#FBFCFD);padding:0 5px;font:inherit;
-font-size:11px;line-height:16px;border-radius:3px;color:var(--bo-dim,#5B6672);cursor:pointer}
-.plot .tools button:hover,.plot .tools button[aria-pressed=true]{color:var(--bo-ink,#1F2933);
-text-decoration:underline}
-.plot .behind{overflow:auto;box-sizing:border-box;padding:4px 8px 22px}
-.plot .behind table{width:100%;border-collapse:collapse;font-size:12px;line-height:18px;
-font-variant-numeric:tabular-nums;color:var(--bo-ink,#1F2933)}
-.plot .behind caption{font-weight:600;text-align:left;line-height:20px}
-.plot .behind th{font-size:11px;font-weight:400;color:var(--bo-dim,#5B6672);
-position:sticky;top:-4px;background:var(--bo-bg,#FBFCFD);
-border-bottom:1px solid var(--bo-rule,#DDE2E8)}
-.plot .behind td,.plot .behind th{text-align:right;padding:2px 6px;white-space:nowrap}
-</style>"""
-_SOURCE = esc(Path(__file__).with_suffix(".js").read_text(encoding="utf-8"))
-_DOT = "data:image/gif;base64,R0lGODlhAQABAIAAAAAAAP///yH5BAEAAAAALAAAAAABAAEAAAIBRAA7"
-# Once for a page, in the browser.
-PLOTTED = f'{_STYLE}<img alt="" style="display:none" src="{_DOT}" onload="{_SOURCE}">'
-_FIT = (
-    f'<img alt="" style="display:none" src="{_DOT}" '
-    'onload="window.bohemiaPlots&amp;&amp;bohemiaPlots.fit(this.parentElement)">'
-)
+_FIT = run("window.bohemiaPlots&&bohemiaPlots.fit(this.parentElement)")
 
 
 class Plot:

@@ -124,8 +124,7 @@ class WorkspacePanel(Panel):
                 self._draw_solids()
 
     def _draw_solids(self) -> None:
-        exact = self._measured if self.review.machine.section_spec is not None else None
-        self.say(self._report, html.report_html(self.review, self._solids, exact))
+        self.say(self._report, html.report_html(self.review, self._solids, self._measured))
         if self._of_limbs:
             self.say(self._parts, html.parts_html(self._solids))
 

@@ -9,14 +9,18 @@ _HERE = files(__name__)
 _NOTHING = "data:image/gif;base64,R0lGODlhAQABAIAAAAAAAP///yH5BAEAAAAALAAAAAABAAEAAAIBRAA7"
 
 
+def run(script: str) -> str:
+    """HTML that runs a script once it is in the page.
+
+    Scripts in HTML that a page adds later are not run; the handlers of its elements are.
+    """
+    return f'<img alt="" style="display:none" src="{_NOTHING}" onload="{escape(script)}">'
+
+
 def _read(ending: str) -> str:
     found = sorted((f for f in _HERE.iterdir() if f.name.endswith(ending)), key=lambda f: f.name)
     return "\n".join(file.read_text(encoding="utf-8") for file in found)
 
 
-# Scripts in HTML that a page adds later are not run; the handlers of its elements are.
-FRONT = (
-    f"<style>{_read('.css')}</style>"
-    f'<img alt="" style="display:none" src="{_NOTHING}" onload="{escape(_read(".js"))}">'
-)
+FRONT = f"<style>{_read('.css')}</style>{run(_read('.js'))}"
 """HTML that a page has once."""
