@@ -24,6 +24,7 @@ from app.features import each
 from app.features.review.files import ExportedFile
 from app.jobs.lane import Busy, Done, Lost
 from app.jobs.parts import Part
+from app.language import tr
 from app.review import view as compute
 from app.review.changes import Change
 from app.review.history import History
@@ -159,7 +160,7 @@ class Page:
         """Do something that takes a while in a thread of its own; its failure is told."""
 
         def work() -> None:
-            safely(self, client, act, "The file could not be made")
+            safely(self, client, act, tr("page.no_file"))
 
         threading.Thread(target=work, daemon=True).start()
 
@@ -351,13 +352,13 @@ class Page:
         tabs = self.gui.add_tab_group()
         for title in dict.fromkeys(kind.TAB or kind.TITLE for kind in served):
             views = [kind for kind in served if title in (kind.TAB, kind.TITLE)]
-            with tabs.add_tab(title):
+            with tabs.add_tab(tr(title)):
                 if len(views) == 1:
                     self._panels.append(views[0](self, sheet))
                     continue
                 switch = self.gui.add_tab_group()
                 for kind in views:
-                    with switch.add_tab(kind.TITLE):
+                    with switch.add_tab(tr(kind.TITLE)):
                         self._panels.append(kind(self, sheet))
         commands = [command for panel in self._panels for command in panel.commands()]
         add_hotkeys(self, commands)

@@ -9,6 +9,7 @@ from dataclasses import dataclass, fields, replace
 from functools import partial
 from typing import Any
 
+from app.language import tr
 from app.review.state import Options, Review, Slice
 from app.review.units import number, page_unit
 
@@ -83,7 +84,7 @@ class Restore(Change):
     review: Review
 
     def title(self, before: Review, after: Review) -> str:
-        return f"session of {after.design.name}"
+        return tr("changes.session", name=after.design.name)
 
     def apply(self, review: Review) -> Taken:
         return self.review, ""
@@ -100,9 +101,9 @@ def difference(before: Review, after: Review) -> str:
         ]
         edited = before.design.mechanism == after.design.mechanism and len(words) in (1, 2, 3)
         if not edited:
-            return f"design {before.design.name} → {after.design.name}"
+            return tr("changes.design", old=before.design.name, new=after.design.name)
     if before.mode != after.mode:
-        words.append(_change("mode", before.mode, after.mode).replace("-", "−"))
+        words.append(_change(tr("modes.mode"), before.mode, after.mode).replace("-", "−"))
     for c, *values in zip(after.machine.coordinates, before.pose, after.pose, strict=True):
         old, new = (number(round(c.outer(v), 1)) for v in values)
         if old != new:
@@ -114,18 +115,21 @@ def difference(before: Review, after: Review) -> str:
             for f in fields(piece)
             if getattr(piece, f.name) != getattr(other, f.name)
         ]
-    return ", ".join(words[:2]) + (", …" if len(words) > 2 else "") if words else "a little"
+    return (
+        ", ".join(words[:2]) + (", …" if len(words) > 2 else "") if words else tr("changes.little")
+    )
 
 
 def _told(slice_: str, name: str, old: object, new: object) -> str:
     words = f"{slice_} {name.replace('_', ' ')}"
     if isinstance(new, bool):
         words = slice_ if name == "on" else words
-        return f"{words} {'on' if new else 'off'}"
+        return tr("changes.on" if new else "changes.off", what=words)
     if isinstance(old, float) and isinstance(new, float):
         return _change(words, number(old), number(new))
     if isinstance(old, str) and isinstance(new, str):
-        return _change(words, old or "none", new or "none")
+        none = tr("page.none")
+        return _change(words, old or none, new or none)
     return words
 
 

@@ -15,6 +15,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import IO
 
+from app.language import tr
 from app.review import session
 from app.review.state import Review
 from kinematics.errors import InputError
@@ -103,9 +104,7 @@ class Keeper:
                     self._unsaved = review
             if bool(failure) != bool(before):
                 self._tell(
-                    f"The session could not be saved and is tried again until it can: {failure}"
-                    if failure
-                    else "The session is saved again."
+                    tr("session.tried_again", why=failure) if failure else tr("session.saved_again")
                 )
 
     def _next(self) -> Review | None:

@@ -13,6 +13,7 @@ from functools import cache
 from typing import Any, ClassVar, Self, TypeVar
 
 from app.features import each
+from app.language import tr
 from app.review import content as session
 from kinematics.answers.solutions import Posture
 from kinematics.errors import InputError
@@ -185,7 +186,7 @@ class Review:
         """
         known = [self.machine.coordinates[n].key for n in self.machine.dependent]
         if key and key not in known:
-            raise InputError(f"what gives way is one of {', '.join(known)}, not {key!r}")
+            raise InputError(tr("typing.gives_way", known=", ".join(known), key=key))
         return replace(self, gives_way=key)
 
     @property

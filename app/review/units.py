@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from app.language import tr
 from kinematics.answers.clearances import Clearance
 from kinematics.errors import InputError
 from kinematics.mechanism import Coordinate
@@ -25,7 +26,7 @@ def within(coordinate: Coordinate, value: float, beyond: float = 0.0) -> tuple[f
         InputError: it is not finite.
     """
     if not math.isfinite(value):
-        raise InputError(f"{coordinate.symbol} must be a finite number")
+        raise InputError(tr("typing.one_finite", what=coordinate.symbol))
     if coordinate.free:
         return (value if abs(value) <= 4.0 * math.pi else math.remainder(value, 2.0 * math.pi)), ""
     further = beyond * (coordinate.upper - coordinate.lower)
@@ -35,10 +36,13 @@ def within(coordinate: Coordinate, value: float, beyond: float = 0.0) -> tuple[f
     # A round trip through degrees may leave the range by an ulp; that is not worth a sentence.
     if abs(kept - value) <= 1e-9 * max(1.0, abs(value)):
         return kept, ""
+    return kept, tr("typing.kept", what=coordinate.symbol, ends=ends_text(coordinate))
+
+
+def ends_text(coordinate: Coordinate) -> str:
+    """The range that is offered: "−60 … 60 °"."""
     low, high = (coordinate.outer(v) for v in (coordinate.lower, coordinate.upper))
-    unit = " mm" if coordinate.unit == "mm" else " °"
-    text = f"{coordinate.symbol} is kept within {low:g} … ".replace("-", "−")
-    return kept, f"{text}{high:g}{unit}."
+    return f"{minus(f'{low:g} … {high:g}')} {page_unit(coordinate)}"
 
 
 def how_far(way: Clearance, decimals: int = 1) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from app.language import tr
 from app.review.state import Review
 from app.review.units import page_unit
 from kinematics.answers.drawings import Drawing
@@ -179,10 +180,10 @@ def joint_rows(machine: Machine[Any], posture: Posture) -> tuple[JointRow, ...]:
         note = ""
         if reason is not None:
             level = "bad"
-            note = f"{amount_text(reason.amount, reason.unit)} beyond"
-            note = "cannot close" if reason.bound == "link" else note
+            beyond = tr("status.beyond", amount=amount_text(reason.amount, reason.unit))
+            note = tr("status.open") if reason.bound == "link" else beyond
         elif not c.free and margin < NEAR * (c.upper - c.lower):
-            level, note = "near", "near its end"
+            level, note = "near", tr("page.near_end")
         at, low, high = map(c.outer, (value, c.lower, c.upper))
         rows.append(JointRow(limb, c.symbol, at, low, high, page_unit(c), level, note))
     return tuple(rows)
@@ -199,6 +200,11 @@ def short_title(machine: Machine[Any]) -> str:
     return machine.title.partition(" (")[0]
 
 
+def mode_noun(machine: Machine[Any]) -> str:
+    """ "working mode", "operation mode", or "mode" of both kinds; "" for a mechanism of but one."""
+    return machine.mode_noun and tr(f"modes.{machine.mode_noun.replace(' ', '_')}")
+
+
 def mode_text(machine: Machine[Any], mode: str) -> str:
     """ "mode ++−+−", "operation mode 1"; "" for a mechanism that has but one."""
     return machine.mechanism.mode(mode).named
@@ -212,19 +218,18 @@ def status(review: Review, posture: Posture) -> Status:
         limit = ""
         if (nearest := posture.nearest) is not None:
             left, place = amount_text(nearest.amount, nearest.unit), nearest.bound.place
-            limit = f"{left} left of travel ({place})"
-            facts = (Fact(left, f"of travel left, {place.replace(', ', ' ')}"),)
+            limit = tr("status.left", amount=left, place=place)
+            facts = (Fact(left, tr("status.of_travel_left", place=place.replace(", ", " "))),)
         strokes = [m.amount for m in posture.margins if m.bound != "link"]
         span = min(c.upper - c.lower for c in review.machine.joints)
         near = bool(strokes) and min(strokes) < NEAR * span
         level: Level = "near" if near else "good"
-        text = _joined("Reachable", mode, limit)
-        return Status(level, "Reachable", mode, facts, text)
+        verdict = tr("status.reachable")
+        return Status(level, verdict, mode, facts, _joined(verdict, mode, limit))
     worst = max(posture.reasons, key=lambda r: r.amount)
     more = len(posture.reasons) - 1
-    text = _joined("Not reachable", mode, worst.text)
-    if more:
-        text += f" · and {more} more limit{'s' if more > 1 else ''} exceeded"
+    further = tr("status.more", n=more) if more else ""
+    text = _joined(tr("status.not_reachable"), mode, worst.text, further)
     verdict = worst.text[:1].upper() + worst.text[1:]
     wanted = _wanted(review.machine, posture, worst)
     return Status("bad", verdict, mode, wanted, text, _other_mode(review, posture))
@@ -235,13 +240,12 @@ def _wanted(machine: Machine[Any], posture: Posture, worst: Reason) -> tuple[Fac
     joints = zip(machine.joints, posture.joints, strict=True)
     at = next(((c, v) for n, (c, v) in enumerate(joints, 1) if (c.limb or n) == worst.limb), None)
     if at is None or not math.isfinite(at[1]):
-        return (Fact(amount_text(worst.amount, worst.unit), "is missing"),)
+        return (Fact(amount_text(worst.amount, worst.unit), tr("status.missing")),)
     c, value = at
     end = c.upper if value > c.upper else c.lower
-    ends = Fact(
-        amount_text(end, c.unit), "is its longest" if value > c.upper else "is its shortest"
-    )
-    return Fact(amount_text(value, c.unit), f"{c.symbol} wanted"), ends
+    what = tr("status.longest" if value > c.upper else "status.shortest")
+    wanted = Fact(amount_text(value, c.unit), tr("status.wanted", joint=c.symbol))
+    return wanted, Fact(amount_text(end, c.unit), what)
 
 
 def _joined(*parts: str) -> str:
@@ -256,8 +260,8 @@ def reaching_mode(review: Review, pose: Sequence[float]) -> str | None:
 
 
 def _other_mode(review: Review, posture: Posture) -> str:
-    noun = review.machine.mode_noun
+    noun = mode_noun(review.machine)
     nearest = reaching_mode(review, posture.pose)
     if nearest is None:
-        return f"No {noun} reaches this pose." if noun else ""
-    return f"Within reach in {mode_text(review.machine, nearest)}."
+        return tr("status.no_mode", noun=noun) if noun else ""
+    return tr("status.other_mode", mode=mode_text(review.machine, nearest))

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
+from app.language import tr
 from app.review.changes import Change
 from app.review.units import minus, number, page_unit, sentence
 from app.widgets.desk import DIGITS, TYPED, Client, Desk, Group, answer, close, put, put_prop
@@ -110,7 +111,7 @@ def rates_box(desk: Desk, handle: Any, axes: Sequence[Coordinate], what: str) ->
             return typed_pose(text, axes, what)
         except InputError:
             count = len(axes)
-            raise InputError(f"{what} are {count} numbers with commas between them") from None
+            raise InputError(tr("typing.rates", what=what, count=count)) from None
 
     return Typed(desk, handle, read, partial(shown_pose, axes=axes))
 
@@ -140,9 +141,9 @@ def limits_box(
         if len(values) == 1:
             values *= len(joints)
         if values and len(values) != len(joints):
-            raise InputError(f"{what}: one number for all joints, or {len(joints)} of them")
+            raise InputError(tr("typing.limits", what=what, count=len(joints)))
         if any(value <= 0.0 for value in values):
-            raise InputError(f"{what}: limits are positive")
+            raise InputError(tr("typing.positive", what=what))
         return tuple(v * scale for v, scale in zip(values, scales, strict=False))
 
     def write(value: Any) -> str:
@@ -165,7 +166,7 @@ def typed_pose(text: str, axes: Sequence[Coordinate], what: str) -> tuple[float,
     """
     values = typed_numbers(text, what)
     if values and len(values) != len(axes):
-        raise InputError(f"{what} needs {len(axes)} numbers: {units(axes)}")
+        raise InputError(tr("typing.pose", what=what, count=len(axes), units=units(axes)))
     return tuple(c.inner(v) for c, v in zip(axes, values, strict=False))
 
 
@@ -179,9 +180,9 @@ def typed_numbers(text: str, what: str) -> tuple[float, ...]:
     try:
         values = tuple(float(word) for word in words if word)
     except ValueError:
-        raise InputError(f"{what}: numbers with commas between them") from None
+        raise InputError(tr("typing.numbers", what=what)) from None
     if not all(map(math.isfinite, values)):
-        raise InputError(f"{what}: finite numbers")
+        raise InputError(tr("typing.finite", what=what))
     return values
 
 
@@ -246,7 +247,7 @@ class ModesMenu:
 
     Args:
         titles: of the named choices, what each stands for.
-        own: the title of the choice that is typed into a box with this ``label``.
+        own: the key of the title of the choice that is typed, and of the label of its box.
         change: to a choice, or to what was typed.
     """
 
@@ -254,15 +255,15 @@ class ModesMenu:
         self,
         group: Group,
         titles: Mapping[str, str],
-        own: tuple[str, str],
+        own: str,
         change: Callable[[str], Change],
         **look: Any,
     ) -> None:
         self._group, self._titles, self._change = group, titles, change
-        self._own, label = own
-        hint = "One sign a limb, ? for either; several separated by commas: +?+++, −−+++"
-        self._menu = group.gui.add_dropdown("Of", (*titles, self._own), **look)
-        self._typed = group.gui.add_text(label, minus(group.review.mode), hint=hint, visible=False)
+        self._own = tr(own)
+        self._menu = group.gui.add_dropdown(tr("modes.of"), (*titles, self._own), **look)
+        label, mode, beside = tr(f"{own}_label"), minus(group.review.mode), tr("modes.signs")
+        self._typed = group.gui.add_text(label, mode, hint=beside, visible=False)
         group.answer(self._menu, self._choose)
         group.answer(self._typed, self._type)
 

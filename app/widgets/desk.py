@@ -15,6 +15,7 @@ import viser
 
 from app.jobs.parts import Client as Client
 from app.jobs.parts import Room
+from app.language import hint, tr
 from app.review.changes import Change, SetOne
 from app.review.history import History
 from app.review.state import Review, Slice
@@ -33,8 +34,8 @@ QUIET = palette.rgb(palette.PLATFORM)  # buttons
 
 A = ParamSpec("A")
 P = TypeVar("P")
-Said = tuple[str, str, str]
-"""Of a command: its label, its description, its key."""
+Said = tuple[str, str]
+"""Of a command: its name, and its key."""
 Setter = Callable[[str, Any], Change]
 """From a field's name and its value to the change that sets it."""
 
@@ -103,10 +104,17 @@ class Sheet:
 class Command:
     """An entry of the command palette, and the key that does the same: "Z", "ctrl+Z"."""
 
-    label: str
-    description: str
+    name: str
     key: str
     act: Callable[[Client], object]
+
+    @property
+    def label(self) -> str:
+        return tr(f"keys.{self.name}")
+
+    @property
+    def description(self) -> str:
+        return tr(f"keys.{self.name}_hint")
 
 
 class Folder:
@@ -172,9 +180,9 @@ class Group:
         """What can be done with a key, too."""
         return [*self.keys, *(command for group in self.groups for command in group.commands())]
 
-    def key(self, label: str, description: str, key: str, act: Callable[[Client], object]) -> None:
+    def key(self, name: str, key: str, act: Callable[[Client], object]) -> None:
         """Something that can be done with a key, too."""
-        self.keys.append(Command(label, description, key, act))
+        self.keys.append(Command(name, key, act))
 
     def toggle(
         self, command: Said, read: Callable[[Review], bool], change: Callable[[bool], Change]
@@ -182,7 +190,7 @@ class Group:
         """Something of the review that a key turns on and off."""
         self.key(*command, lambda who: self.desk.send(change(not read(self.review)), who))
 
-    # --- widgets that stay true to the review
+    # --- widgets that stay true to the review; ``text`` is the key of their label and hint
 
     def bind(
         self, handle: Any, read: Callable[[Review], Any], change: Callable[..., Change]
@@ -212,26 +220,30 @@ class Group:
 
     def switch(
         self,
-        label: str,
+        text: str,
         kind: type[Slice],
         name: str,
-        hint: str | None = None,
         command: Said | None = None,
     ) -> Any:
         """A checkbox for a field of a slice; with a ``command`` a key does it, too."""
         if command is not None:
             change = partial(SetOne, kind, name)
             self.toggle(command, lambda review: getattr(review[kind], name), change)
-        return self.field(self.gui.add_checkbox(label, False, hint=hint), kind, name)
+        return self.field(self.tick(text), kind, name)
 
-    def number(self, label: str, kind: type[Slice], name: str, setter: Setter, **look: Any) -> Any:
+    def tick(self, text: str, on: bool = False, **look: Any) -> Any:
+        """A checkbox of its own."""
+        return self.gui.add_checkbox(tr(text), on, hint=hint(text), **look)
+
+    def number(self, text: str, kind: type[Slice], name: str, setter: Setter, **look: Any) -> Any:
         """A number box for a field of a slice."""
-        made = self.gui.add_number(label, getattr(self.review[kind], name), **look)
+        value = getattr(self.review[kind], name)
+        made = self.gui.add_number(tr(text), value, hint=hint(text), **look)
         return self.field(made, kind, name, setter)
 
     def menu(
         self,
-        label: str,
+        text: str,
         options: Mapping[str, Any],
         kind: type[Slice],
         name: str,
@@ -240,18 +252,18 @@ class Group:
     ) -> Any:
         """A menu for a field of a slice: titles with what each of them stands for."""
         change = partial(setter or partial(SetOne, kind), name)
-        return self.choice(label, options, lambda r: getattr(r[kind], name), change, **look)
+        return self.choice(text, options, lambda r: getattr(r[kind], name), change, **look)
 
     def choice(
         self,
-        label: str,
+        text: str,
         options: Mapping[str, Any],
         read: Callable[[Review], Any],
         change: Callable[[Any], Change],
         **look: Any,
     ) -> Any:
         """A menu of titles with what each of them stands for."""
-        handle = self.gui.add_dropdown(label, tuple(options), **look)
+        handle = self.gui.add_dropdown(tr(text), tuple(options), hint=hint(text), **look)
         first = next(iter(options))
 
         def title(review: Review) -> str:
@@ -260,23 +272,23 @@ class Group:
 
         return self.bind(handle, title, lambda chosen: change(options[chosen]))
 
-    def button(self, label: str, act: Callable[[Client], None], **look: Any) -> Any:
+    def button(self, text: str, act: Callable[[Client], None], **look: Any) -> Any:
         """A quiet button."""
-        made = self.gui.add_button(label, color=QUIET, **look)
+        made = self.gui.add_button(tr(text), color=QUIET, hint=hint(text), **look)
         clicked(self.desk, made, act)
         return made
 
-    def asks(self, label: str, act: Callable[..., object], *arguments: Any, **look: Any) -> Any:
+    def asks(self, text: str, act: Callable[..., object], *arguments: Any, **look: Any) -> Any:
         """A quiet button that has the loop call ``act(*arguments)``."""
-        return self.button(label, lambda _: self.desk.ask(act, *arguments), **look)
+        return self.button(text, lambda _: self.desk.ask(act, *arguments), **look)
 
-    def asks_for(self, label: str, act: Callable[[Client], object], **look: Any) -> Any:
+    def asks_for(self, text: str, act: Callable[[Client], object], **look: Any) -> Any:
         """A quiet button that has the loop call ``act(client)``."""
-        return self.button(label, lambda client: self.desk.ask(act, client), **look)
+        return self.button(text, lambda client: self.desk.ask(act, client), **look)
 
     def saving(self, kinds: tuple[str, ...], save: Callable[[str, Client], object]) -> Any:
         """A button for each kind of file, with which the loop saves it."""
-        made = self.gui.add_button_group("Save as", kinds)
+        made = self.gui.add_button_group(tr("page.save_as"), kinds)
         clicked(self.desk, made, lambda who: self.desk.ask(save, made.value.lower(), who))
         return made
 
@@ -288,16 +300,15 @@ class Group:
         """Call ``act(client)`` when a person presses a button."""
         clicked(self.desk, handle, act)
 
-    def folder(self, title: str, note: str = "", *, open: bool = True) -> Folder:
-        """A group of widgets under a heading, with a note at its right."""
-        return Folder(self.gui, title, note, open)
+    def folder(self, text: str, *, open: bool = True) -> Folder:
+        """A group of widgets under a heading, with its hint as a note at its right."""
+        return Folder(self.gui, tr(text), hint(text) or "", open)
 
-    def upload(
-        self, label: str, kinds: str, act: Callable[[Any, Client], None], hint: str | None = None
-    ) -> None:
+    def upload(self, text: str, kinds: str, act: Callable[[Any, Client], None]) -> None:
         """A button with which a person chooses a file of these kinds (MIME)."""
-        icon = viser.Icon.UPLOAD
-        made = self.gui.add_upload_button(label, mime_type=kinds, color=QUIET, icon=icon, hint=hint)
+        made = self.gui.add_upload_button(
+            tr(text), mime_type=kinds, color=QUIET, icon=viser.Icon.UPLOAD, hint=hint(text)
+        )
         uploaded(self.desk, made, act)
 
     def window(self, title: str, width: int, height: int, *, visible: bool) -> tuple[Any, Any]:
@@ -333,8 +344,8 @@ class Panel(Group):
     """One tab, or a view of one that has several.
 
     Attributes:
-        TITLE: of the tab, or of the view.
-        TAB: of a view, the title of its tab.
+        TITLE: the key of the title of the tab, or of the view.
+        TAB: of a view, that of the title of its tab.
     """
 
     TITLE: ClassVar[str]
@@ -384,7 +395,7 @@ def safely(
     desk: Desk,
     client: Client,
     act: Callable[[], object],
-    trouble: str = "Something went wrong in the page itself",
+    trouble: str = "",
 ) -> None:
     """Do what a person asked for; whatever goes wrong becomes a notification to them."""
     try:
@@ -393,7 +404,7 @@ def safely(
         desk.complain(str(error), client)
     except Exception as error:
         log.exception("a person's request failed")
-        desk.complain(f"{trouble}: {error}", client)
+        desk.complain(f"{trouble or tr('page.broken')}: {error}", client)
 
 
 def put(desk: Desk, handle: Any, value: Any) -> None:

@@ -12,6 +12,7 @@ from typing import Any
 
 from app.jobs.lane import Busy
 from app.jobs.parts import Client
+from app.language import tr
 from app.review.changes import SetOption
 from app.review.state import Options, Review
 from app.review.units import sentence
@@ -25,15 +26,10 @@ from app.widgets.icons import icon_button
 from app.widgets.markup import Markup
 from app.widgets.texts import aged, box, chip, esc, faint, styled, tone
 
-LOOKS: dict[Look, str] = {
-    "isometric": "From the front right above",
-    "plan": "From above, x to the right",
-    "front": "Along y, x to the right",
-    "side": "From the right, along x",
-}
-"""Views that have a key of their own, 1 to 4, and from where each is."""
+LOOKS: tuple[Look, ...] = ("isometric", "plan", "front", "side")
+"""Views that have a key of their own, 1 to 4."""
 PATIENCE = 0.6  # s; work that ends sooner is not worth a line of progress
-BAR = {"Home position": "home", "Save the review": "save"}
+BAR = ("home", "save")
 """Commands that have an icon in the bar."""
 
 
@@ -43,12 +39,12 @@ class Header(Group):
     def build(self, review: Review) -> None:
         self.gui.add_html(FRONT)
         desk = self.desk
-        self.key("Undo", "Take back the last change", "ctrl+Z", lambda _: desk.undo())
-        self.key("Redo", "Do it again", "ctrl+Y", lambda _: desk.redo())
-        self.key("Fit the view", "Show the machine whole", "F", lambda _: desk.fit_view())
-        for n, (name, what) in enumerate(LOOKS.items(), 1):
-            self.key(f"{sentence(name)} view", what, str(n), partial(desk.look, name))
-        legend = "Legend", "Show or hide what the colours mean", "K"
+        self.key("undo", "ctrl+Z", lambda _: desk.undo())
+        self.key("redo", "ctrl+Y", lambda _: desk.redo())
+        self.key("fit", "F", lambda _: desk.fit_view())
+        for n, name in enumerate(LOOKS, 1):
+            self.key(name, str(n), partial(desk.look, name))
+        legend = "legend", "K"
         self.toggle(legend, lambda r: r[Options].legend, lambda on: SetOption("legend", on))
         self._commands: dict[str, Command] = {}
         self._bar = Markup(desk, self._pressed)
@@ -64,7 +60,7 @@ class Header(Group):
 
     def equip(self, commands: Iterable[Command]) -> None:
         """These can be done with a key, and some of them in the bar."""
-        self._commands = {command.label: command for command in commands}
+        self._commands = {command.name: command for command in commands}
         self._draw_bar(self.sheet)
         self._draw_foot(self.sheet)
 
@@ -88,7 +84,7 @@ class Header(Group):
                 self._away = away
                 if away:  # of where the machine is shown
                     known = math.isfinite(near)
-                    fact = Fact(f"{near:.1f} mm", "to a singularity") if known else None
+                    fact = Fact(f"{near:.1f} mm", tr("page.to_singularity")) if known else None
                     self._draw_status(sheet, Clear(fact, stale=False))
             case Legend():
                 self._entries[news.of] = news
@@ -103,33 +99,30 @@ class Header(Group):
     def _draw_bar(self, sheet: Sheet) -> None:
         done, undone = sheet.history.titles(False, 1), sheet.history.undone(False)
         design = sheet.view.review.design
-        undo = f"Undo: {done[0]}" if done else "Nothing to undo"
-        redo = f"Redo: {undone}" if undone else "Nothing to redo"
+        undo = tr("page.undo", what=done[0]) if done else tr("page.nothing_to_undo")
+        redo = tr("page.redo", what=undone) if undone else tr("page.nothing_to_redo")
         icons = [
-            icon_button("undo", "Undo", undo, disabled=not done),
-            icon_button("redo", "Redo", redo, disabled=not undone),
+            icon_button("undo", tr("keys.undo"), undo, disabled=not done),
+            icon_button("redo", tr("keys.redo"), redo, disabled=not undone),
         ]
-        icons += [
-            icon_button(name, label, _hint(self._commands[label]))
-            for label, name in BAR.items()
-            if label in self._commands
-        ]
+        icons += map(self._icon, BAR)
         title = esc(design.title or design.name)
         self._bar.say(
             f'<div class="bo-name" title="{title}">{title}</div>'
             f'<div class="bo-bar">{"".join(icons)}</div>'
         )
         on = sheet.view.review[Options].legend
-        views = [
-            icon_button(name, label, _hint(self._commands[label]), pressed=pressed)
-            for label, name, pressed in (
-                *((f"{sentence(name)} view", name, None) for name in LOOKS),
-                ("Fit the view", "fit", None),
-                ("Legend", "legend", on),
-            )
-            if label in self._commands
-        ]
+        views = [*map(self._icon, (*LOOKS, "fit")), self._icon("legend", on)]
         self._views.say(f'<div class="bo-views">{"".join(views)}</div>')
+
+    def _icon(self, name: str, pressed: bool | None = None) -> str:
+        """The button of a command, if there is that command already."""
+        command = self._commands.get(name)
+        if command is None:
+            return ""
+        return icon_button(
+            name, command.label, f"{command.description} ({_key(command)})", pressed=pressed
+        )
 
     def _draw_status(self, sheet: Sheet, clear: Clear) -> None:
         self._status.say(_status(sheet, clear, self._size))
@@ -142,9 +135,9 @@ class Header(Group):
         cell = ground_cell(sheet.view.drawing)
         self.say(self._foot, _foot(self._commands.values(), cell))
 
-    def _pressed(self, label: str, client: Client) -> None:
-        if label in self._commands:
-            self._commands[label].act(client)
+    def _pressed(self, name: str, client: Client) -> None:
+        if name in self._commands:
+            self._commands[name].act(client)
 
     def _go_back(self, client: Client) -> None:
         if self._clear.back is not None:
@@ -155,25 +148,24 @@ class Elsewhere:
     """A line at the head of what is told of the review's pose, while the machine is not there."""
 
     def __init__(self, gui: Any) -> None:
-        text = "Of the pose that the review holds: the trajectory shows the machine elsewhere."
-        self._note = gui.add_html(box(faint(text, "i")), visible=False)
+        self._note = gui.add_html(box(faint(tr("page.elsewhere"), "i")), visible=False)
 
     def draw(self, away: bool) -> None:
         put_prop(self._note, "visible", away)
 
 
-def _hint(command: Command) -> str:
-    return f"{command.description} ({command.key.replace('ctrl', 'Ctrl')})"
+def _key(command: Command) -> str:
+    return command.key.replace("ctrl", tr("page.ctrl"))
 
 
 def _doing(title: str, waited: float) -> str:
     """What is being computed, in the place of the third fact, and a line at the status's edge."""
     # How long a boolean takes is not known beforehand: approach the end, never reach it.
     share = 100.0 * waited / (waited + 1.5)
-    told = f"Computing {esc(title)} · {waited:.0f} s"
+    told = esc(tr("page.computing", what=title, seconds=waited))
     return (
         f'<div class="bo-work"><div title="{told}">{told}</div>'
-        f"{icon_button('cancel', 'Cancel', 'Give it up')}</div>"
+        f"{icon_button('cancel', tr('page.cancel'), tr('page.cancel_hint'))}</div>"
         f'<div class="bo-line"><i style="width:{share:.0f}%"></i></div>'
     )
 
@@ -187,7 +179,8 @@ def _status(sheet: Sheet, clear: Clear, size: Size) -> str:
         words.append(f"{clear.fact.value} {clear.fact.what}")
         facts += [_fact(clear.fact, clear.stale)] if len(facts) < 2 else []
     if status.level == "bad" and clear.back is not None:
-        facts.append('<button class="bo-button" data-send="back">Nearest in reach</button>')
+        text = tr("page.nearest_in_reach")
+        facts.append(f'<button class="bo-button" data-send="back">{text}</button>')
     elif size.fact is not None:
         facts.append(_fact(size.fact, size.stale))
     cells = "".join(f"<div>{fact}</div>" for fact in facts[:3])
@@ -212,24 +205,24 @@ def _legend(sheet: Sheet, more: Iterable[Legend]) -> str:
     """What is in the scene, each with its colour."""
     rows = sheet.view.joints
     levels = {row.level for row in rows}
-    limbs = [(palette.limb_color(n), f"limb {n}") for n in sorted({row.limb for row in rows})]
+    limbs = [
+        (palette.limb_color(n), tr("page.limb", n=n)) for n in sorted({row.limb for row in rows})
+    ]
     told = [entry for legend in more for entry in legend.entries]
-    told += [(palette.NEAR, "near its end")] * ("near" in levels)
-    told += [(palette.BEYOND, "beyond a limit")] * ("bad" in levels)
+    told += [(palette.NEAR, tr("page.near_end"))] * ("near" in levels)
+    told += [(palette.BEYOND, tr("page.beyond_limit"))] * ("bad" in levels)
     lines = (
         "".join(f"<span>{chip(color)}{esc(text)}</span>" for color, text in line)
         for line in (limbs, told)
         if line
     )
-    return f'<div class="bo-legend"><b>Legend</b><br>{"<br>".join(lines)}</div>'
+    return f'<div class="bo-legend"><b>{tr("keys.legend")}</b><br>{"<br>".join(lines)}</div>'
 
 
 def _foot(commands: Iterable[Command], cell: float) -> str:
-    keys = "".join(
-        f"<kbd>{esc(c.key.replace('ctrl', 'Ctrl'))}</kbd> {esc(c.label)} &nbsp; " for c in commands
-    )
+    keys = "".join(f"<kbd>{esc(_key(c))}</kbd> {esc(c.label)} &nbsp; " for c in commands)
     return (
-        '<div class="bo-foot"><button type="button" data-help>What am I looking at?</button>'
-        f"<span>grid {cell:g} mm · lengths mm, angles °</span></div>"
-        f'<div class="bo-keys" hidden><h2>Keys</h2><p>{keys}</p></div>'
+        '<div class="bo-foot"><button type="button" data-help>'
+        f"{tr('page.help')}</button><span>{tr('page.units', cell=cell)}</span></div>"
+        f'<div class="bo-keys" hidden><h2>{tr("page.keys")}</h2><p>{keys}</p></div>'
     )

@@ -28,9 +28,9 @@ def icon(name: str) -> str:
 def icon_button(
     name: str, label: str, hint: str, *, disabled: bool = False, pressed: bool | None = None
 ) -> str:
-    """A button of `widgets.markup` with an icon, which sends its ``label``, with a ``hint``."""
-    label = esc(label)
-    look = {"class_": "bo-icon", "data_send": label, "title": esc(hint), "aria_label": label}
+    """A button of `widgets.markup` with an icon, which sends its ``name``, with a ``hint``."""
+    told = {"title": esc(hint), "aria_label": esc(label)}
+    look = {"class_": "bo-icon", "data_send": name, **told}
     state = None if pressed is None else str(pressed).lower()
     off = "disabled" if disabled else None
     return tag("button", icon(name), type="button", aria_pressed=state, disabled=off, **look)

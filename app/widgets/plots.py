@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from app.language import tr
 from app.widgets.axes import Bounds, Figure, Look
 from app.widgets.desk import Client, Desk, answer, put_prop
 from app.widgets.front import run
@@ -195,7 +196,8 @@ def behind(figure: Figure) -> str:
     head = "".join(f'<th scope="col">{esc(text)}</th>' for text in heads)
     body = "".join(f"<tr>{''.join(f'<td>{esc(text)}</td>' for text in row)}</tr>" for row in rows)
     return (
-        f'<div class="behind" tabindex="0" role="region" aria-label="{esc(figure.name)}, table" '
+        f'<div class="behind" tabindex="0" role="region" '
+        f'aria-label="{esc(tr("plots.table_of", name=figure.name))}" '
         f'style="aspect-ratio:{a.width:g}/{a.height:g}"><table><caption>{esc(figure.name)}'
         f"</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>"
     )
@@ -203,13 +205,12 @@ def behind(figure: Figure) -> str:
 
 def _tools(*, zoomed: bool, behind: bool) -> str:
     """Small buttons at the foot of a plot."""
-    known = [("whole", "Whole", "Show the whole again (double click)")] * zoomed
-    known += [("copy", "Copy", "Copy the plot as SVG")] * (not behind)
-    word = "Plot" if behind else "Table"
-    known.append(("table", word, "The numbers as a table" if not behind else "The plot again"))
+    known = [("whole", "whole")] * zoomed + [("copy", "copy")] * (not behind)
+    known.append(("table", "plot" if behind else "table"))
     made = "".join(
-        f'<button type="button" data-do="{do}" title="{hint}">{title}</button>'
-        for do, title, hint in known
+        f'<button type="button" data-do="{do}" title="{esc(tr(f"plots.{text}_hint"))}">'
+        f"{esc(tr(f'plots.{text}'))}</button>"
+        for do, text in known
     )
     return f'<div class="tools">{made}</div>'
 

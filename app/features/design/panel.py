@@ -9,6 +9,7 @@ import viser
 from app.features.design import html
 from app.features.design.state import EditDesign, UseDesign
 from app.features.review.files import design_file
+from app.language import tr
 from app.review.state import Review
 from app.widgets.desk import Client, Panel, Sheet, explain
 from app.widgets.markup import Markup
@@ -16,32 +17,25 @@ from app.widgets.texts import box, esc, styled, tone
 from kinematics.designs.files import MAX_BYTES, load_design, presets, read_design
 from kinematics.errors import InputError
 
-OWN = "(a design of your own)"
-
-HELP = """
-Change any number and everything follows at once; undo takes it back. What was found in this design
-stands above.
-"""
-
 
 class DesignPanel(Panel):
     """Presets, files, findings and the numbers of the design."""
 
-    TITLE = "Design"
+    TITLE = "design.tab"
 
     def build(self, review: Review) -> None:
         gui = self.gui
-        names = (*(preset.name for preset in presets()), OWN)
-        self._choice = gui.add_dropdown("Design", names, initial_value=_chosen(review))
+        names = (*(preset.name for preset in presets()), tr("design.own"))
+        self._choice = gui.add_dropdown(tr("design.design"), names, initial_value=_chosen(review))
         self.answer(self._choice, self._choose)
         self._about = gui.add_html("")
         kinds = ".toml,application/toml,text/plain"
-        self.upload("Open a design file (TOML)", kinds, self._open)
+        self.upload("design.open", kinds, self._open)
         self._trouble = gui.add_html("", visible=False)
-        self.button("Save this design as a file", self._save, icon=viser.Icon.DOWNLOAD)
-        with self.folder("Dimensions"):
+        self.button("design.save", self._save, icon=viser.Icon.DOWNLOAD)
+        with self.folder("design.dimensions"):
             self._numbers = Markup(self.desk, self._edit)
-        explain(gui, review.machine.text("design"), HELP)
+        explain(gui, review.machine.text("design"), tr("design.help"))
 
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)
@@ -57,7 +51,7 @@ class DesignPanel(Panel):
             self.desk.send(EditDesign(edits), client)
 
     def _choose(self, name: str, client: Client) -> None:
-        if name != OWN:
+        if name != tr("design.own"):
             self.desk.send(UseDesign(load_design(name)), client)
 
     def _open(self, file: Any, client: Client) -> None:
@@ -82,15 +76,14 @@ class DesignPanel(Panel):
 
 def _text(content: bytes, name: str) -> str:
     if len(content) > MAX_BYTES:
-        raise InputError(f"{name}: a design file is smaller than {MAX_BYTES // 1024} kB")
+        raise InputError(tr("design.too_large", file=name, most=MAX_BYTES // 1024))
     try:
         return content.decode("utf-8")
     except UnicodeDecodeError:
-        raise InputError(f"{name}: not a design file (it is not UTF-8 text)") from None
+        raise InputError(tr("design.not_text", file=name)) from None
 
 
 def _chosen(review: Review) -> str:
     design = review.design
-    if design.name not in {preset.name for preset in presets()}:
-        return OWN
-    return design.name if load_design(design.name) == design else OWN
+    own = design.name not in {preset.name for preset in presets()}
+    return tr("design.own") if own or load_design(design.name) != design else design.name

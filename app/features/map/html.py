@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from app.features.map.compute import Charted
+from app.language import tr
 from app.widgets.svg import BACK, DIM, EDGE, FIELD, RULE, TEXT
 from app.widgets.texts import box, esc, red
 
 FOLDED = 420, 420  # px
 _MAP, _SPANS = "[data-floating-window]:has(.bo-map)", "div:has(>div>.bo-spans)"
-_TAB = "[role=tab][title={}][aria-selected=true]"
-_INNER = "[data-dock-group] [data-dock-group] [data-dock-group] [role=tab][title=Map]"
-# viser tells nobody which tab is open, but marks it; the tab may be one of the workspace's.
-ONLY_HERE = (
-    f"body:not(:has({_TAB.format('Map')})) {_MAP},"
-    f"body:has({_INNER}):not(:has({_TAB.format('Workspace')})) {_MAP}{{display:none!important}}"
+_STRIP = (
     f"{_MAP} :is([data-dock-griphandle],[data-dock-strip]){{display:none!important}}"
     f"{_MAP}>[data-dock-resize]{{display:none}}"
     "div:has(>div>.bo-map){position:relative;padding-top:34px!important}"
@@ -37,12 +33,20 @@ SPANS = (
 
 def window_html(*, folded: bool) -> str:
     """How large the window is: all of the scene, or a corner of it; shown with its tab alone."""
+    tab, inner, view = "[role=tab][title={!r}]", "[data-dock-group] " * 3, tr("map.tab")
+    outer, tab_open = tr("workspace.tab"), f"{tab}[aria-selected=true]"
+    # viser tells nobody which tab is open, but marks it; the tab may be one of the workspace's.
+    elsewhere = (
+        f"body:not(:has({tab_open.format(view)})) {_MAP},"
+        f"body:has({inner}{tab.format(view)}):not(:has({tab_open.format(outer)})) {_MAP}"
+        "{display:none!important}"
+    )
     wide, high = f"{FOLDED[0]}px", f"min({FOLDED[1]}px,60vh)"
     if not folded:
         wide, high = "var(--bo-free,calc(100vw - 420px))", "100%"
     return (
-        f'<div class="bo-map"></div><style>{ONLY_HERE}{_MAP}{{left:0!important;top:auto!important;'
-        f"bottom:0!important;width:{wide}!important;height:{high}!important;border-radius:0!important;"
+        f'<div class="bo-map"></div><style>{elsewhere}{_STRIP}{_MAP}{{left:0!important;'
+        f"top:auto!important;bottom:0!important;width:{wide}!important;height:{high}!important;border-radius:0!important;"
         f"box-shadow:none!important;border:1px solid {RULE};background:{BACK}}}</style>"
     )
 
@@ -50,23 +54,22 @@ def window_html(*, folded: bool) -> str:
 def state_html(charted: Charted, chosen: str) -> str:
     """What the plot shows, and what is going on; ``chosen`` is the title of what is wanted."""
     if charted.running:
-        done = f"{100 * charted.share:.0f} %" if charted.share else "starting …"
-        what = "" if charted.running == chosen else f" {esc(charted.running)},"
-        return box(f"Computing:{what} {done} · {charted.seconds:.0f} s{_other(charted, chosen)}")
+        what = "" if charted.running == chosen else f"{charted.running}, "
+        what += f"{100 * charted.share:.0f} %" if charted.share else tr("map.starting")
+        told = tr("map.computing", what=what, seconds=charted.seconds)
+        return box(" ".join((esc(told), _other(charted, chosen))))
     if charted.trouble:
         return red(charted.trouble)
     if charted.map is None or not charted.map.done.any():
-        return box("Nothing is computed yet: choose what to show and start it.")
+        return box(tr("map.none_yet"))
     share = 100 * charted.map.done.mean()
     if charted.stale:
-        part = "" if charted.map.complete else f" It was stopped at {share:.0f} %."
-        return box(
-            f"<b>Of the design or working modes before.</b>{part} Press Start for the present."
-        )
+        part = "" if charted.map.complete else tr("map.was_stopped", share=share)
+        return box(f"<b>{tr('map.of_before')}</b> {part} {tr('map.start_present')}")
     if other := _other(charted, chosen):
-        return box(f"{other} Press Start for {esc(_lower(chosen))}.")
+        return box(f"{other} {tr('map.start_for', what=esc(_lower(chosen)))}")
     if not charted.map.complete:
-        return box(f"Stopped at {share:.0f} % of the map; press Start to compute it whole.")
+        return box(tr("map.stopped", share=share))
     return ""
 
 
@@ -75,7 +78,7 @@ def _other(charted: Charted, chosen: str) -> str:
     if charted.map is None or not charted.map.done.any():
         return ""
     shown = charted.map.request.quantities[0].title
-    return "" if shown == chosen else f" <b>Shown: {esc(_lower(shown))}.</b>"
+    return "" if shown == chosen else f"<b>{tr('map.shown', what=esc(_lower(shown)))}</b>"
 
 
 def _lower(title: str) -> str:

@@ -15,6 +15,7 @@ from app.features.map.plot import ends, extremes, extremes_html, figure, here, s
 from app.features.map.state import Chart, SetChart, Span, map_axes, refined
 from app.features.move.state import Place
 from app.features.section.part import SectionPart
+from app.language import menu, tr
 from app.review.state import Review
 from app.review.units import number, page_unit
 from app.widgets.axes import nearest
@@ -28,28 +29,13 @@ from kinematics.machine import Machine
 from kinematics.mechanism import Coordinate
 
 KINDS = ("CSV", "NPZ", "PNG", "SVG")
-HINT = "Both ends are included, and more values take longer"
-GO = {"Largest": "max", "Smallest": "min"}
-HELP = """
-Each cell is computed from exact
-sections; the errors are bounds, not guesses. It is drawn coarse first and refined cell by cell.
-
-The map covers the scene until you go somewhere on it; then it lies beside the machine. **White
-lines** join equal values, hatching marks orientations without a workspace.
-
-The **cross** is the machine's present orientation. **Point** at the map to read it; **click or
-drag** to turn the machine there: x, y and z stay, so the pose may be out of reach, and undo takes
-it back. A map is of one design and one choice of working modes (Workspace tab); when either
-changes it stays, faded, until the next one. What was computed over the same ranges is kept: choose
-it under Show to see it again. Save as saves what is shown.
-"""
 
 
 class MapPanel(Panel):
     """What to map over which orientations, the map, and its files."""
 
-    TITLE = "Map"
-    TAB = "Workspace"
+    TITLE = "map.tab"
+    TAB = "workspace.tab"
 
     @staticmethod
     def serves(machine: Machine[Any]) -> bool:
@@ -63,54 +49,57 @@ class MapPanel(Panel):
         self._indices, self._axes = spec.axes, map_axes(review)
         self._titles = {q.title: q.key for q in spec.quantities}
         self.choice(
-            "Show",
+            "map.show",
             self._titles,
             lambda review: review[Chart].quantity,
             lambda key: SetChart(replace(self.review[Chart], quantity=key)),
         )
         self._typing = Typing(desk, together=True)
         self._spans = self._add_spans()
-        self._start = self.button("Start", self._begin, icon=viser.Icon.PLAYER_PLAY)
-        self._stop = self.asks("Cancel", part.give_up, icon=viser.Icon.PLAYER_STOP, visible=False)
-        self._refine = self.button("Refine about the maximum", self._about_maximum, visible=False)
+        self._start = self.button("map.start", self._begin, icon=viser.Icon.PLAYER_PLAY)
+        self._stop = self.asks(
+            "page.cancel", part.give_up, icon=viser.Icon.PLAYER_STOP, visible=False
+        )
+        self._refine = self.button("map.refine", self._about_maximum, visible=False)
         self._state = gui.add_html("")
         self._progress = gui.add_progress_bar(0.0, visible=False, animated=True)
-        self._extremes_folder = gui.add_folder("Extremes", visible=False)
+        self._extremes_folder = gui.add_folder(tr("map.extremes"), visible=False)
         with self._extremes_folder:
             self._extremes = gui.add_html("")
-            self._go = gui.add_button_group("Go to", tuple(GO))
+            self._ways = menu("map.go")
+            self._go = gui.add_button_group(tr("map.go_to"), tuple(self._ways))
         self.clicked(self._go, self._go_to)
         self._add_colours()
         self._add_window()
         self._known: Charted | None = None
         self.asks_for(
-            "Platform into the workspace",
+            "map.into_workspace",
             desk.part(SectionPart).go_to_ball,
-            hint="To the centre of the largest ball inside it, at the present orientation; flips "
-            "limbs where that is needed",
         )
         self.saving(KINDS, part.save_map)
-        explain(gui, review.machine.text("map"), HELP)
+        explain(gui, review.machine.text("map"), tr("map.help"))
 
     def _add_spans(self) -> list[tuple[Typed, Typed, Typed]]:
         """A row for each coordinate: from, to, how many; as text, because boxes for numbers keep to
         themselves what is none.
         """
         gui, desk, rows = self.gui, self.desk, []
-        with gui.add_folder("Over"):
+        with gui.add_folder(tr("map.over")):
             units = {page_unit(c) for c in self._axes}
             unit = f" ({units.pop()})" if len(units) == 1 else ""
             gui.add_html(f'<div class="bo-spans"></div>{SPANS}')
-            gui.add_html(
-                f'<div class="bo-heads"><i></i><i>from{unit}</i><i>to{unit}</i><i>values</i></div>'
-            )
+            heads = tr("map.from") + unit, tr("map.to") + unit, tr("map.values")
+            cells = "".join(f"<i>{esc(head)}</i>" for head in ("", *heads))
+            gui.add_html(f'<div class="bo-heads">{cells}</div>')
             for c in self._axes:
                 gui.add_html(f'<div class="bo-axis">{esc(c.symbol)}</div>')
                 span, made = Span(), []
-                for part, value in (("from", span.low), ("to", span.high)):
+                for part, value in ((tr("map.from"), span.low), (tr("map.to"), span.high)):
                     handle = gui.add_text(f"{c.symbol} {part}", _end(c, value))
                     made.append(Typed(desk, handle, partial(typed_end, c), partial(_end, c)))
-                handle = gui.add_text(f"{c.symbol} values", f"{span.count}", hint=HINT)
+                handle = gui.add_text(
+                    f"{c.symbol} {tr('map.values')}", f"{span.count}", hint=tr("map.values_hint")
+                )
                 made.append(Typed(desk, handle, partial(typed_count, c), str))
                 rows.append((made[0], made[1], made[2]))
         for row in rows:
@@ -120,15 +109,14 @@ class MapPanel(Panel):
 
     def _add_colours(self) -> None:
         gui, desk = self.gui, self.desk
-        with gui.add_folder("Colours", expand_by_default=False):
-            hint = "Two numbers in the map's unit; empty for the least and the largest value"
-            handle = gui.add_text("Range", "", hint=hint)
+        with gui.add_folder(tr("map.colours"), expand_by_default=False):
+            handle = gui.add_text(tr("map.range"), "", hint=tr("map.range_hint"))
             self._range = Typed(desk, handle, self._typed_range, self._shown_range)
-            self.button("From 0", lambda client: self._colour(client, low=0.0))
-            self.button("From the least value", lambda client: self._colour(client, low=None))
-            self._step = gui.add_number("Contours apart", 0.0, min=0.0, hint="0 for a round step")
+            self.button("map.from_0", lambda client: self._colour(client, low=0.0))
+            self.button("map.from_least", lambda client: self._colour(client, low=None))
+            self._step = gui.add_number(tr("map.apart"), 0.0, min=0.0, hint=tr("map.apart_hint"))
             self.set(self._step, precision=TYPED)
-            self._lines = gui.add_checkbox("Contours", True)
+            self._lines = self.tick("map.contours", True)
         self.answer(handle, self._take_range)
         self.answer(self._lines, lambda on, client: self._colour(client, contours=on))
         self.answer(
@@ -138,10 +126,10 @@ class MapPanel(Panel):
 
     def _add_window(self) -> None:
         """The map over the scene, and beside the machine once a person went somewhere on it."""
-        self._window, tab = self.window("The map", *FOLDED, visible=False)
+        self._window, tab = self.window(tr("map.window"), *FOLDED, visible=False)
         with tab:
             self._place = self.gui.add_html("")
-            self._fold = self.button("Beside the machine", lambda _: self.desk.ask(self._turn))
+            self._fold = self.button("map.beside", lambda _: self.desk.ask(self._turn))
             self._plot = Plot(self.desk, self._pointed, both=True, alone=True)
         self._folded = False
 
@@ -152,7 +140,7 @@ class MapPanel(Panel):
 
     def _draw_place(self) -> None:
         self.set(self._place, content=window_html(folded=self._folded))
-        label = "Over the scene" if self._folded else "Beside the machine"
+        label = tr("map.over_scene" if self._folded else "map.beside")
         self.set(self._fold, label=label)
 
     def draw(self, sheet: Sheet) -> None:
@@ -227,7 +215,7 @@ class MapPanel(Panel):
 
     def _go_to(self, client: Client) -> None:
         found = None if self._known is None else self._known.map
-        if found is not None and (place := dict(_places_of(found)).get(GO[self._go.value])):
+        if found is not None and (place := dict(_places_of(found)).get(self._ways[self._go.value])):
             self._visit(place, client)
 
     def _pointed(self, x: float, y: float, client: Client) -> None:
@@ -260,11 +248,11 @@ class MapPanel(Panel):
         self._colour(client, low=low, high=high)
 
     def _typed_range(self, text: str) -> tuple[float | None, float | None]:
-        values = typed_numbers(text, "The range of the colours")
+        values = typed_numbers(text, tr("map.the_range"))
         if not values:
             return None, None
         if len(values) != 2:
-            raise InputError("The range of the colours: two numbers, or nothing")
+            raise InputError(tr("map.range_wrong"))
         return values[0] / self._scale(), values[1] / self._scale()
 
     def _shown_range(self, ends_: tuple[float | None, float | None]) -> str:
@@ -293,9 +281,9 @@ def typed_end(axis: Coordinate, typed: str) -> float:
     Raises:
         InputError: it is no number.
     """
-    values = typed_numbers(typed, f"An end of {axis.symbol}")
+    values = typed_numbers(typed, tr("map.an_end", axis=axis.symbol))
     if len(values) != 1:
-        raise InputError(f"an end of {axis.symbol} is one number")
+        raise InputError(tr("map.end_wrong", axis=axis.symbol))
     return axis.inner(values[0])
 
 
@@ -305,7 +293,7 @@ def typed_count(axis: Coordinate, typed: str) -> int:
     Raises:
         InputError: it is no whole number.
     """
-    values = typed_numbers(typed, f"How many values of {axis.symbol}")
+    values = typed_numbers(typed, tr("map.how_many", axis=axis.symbol))
     if len(values) != 1 or not abs(values[0]) < 1e9 or values[0] != round(values[0]):
-        raise InputError(f"how many values of {axis.symbol} is a whole number")
+        raise InputError(tr("map.how_many_wrong", axis=axis.symbol))
     return int(values[0])

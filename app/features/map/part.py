@@ -14,6 +14,7 @@ from app.features.review.files import ExportedFile, solid_name
 from app.jobs.answers import Asked
 from app.jobs.executors import Workers, local_workers
 from app.jobs.parts import Client, Part, Stage
+from app.language import tr
 from app.review.view import View
 from app.widgets.desk import Sheet
 from kinematics.answers.sections import MapCells
@@ -150,7 +151,7 @@ class MapPart(Part):
         """Save the map that is shown as a file of this kind."""
         known = self.answers[MAP].shown
         found = None if known is None else known.map()
-        missing = "There is no map to save; start one first."
+        missing = tr("map.none_to_save")
         self.save(found, lambda found: map_file(found, kind), client, missing)
 
 

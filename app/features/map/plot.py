@@ -11,6 +11,7 @@ from contourpy import contour_generator
 from scipy.ndimage import distance_transform_edt
 
 from app.features.map.state import Colours
+from app.language import tr
 from app.review.units import minus, number, page_unit, volume_text, with_error
 from app.scene import palette
 from app.widgets.axes import (
@@ -76,7 +77,7 @@ def figure(found: Map, look: Look = WHOLE, *, stale: bool, colours: Colours = US
         [f"{first.symbol} {_places(v)}{page_unit(first)}, " for v in x.tolist()],
         [f"{second.symbol} {_places(v)}{page_unit(second)}: " for v in y.tolist()],
         [
-            told(quantity, v, e) if ok else "not computed yet"
+            told(quantity, v, e) if ok else tr("map.not_computed")
             for v, e, ok in zip(
                 values.ravel().tolist(),
                 errors.ravel().tolist(),
@@ -84,8 +85,8 @@ def figure(found: Map, look: Look = WHOLE, *, stale: bool, colours: Colours = US
                 strict=True,
             )
         ],
-        "press a cell to turn the machine there" if axes.width > 500.0 else "",
-        f"Map of {quantity.title}",
+        tr("map.press") if axes.width > 500.0 else "",
+        tr("map.of", what=quantity.title),
         partial(_table, found, x, y, scale, unit),
         title=quantity.title,
         unit=unit,
@@ -240,7 +241,7 @@ def extremes_html(found: Map, pose: Sequence[float]) -> str:
     there = values[np.isfinite(values) & (values != 0.0)]
     if len(there):
         mean = _plain(float(there.mean()) * scale, 5)
-        rows.append((faint("mean of the map"), mean, "", "", ""))
+        rows.append((faint(tr("map.mean")), mean, "", "", ""))
     heads = ("", unit, "±", *(f"{c.symbol} ({page_unit(c)})" for c in coordinates))
     return table(rows, ("", *[NUMERIC] * 4), heads=heads) if rows else ""
 
@@ -273,7 +274,12 @@ def _marks(axes: Axes, found: Map, x: np.ndarray, y: np.ndarray, scale: float) -
         saltire = f"M{u - 5:.1f} {v - 5:.1f}l10 10m0 -10l-10 10"
         path = ring if name == "max" else saltire
         drawn += line(path, "#FFFFFF", 4.0) + line(path, palette.INK, 1.8, class_=name)
-        text = f"{name} {_plain(float(found.values[0][i, j]) * scale)} at {_at(found, x, y, i, j)}"
+        text = tr(
+            "map.extreme",
+            name=name,
+            value=_plain(float(found.values[0][i, j]) * scale),
+            place=_at(found, x, y, i, j),
+        )
         drawn += _tag(axes, u, v, text, above=name == "max")
     return drawn
 
@@ -306,7 +312,7 @@ def here(found: Map, axes: Axes, pose: Sequence[float]) -> str:
     if at is not None and axes.holds(x, y) and np.isfinite(found.values[0][at]):
         _, scale = scale_of(found.request.quantities[0], ends(found)[1])
         place = _at(found, np.array([x]), np.array([y]), 0, 0)
-        text = f"here {_plain(float(found.values[0][at]) * scale)} at {place}"
+        text = tr("map.here", value=_plain(float(found.values[0][at]) * scale), place=place)
         named_here = _tag(axes, *axes.px(x, y), text, above=False)
     return named_here + cross(axes, x, y, 8.0)
 

@@ -6,10 +6,11 @@ import math
 from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar, Self
 
+from app.language import tr
 from app.review import content as session
 from app.review.changes import Change, Taken
 from app.review.state import Review, Slice
-from app.review.units import within
+from app.review.units import ends_text, within
 from kinematics.errors import InputError
 from kinematics.mechanism import Coordinate
 
@@ -60,18 +61,19 @@ class Chart(Slice):
     def checked(self, review: Review) -> Self:
         spec = review.machine.map_spec
         if spec is None:
-            raise InputError("this mechanism has no map")
-        session.listed(self.quantity, [q.key for q in spec.quantities], "a map shows")
+            raise InputError(tr("map.no_map"))
+        session.listed(self.quantity, [q.key for q in spec.quantities], tr("map.shows"))
         for axis, span in zip(map_axes(review), self.spans, strict=True):
             if not (math.isfinite(span.low) and math.isfinite(span.high)):
-                raise InputError(f"the ends of {axis.symbol} must be finite numbers")
+                raise InputError(tr("map.ends_finite", axis=axis.symbol))
             if span.low >= span.high:
-                raise InputError(f"{axis.symbol} must end above where it begins")
+                raise InputError(tr("map.ends_order", axis=axis.symbol))
             if not 2 <= span.count <= MAX_CELLS:
-                raise InputError(f"a map has from 2 to {MAX_CELLS} values of {axis.symbol}")
+                raise InputError(tr("map.counts", most=MAX_CELLS, axis=axis.symbol))
             for end in (span.low, span.high):
-                if beyond := within(axis, end)[1]:
-                    raise InputError(beyond.replace("is kept", "must stay"))
+                if within(axis, end)[1]:
+                    ends = ends_text(axis)
+                    raise InputError(tr("map.must_stay", axis=axis.symbol, ends=ends))
         _check(self.colours)
         return self
 
@@ -124,11 +126,11 @@ def _colours(given: dict[str, Any], what: str) -> Colours:
 def _check(colours: Colours) -> None:
     low, high = colours.low, colours.high
     if not all(math.isfinite(v) for v in (low, high, colours.step) if v is not None):
-        raise InputError("the range of the colours and the step of the contours are finite numbers")
+        raise InputError(tr("map.colours_finite"))
     if low is not None and high is not None and low >= high:
-        raise InputError("the colours must end above where they begin")
+        raise InputError(tr("map.colours_order"))
     if colours.step < 0.0:
-        raise InputError("the step of the contours is positive, or 0 for a round one")
+        raise InputError(tr("map.step_positive"))
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from app.language import tr
 from app.review.state import Review
 from app.review.units import joint_text, minus
-from app.review.view import JointRow, Limits
+from app.review.view import JointRow, Limits, mode_noun
 from app.scene import palette
 from app.widgets.svg import line, tag
 from app.widgets.texts import NUMERIC, box, chip, esc, quiet, styled, table, tone
@@ -52,7 +53,7 @@ def joints_html(rows: Sequence[JointRow]) -> str:
 def limits_html(limits: Limits, most: int) -> str:
     """The nearest limits."""
     if not limits.rows:
-        return quiet("Looking …" if limits.stale else "No limit is known of this pose.")
+        return quiet(tr("page.looking" if limits.stale else "move.no_limit"))
     rows = ((f"{chip(color)}{esc(what)}", far) for color, what, far in limits.rows[:most])
     return box(table(rows, ("", NUMERIC)))
 
@@ -71,22 +72,25 @@ def picker_html(review: Review, answered: InverseSolutions) -> str:
         for operation in sorted({each.operation for each in answered.modes}):
             other = next(m for m in answered.modes if m.operation == operation)
             there = bool(answered.within_stroke[known.index(str(other))])
-            hint = f"{machine.mode_noun} {operation}: {'reaches' if there else 'does not reach'}"
+            name = f"{mode_noun(machine)} {operation}"
+            hint = tr("move.reaches" if there else "move.reaches_not", mode=name)
             chosen = str(operation == mode.operation).lower()
             parts.append(
                 f'<button class="bo-button" data-send="{esc(operation)}" aria-pressed="{chosen}" '
-                f'aria-label="{esc(machine.mode_noun)} {esc(operation)}" '
-                f'title="{esc(hint)} this pose">{esc(machine.mode_noun)} {esc(operation)}</button>'
+                f'aria-label="{esc(name)}" title="{esc(hint)}">{esc(name)}</button>'
             )
     for n, sign in enumerate(mode.signs):
         other = mode.with_sign(n + 1, "-" if sign == "+" else "+", machine.modes)
         at = known.index(str(other))
         value, axis = float(answered.joints[at][n]), machine.joints[n]
         free = bool(answered.within_stroke[at])
-        where = joint_text(axis, value) if math.isfinite(value) else "not closed"
-        hint = (
-            f"Limb {n + 1} on {minus(other.signs[n])}: {axis.symbol} {where}, "
-            f"{'within all limits' if free else 'beyond a limit'}"
+        where = joint_text(axis, value) if math.isfinite(value) else tr("move.not_closed")
+        hint = tr(
+            "move.flip" if free else "move.flip_beyond",
+            limb=n + 1,
+            sign=minus(other.signs[n]),
+            joint=axis.symbol,
+            value=where,
         )
         color = palette.limb_color(n + 1)
         parts.append(
@@ -94,7 +98,7 @@ def picker_html(review: Review, answered: InverseSolutions) -> str:
             f'{"" if free else "data-far "}aria-label="{esc(hint)}">{_limb(sign, color)}'
             f"{n + 1} {minus(sign)}</button>"
         )
-    words = "Press a limb to put it on its other side. Pale: beyond a limit there."
+    words = tr("move.picker")
     return f'<div class="bo-modes">{"".join(parts)}{f"<p>{words}</p>" if mode.signs else ""}</div>'
 
 
@@ -110,11 +114,11 @@ def _limb(sign: str, color: str) -> str:
 def reaching_text(review: Review, answered: InverseSolutions) -> str:
     """ "1 of 32 reaches this pose"."""
     able = int(np.count_nonzero(answered.within_stroke))
-    return f"{able} of {len(answered.modes)} reach{'es' if able == 1 else ''} this pose"
+    return tr("move.reaching", n=able, of=len(answered.modes))
 
 
 def closure_text(residual: float) -> str:
     """ "loop closure to 6e-14 mm"."""
     if not math.isfinite(residual):
-        return "the limbs do not close here"
-    return f"loop closure {f'to {residual:.0e} mm' if residual else 'exact'}"
+        return tr("move.open")
+    return tr("move.closed_to", residual=residual) if residual else tr("move.closed")

@@ -8,11 +8,12 @@ from typing import Any
 
 from app.features.move import html
 from app.features.move.state import Drive, Flip, GiveWay, GoHome, Move, Place
+from app.language import tr
 from app.review.state import Review
 from app.review.units import page_unit, sentence
-from app.review.view import Limits, Moment, Reach
+from app.review.view import Limits, Moment, Reach, mode_noun
 from app.widgets.boxes import Slider, pose_box
-from app.widgets.desk import Client, Panel, Sheet, explain
+from app.widgets.desk import Client, Folder, Panel, Sheet, explain
 from app.widgets.markup import Markup
 from app.widgets.texts import box, esc
 from kinematics.answers.modes import Mode
@@ -21,53 +22,35 @@ from kinematics.mechanism import Coordinate
 
 STEP = 0.1  # mm and degrees
 LIMITS = 3  # that are told
-BAND = "band: reachable in this mode"
-FREE = "what suits best"
 FOLLOWING = 0.12  # s between two looks at a machine that plays its trajectory
-
-HELP = """
-The mechanism at one pose. **Drag the coloured handle** on the platform, or move the **pose**
-sliders: the inverse kinematics gives the actuators at once. Move an **actuator** slider and the
-platform follows along its present assembly mode; at a parallel singularity or at the end of a
-stroke it stops and says so. It never jumps to another branch. The pale **band** on a slider shows
-where that coordinate can go while the others stay.
-
-A number box takes any number, also beyond its slider, and a calculation or another unit:
-`300+25`, `12.5 in`, `3.2 cm`, `0.5 rad`. It counts at Enter or when the box is left. **As text**
-takes a whole pose, copied from anywhere.
-
-A limb's rod turns yellow near the end of its stroke and red-orange beyond it; a red-orange bar
-shows by how much a limb fails to reach its platform point.
-"""
 
 
 class MovePanel(Panel):
     """Sliders for everything that moves, and where each actuator stands in its stroke."""
 
-    TITLE = "Move"
+    TITLE = "move.tab"
 
     def build(self, review: Review) -> None:
         gui, machine, posture = self.gui, review.machine, self.sheet.view.posture
         axes = machine.coordinates
         self._bands: list[Any] = []
-        with self.folder("Pose of the platform", BAND):
+        with self.folder("move.pose"):
             self._pose = []
             for n, (c, value) in enumerate(zip(axes, posture.pose, strict=True)):
                 self._bands.append(gui.add_html(""))
                 self._pose.append(self._slider(Move, n, c, value))
-            hint = "The whole pose, with commas or spaces between the numbers"
-            text = gui.add_text("As text", "", hint=hint)
-            self._typed = pose_box(self.desk, text, axes, "a pose")
+            text = gui.add_text(tr("move.typed"), "", hint=tr("move.typed_hint"))
+            self._typed = pose_box(self.desk, text, axes, tr("move.a_pose"))
             self.answer(text, self._type)
             if machine.dependent:
                 self.choice(
-                    "Gives way",
-                    {FREE: ""} | {axes[n].symbol: axes[n].key for n in machine.dependent},
+                    "move.gives_way",
+                    {tr("move.free"): ""}
+                    | {axes[n].symbol: axes[n].key for n in machine.dependent},
                     lambda review: review.gives_way,
                     GiveWay,
-                    hint="The coordinate that follows from the others",
                 )
-        self._actuators = self.folder("Actuators")
+        self._actuators = self.folder("move.actuators")
         with self._actuators:
             self._joints = []
             for n, (c, value) in enumerate(zip(machine.joints, posture.joints, strict=True)):
@@ -77,17 +60,16 @@ class MovePanel(Panel):
         self._meeting: ModeChange | None = None
         self._has_modes = bool(machine.mode_noun)
         if self._has_modes:
-            self._modes = self.folder(machine.mode_noun.capitalize())
+            self._modes = Folder(gui, sentence(mode_noun(machine)), "", open=True)
             with self._modes:
                 self._picker = Markup(self.desk, self._flip)
                 self._change = gui.add_html("")
-                self._go = self.button("Go where modes meet", self._go_to_change)
-        with self.folder("Nearest limits", "at this orientation"):
+                self._go = self.button("move.go_to_change", self._go_to_change)
+        with self.folder("move.limits"):
             self._limits = gui.add_html("")
         send = self.desk.send
-        home = "Home position", "Back to the design's home pose", "H"
-        self.key(*home, lambda client: send(GoHome(), client))
-        explain(gui, machine.text("move"), machine.text("mode"), HELP)
+        self.key("home", "H", lambda client: send(GoHome(), client))
+        explain(gui, machine.text("move"), machine.text("mode"), tr("move.help"))
         self._reach = Reach((), stale=False)
         self._followed = 0.0
 

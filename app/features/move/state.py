@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+from app.language import tr
 from app.review.changes import Change, Taken
 from app.review.state import Review
 from app.review.units import joint_text, place_text, within
@@ -41,7 +42,7 @@ class Place(Change):
     def apply(self, review: Review) -> Taken:
         coordinates = review.machine.coordinates
         if len(self.pose) != len(coordinates):
-            raise InputError(f"a pose of this mechanism has {len(coordinates)} numbers")
+            raise InputError(tr("move.pose_of", count=len(coordinates)))
         taken = [within(c, v) for c, v in zip(coordinates, self.pose, strict=True)]
         notes = " ".join(note for _, note in taken if note)
         pose = completed(review, tuple(value for value, _ in taken))
@@ -61,18 +62,15 @@ class Drive(Change):
 
     def title(self, before: Review, after: Review) -> str:
         joint = after.machine.joints[self.index]
-        return f"{joint.symbol} driven to {joint_text(joint, self.value)}"
+        return tr("move.driven", joint=joint.symbol, value=joint_text(joint, self.value))
 
     def apply(self, review: Review) -> Taken:
         value, note = within(_nth(review.machine.joints, self.index), self.value)
         posture = review.posture
         if not posture.closes:
             limbs = [r.limb for r in posture.reasons if r.bound == "link"]
-            what = f"limb {limbs[0]} cannot close here" if limbs else "it cannot close here"
-            raise InputError(
-                f"the actuators cannot move a machine that is not assembled: {what}; bring the "
-                f"platform back within its reach first"
-            )
+            what = tr("move.limb_open", limb=limbs[0]) if limbs else tr("move.it_is_open")
+            raise InputError(tr("move.not_assembled", what=what))
         joints = (*posture.joints[: self.index], value, *posture.joints[self.index + 1 :])
         followed = review.machine.following.follow(posture, joints)
         reached = replace(review, pose=followed.posture.pose, mode=followed.posture.mode)
@@ -90,7 +88,7 @@ class Flip(Change):
     def apply(self, review: Review) -> Taken:
         machine = review.machine
         if self.mode not in machine.modes:
-            raise InputError(f"there is no {machine.mode_noun} {self.mode!r}")
+            raise InputError(tr("move.no_mode", noun=machine.mode_noun, mode=self.mode))
         way = machine.singularities.mode_change(review.posture, self.mode)
         if way is None or self.mode == review.mode:
             return replace(review, mode=self.mode), ""
@@ -107,13 +105,13 @@ class Visit(Change):
     mode: str
 
     def title(self, before: Review, after: Review) -> str:
-        return f"to another solution, {place_text(after.machine.coordinates, after.pose)}"
+        return tr("move.visited", place=place_text(after.machine.coordinates, after.pose))
 
     def apply(self, review: Review) -> Taken:
         # Not kept within the sliders' range: a solution next to it would be none.
         known = self.mode in review.machine.modes and len(self.pose) == len(review.pose)
         if not known or not all(map(math.isfinite, self.pose)):
-            raise InputError("that is not a solution of this mechanism")
+            raise InputError(tr("move.no_solution"))
         return replace(review, pose=tuple(self.pose), mode=self.mode), ""
 
 
@@ -122,7 +120,7 @@ class GoHome(Change):
     """Back to the design's home posture."""
 
     def title(self, before: Review, after: Review) -> str:
-        return "home position"
+        return tr("move.at_home")
 
     def apply(self, review: Review) -> Taken:
         home = review.machine.home
@@ -149,5 +147,5 @@ def completed(
 def _nth(coordinates: tuple[Coordinate, ...], index: int) -> Coordinate:
     """The coordinate that a slider moves; another design may have come in between."""
     if not 0 <= index < len(coordinates):
-        raise InputError(f"this mechanism has {len(coordinates)} such coordinates only")
+        raise InputError(tr("move.too_few", count=len(coordinates)))
     return coordinates[index]

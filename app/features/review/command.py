@@ -6,6 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from app.language import VARIABLE, use
 from app.terminal import tables, values
 from app.terminal.command import Answer, command, load, warn
 from app.terminal.options import design, flag, option
@@ -35,11 +36,16 @@ def serve(
         "keep the review in this file: opened from it, and saved while it is changed",
         files=True,
     ),
+    language: str | None = option(
+        "NAME", f"language of the page, where a translation is known; else as ${VARIABLE} says"
+    ),
     no_browser: bool = flag("do not open a browser"),
 ) -> None:
     """The page, in the browser. DESIGN is rpur-table1 if none is named."""
     opened = (machine or load(DEFAULT_DESIGN)).design
     from app.server import run
+
+    use(language)
 
     file = None if session is None else Path(session)
     if machine is not None and file is not None and exists(file):

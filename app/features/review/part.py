@@ -7,6 +7,7 @@ from pathlib import Path
 
 from app.features.review.files import ExportedFile, solid_name
 from app.jobs.parts import Client, Part, Stage
+from app.language import tr
 from app.review.state import Options, Review
 from kinematics.mechanism import Design
 
@@ -41,7 +42,7 @@ class ReviewPart(Part):
     def picture(self, client: Client) -> None:
         """Have one browser save a picture of its view."""
         if client is None:
-            self.stage.complain("a picture is taken of one browser's view; press the button there")
+            self.stage.complain(tr("review.picture_of_one"))
             return
         review = self.stage.review
         given = {

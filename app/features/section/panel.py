@@ -19,6 +19,7 @@ from app.features.section.html import (
 from app.features.section.part import SectionPart
 from app.features.section.plot import section_figure
 from app.features.section.state import Cut, MoveCut, SetCut, point_in_section
+from app.language import tr
 from app.review.state import Review
 from app.widgets.axes import nearest
 from app.widgets.boxes import Slider
@@ -30,25 +31,13 @@ from kinematics.machine import Machine
 
 KINDS = ("SVG", "DXF", "CSV")
 WINDOW = 384, 505  # px of the drawing over the scene; workspaces are higher than wide
-FIRST = "Computing the first section …<br>On the first start on a machine this takes a minute."
-HINT = "No section yet."
-
-HELP = """
-**Strong edges** in a limb's colour are what is left of its bounds, **faint** ones were cut away. A
-full line is the longest stroke ρ max, a dashed one the shortest ρ min, a dotted one the reach of
-the second link.
-
-Drag the **plane's arrow** in the scene, the slider, or point at the lower plot: the **area** of the
-section against x′. Its ticks mark where arcs appear, touch or vanish; the area under it is the
-workspace's volume. The cross marks the platform, where it stands in the plane.
-"""
 
 
 class SectionPanel(Panel):
     """Where the plane stands, the section as a plot and in numbers, its area along the way."""
 
-    TITLE = "Section"
-    TAB = "Workspace"
+    TITLE = "section.tab"
+    TAB = "workspace.tab"
 
     @staticmethod
     def serves(machine: Machine[Any]) -> bool:
@@ -60,10 +49,8 @@ class SectionPanel(Panel):
         spec = review.machine.section_spec
         assert spec is not None
         self._spec = spec
-        hint = "In the scene and as a plot (hotkey X)"
-        command = "Section", "Show or hide the section of the workspace", "X"
-        self.switch("Show the section", Cut, "on", hint, command)
-        self.switch("Open the solids", Cut, "clip", "What is before the plane is taken away")
+        self.switch("section.show", Cut, "on", ("section", "X"))
+        self.switch("section.clip", Cut, "clip")
         lengths = [c for c in review.machine.coordinates if c.unit == "mm"]
         # Until it is known where the workspace lies.
         self._range = (min(c.lower for c in lengths), max(c.upper for c in lengths))
@@ -77,20 +64,20 @@ class SectionPanel(Panel):
             digits=TYPED,
         )
         self._ways = [
-            self.button("Through O′", self._go_through),
-            self.button("At the largest area", self._go_largest),
+            self.button("section.through", self._go_through),
+            self.button("section.largest", self._go_largest),
         ]
         self._window, tab = self.window(spec.title, *WINDOW, visible=review[Cut].on)
         with tab:
             gui.add_html(WINDOW_HTML)
             self._drawing = Plot(desk, lambda _x, _y, _client: None, both=True, alone=True)
         self._numbers = gui.add_html("")
-        self._begin = self.button("Cut through O′", self._cut)
+        self._begin = self.button("section.cut", self._cut)
         self._profile = Plot(desk, self._pointed)
         self._known: Sections | None = None
         self._profile_of: Volume | None = None
         self.saving(KINDS, part.save_section)
-        explain(gui, review.machine.text("section"), HELP)
+        explain(gui, review.machine.text("section"), tr("section.help"))
 
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)
@@ -104,11 +91,11 @@ class SectionPanel(Panel):
         self.see(cut.on and known is not None and known.drawn is not None, self._window)
         self.see(not cut.on, self._begin)
         if not cut.on:
-            self.say(self._numbers, box(HINT))
+            self.say(self._numbers, box(tr("section.none_yet")))
         elif known is not None and known.trouble:
             self.say(self._numbers, red(known.trouble))
         elif known is None or known.drawn is None:
-            self.say(self._numbers, box(FIRST))
+            self.say(self._numbers, box(tr("section.first")))
         else:
             drawn = known.drawn
             figure = partial(section_figure, drawn.picture)

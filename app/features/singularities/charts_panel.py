@@ -12,6 +12,7 @@ from app.features.singularities.compute import Controlled, Here
 from app.features.singularities.html import circles_html, comparison_html, exactness
 from app.features.singularities.part import ControlPart
 from app.features.singularities.state import Control, SetControl
+from app.language import tr
 from app.review.state import Review
 from app.review.units import number
 from app.review.view import short_title
@@ -24,7 +25,6 @@ from kinematics.answers.circles import OrientationCircle
 from kinematics.answers.loci import LocusSpec
 from kinematics.machine import Machine, machine_of
 
-NOTHING = "Nothing"
 PLANE = "section"
 """The chart of what lies in the plane of a section, which is drawn there."""
 
@@ -36,8 +36,8 @@ class ChartFolder(Group):
         gui, desk = self.gui, self.desk
         part = desk.part(ControlPart)
         titles = {spec.title: spec.key for spec in specs(review.machine)}
-        with gui.add_folder("Singular curves"):
-            self.menu("Chart", {NOTHING: ""} | titles, Control, "chart")
+        with gui.add_folder(tr("singularities.curves")):
+            self.menu("singularities.chart", {tr("page.nothing"): ""} | titles, Control, "chart")
             self._plot = Plot(desk, self._pointed, both=True)
             self._plot_beside = Plot(desk, self._pointed, both=True)
             self._named_beside = gui.add_html("")
@@ -62,7 +62,7 @@ class ChartFolder(Group):
             told = box(exactness(spec, curves))
         else:
             self._plot.draw(None)
-            told = "" if spec is None else box("Tracing the curves …")
+            told = "" if spec is None else box(tr("singularities.tracing"))
         self.say(self._curves, told, stale)
         self._draw_beside(spec, news)
         self._draw_cross()
@@ -76,7 +76,7 @@ class ChartFolder(Group):
         circle = _singular_circle(news.beside)
         self._plot_beside.draw((curves, circle), partial(loci.figure, spec, curves, circle))
         title = esc(short_title(machine_of(beside.design)))
-        self.say(self._named_beside, box(f"Above: this machine, then the {title} beside it."))
+        self.say(self._named_beside, box(tr("singularities.beside_above", machine=title)))
 
     def _draw_cross(self) -> None:
         spec = self._spec()
@@ -108,18 +108,17 @@ class ProfileFolder(Group):
     def build(self, review: Review) -> None:
         gui, desk = self.gui, self.desk
         self._known: Controlled | None = None
-        with gui.add_folder("Largest circle of orientations"):
+        with gui.add_folder(tr("singularities.circles")):
             self._circles = gui.add_html("")
             for other in review.machine.counterparts[:1]:
-                self.switch(
-                    f"Beside the {short_title(machine_of(other))}",
-                    Control,
-                    "compare",
-                    "The same radii, stroke, altitude and orientation; in the scene too",
-                )
+                label = tr("singularities.beside", machine=short_title(machine_of(other)))
+                beside = gui.add_checkbox(label, False, hint=tr("singularities.beside_hint"))
+                self.field(beside, Control, "compare")
             self._plot = Plot(desk, self._pointed)
-            text = gui.add_text("Further h₂/h₁", "", hint="Numbers, as 0.5, 1, 2")
-            read = partial(typed_numbers, what="ratios, as 0.5, 1, 2")
+            text = gui.add_text(
+                tr("singularities.ratios"), "", hint=tr("singularities.ratios_hint")
+            )
+            read = partial(typed_numbers, what=tr("singularities.the_ratios"))
             self._ratios = Typed(desk, text, read, lambda value: ", ".join(map(number, value)))
             self.answer(text, self._set_ratios)
             self._comparison = gui.add_html("")

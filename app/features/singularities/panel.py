@@ -12,9 +12,10 @@ from app.features.singularities.part import ControlPart
 from app.features.singularities.state import Control, SetControl
 from app.features.workspace.compute import Solids
 from app.features.workspace.state import ASPECTS, Fade, Show, Workspace
+from app.language import tr
 from app.review.changes import Change
 from app.review.state import Review
-from app.review.units import page_unit, pose_text, sentence
+from app.review.units import page_unit, pose_text, sentence, tenths
 from app.review.view import Moment
 from app.scene.painting import Scale
 from app.widgets.boxes import Typed, rates_box
@@ -24,29 +25,11 @@ from app.widgets.texts import box, esc
 from kinematics.answers.clearances import Remedy
 from kinematics.machine import Machine
 
-NOTHING = "Nothing"
-
-HELP = """
-**Clearance** is how far the platform may move at its present orientation until it meets a
-singularity, the boundary of the workspace, the end of a stroke or the change of a limb's mode.
-**Wrench lines** are the lines along which limbs push the platform with their actuators locked, in
-the limbs' colours; a two-headed arrow is a couple. Where they become dependent the platform is
-free to move a little: *Show the free motion* swings a ghost of it, larger than life.
-
-**Aspects** are the parts of the workspace of one mode between its **singular surfaces**
-(red-orange): within one of them the machine keeps control. These are slices, at one orientation,
-of the aspects, which live in all coordinates together: two pieces that are apart here may be joined
-through other orientations.
-
-The **curves** show where control is lost as two coordinates vary and all others stay. Point at
-them to put the machine there.
-"""
-
 
 class SingularitiesPanel(Panel):
     """Control at the present place, around it, and all over the workspace of the mode."""
 
-    TITLE = "Singularities"
+    TITLE = "singularities.tab"
 
     @staticmethod
     def serves(machine: Machine[Any]) -> bool:
@@ -57,30 +40,32 @@ class SingularitiesPanel(Panel):
         part = self._part = desk.part(ControlPart)
         self._elsewhere = Elsewhere(gui)
         self._here = gui.add_html("")
-        self._swing = self.asks("Show the free motion", part.swing, 0, visible=False)
+        self._swing = self.asks("singularities.swing", part.swing, 0, visible=False)
         self._clearances = gui.add_html("")
-        self.switch("Nearest limits", Control, "clearances", "Lines to them in the scene")
-        self.switch("Wrench lines", Control, "wrenches", "What holds the platform")
-        self._out = gui.add_folder("The ways out", visible=False)
+        self.switch("singularities.clearances", Control, "clearances")
+        self.switch("singularities.wrenches", Control, "wrenches")
+        self._out = gui.add_folder(tr("singularities.ways_out"), visible=False)
         with self._out:
             self._remedy = gui.add_html("")
-            self._escape = self.asks_for("Go to that pose", part.escape)
+            self._escape = self.asks_for("singularities.escape", part.escape)
             self._offers = gui.add_html("")
-            self._way = gui.add_dropdown("Change", ("none",), hint="Which of these")
-            self._change = self.button("Change the design so", self._change_design)
+            self._way = gui.add_dropdown(
+                tr("singularities.way"), (tr("page.none"),), hint=tr("singularities.way_hint")
+            )
+            self._change = self.button("singularities.change_design", self._change_design)
         if any(spec.key == ASPECTS for spec in machine.solid_specs):
             self.groups.append(AspectsFolder(desk, sheet))
-        with self.folder("How well it is held"):
+        with self.folder("singularities.held"):
             self._measures = gui.add_html("")
         if specs(machine):
             self.groups.append(ChartFolder(desk, sheet))
         if machine.circles is not None:
             self.groups.append(ProfileFolder(desk, sheet))
         self.groups += [LoadFolder(desk, sheet), MotionFolder(desk, sheet)]
-        with self.folder("What happened on the way", open=False):
+        with self.folder("singularities.log", open=False):
             self._log = gui.add_html(html.log_html(()))
-            self.asks("Clear", part.clear_log)
-        explain(gui, machine.text("singularities"), HELP)
+            self.asks("singularities.clear", part.clear_log)
+        explain(gui, machine.text("singularities"), tr("singularities.help"))
 
     def told(self, sheet: Sheet, news: Any) -> None:
         super().told(sheet, news)
@@ -124,29 +109,23 @@ class AspectsFolder(Group):
         gui, desk = self.gui, self.desk
         part = desk.part(ControlPart)
         measures = {m.title: m.key for m in review.machine.measures.specs}
-        with self.folder("Aspects of the present mode", "slices at this orientation"):
+        with self.folder("singularities.aspects"):
             self._pieces = gui.add_html("")
-            command = "Aspects", "Show or hide the aspects of the present mode", "A"
-            self.toggle(command, _shown, partial(Show, ASPECTS))
-            show = gui.add_checkbox("Show", False, hint="Hotkey A")
-            self.bind(show, _shown, partial(Show, ASPECTS))
-            self.switch("Singular surface", Control, "locus", "Where control is lost")
-            self.bind(
-                gui.add_slider("Opacity", 0.05, 1.0, 0.05, 0.5), _opacity, partial(Fade, (ASPECTS,))
-            )
-            hint = "Of the present mode, on the aspects and on the workspace"
-            self.menu("Colour by", {NOTHING: ""} | measures, Control, "shade", hint=hint)
+            self.toggle(("aspects", "A"), _shown, partial(Show, ASPECTS))
+            self.bind(self.tick("singularities.show"), _shown, partial(Show, ASPECTS))
+            self.switch("singularities.locus", Control, "locus")
+            slider = gui.add_slider(tr("workspace.opacity"), 0.05, 1.0, 0.05, 0.5)
+            self.bind(slider, _opacity, partial(Fade, (ASPECTS,)))
+            self.menu("singularities.shade", {tr("page.nothing"): ""} | measures, Control, "shade")
             self._legend = gui.add_html("")
         # A ball is one of places.
         axes = {c.key for c in review.machine.coordinates}
-        with gui.add_folder("Largest ball without a singularity", visible={"x", "y", "z"} <= axes):
-            about = gui.add_checkbox(
-                "About the platform", True, hint="Otherwise wherever the most room is"
-            )
-            self.button("Find the ball", lambda _: desk.ask(part.find_free, about.value))
+        with gui.add_folder(tr("singularities.free"), visible={"x", "y", "z"} <= axes):
+            about = self.tick("singularities.about_platform", True)
+            self.button("singularities.find_free", lambda _: desk.ask(part.find_free, about.value))
             self._ball = gui.add_html("")
-            self._go = self.asks_for("Platform to its centre", part.go_to_free, visible=False)
-            self._hide = self.asks("Hide it", part.forget_free, visible=False)
+            self._go = self.asks_for("singularities.to_free", part.go_to_free, visible=False)
+            self._hide = self.asks("singularities.hide", part.forget_free, visible=False)
         self._solids = Solids((), {}, {}, None)
 
     def draw(self, sheet: Sheet) -> None:
@@ -160,10 +139,10 @@ class AspectsFolder(Group):
                 self.say(self._pieces, html.pieces_html(self.review, news))
                 self.say(self._legend, self._scale(scale))
             case Controlled(ball=ball, seeking=seeking):
-                text = "Seeking …" if seeking else ""
+                text = tr("singularities.seeking") if seeking else ""
                 if ball is not None:
-                    x, y, z = (f"{v:.1f}".replace("-", "−") for v in ball.center)
-                    text = f"Radius <b>{ball.radius:.2f} mm</b> about {x}, {y}, {z} mm"
+                    center = ", ".join(map(tenths, ball.center))
+                    text = tr("singularities.ball", radius=ball.radius, center=center)
                 self.say(self._ball, box(text) if text else "")
                 self.see(ball is not None, self._go, self._hide)
 
@@ -174,7 +153,7 @@ class AspectsFolder(Group):
         if measure is None:
             return ""
         if scale is None:
-            return box(f"{esc(measure.title)}: shown when aspects or workspace are on display")
+            return box(tr("singularities.scale_later", measure=esc(measure.title)))
         return box(html.legend_html(measure, scale))
 
 
@@ -184,13 +163,15 @@ class LoadFolder(Group):
     def build(self, review: Review) -> None:
         gui = self.gui
         zero = (0.0, 0.0, 0.0)
-        with self.folder("Load on the platform", open=False):
-            self._force = gui.add_vector3("Force (N)", zero, step=1.0, hint="At O′, base frame")
-            self._moment = gui.add_vector3("Moment (N·mm)", zero, step=100.0)
+        with self.folder("singularities.load", open=False):
+            self._force = gui.add_vector3(
+                tr("singularities.force"), zero, step=1.0, hint=tr("singularities.force_hint")
+            )
+            self._moment = gui.add_vector3(tr("singularities.moment"), zero, step=100.0)
             self.bind(self._force, lambda review: review[Control].load[:3], self._load)
             self.bind(self._moment, lambda review: review[Control].load[3:], self._load)
-            self.switch("Arrow to drag", Control, "arrow", "The force, in the scene")
-            self.switch("Forces on the limbs", Control, "forces", "Push or pull, in N")
+            self.switch("singularities.arrow", Control, "arrow")
+            self.switch("singularities.forces", Control, "forces")
             self._forces = gui.add_html("")
 
     def _load(self, _: object) -> Change:
@@ -209,12 +190,17 @@ class MotionFolder(Group):
         gui, axes = self.gui, review.machine.coordinates
         units = ", ".join(f"{c.symbol} ({page_unit(c)}/s)" for c in axes)
         self._boxes: dict[str, Typed] = {}
-        with self.folder("Velocity and acceleration", open=False):
-            for label, name, hint in (
-                ("Rates", "rates", f"{units}, with commas"),
-                ("Accelerations", "accelerations", "Likewise, by s²; empty for none"),
+        with self.folder("singularities.motion", open=False):
+            for name, label, hint in (
+                ("rates", tr("singularities.rates"), tr("singularities.rates_hint", units=units)),
+                (
+                    "accelerations",
+                    tr("singularities.accelerations"),
+                    tr("singularities.accelerations_hint"),
+                ),
             ):
-                typed = rates_box(self.desk, gui.add_text(label, "", hint=hint), axes, name)
+                text = gui.add_text(label, "", hint=hint)
+                typed = rates_box(self.desk, text, axes, label.lower())
                 self.answer(typed.handle, partial(self._set, name, typed))
                 self._boxes[name] = typed
             self._told = gui.add_html("")

@@ -9,7 +9,8 @@ from app.features.move.state import Drive, Visit
 from app.features.solutions import html
 from app.features.solutions.compute import Ahead
 from app.features.solutions.part import Solutions, SolutionsPart
-from app.features.solutions.state import SAME_MODE, Atlas, SetAtlas, Sort
+from app.features.solutions.state import SAME_MODE, Atlas, SetAtlas
+from app.language import menu, tr
 from app.review.state import Review
 from app.review.view import Moment
 from app.widgets.boxes import ModesMenu
@@ -18,33 +19,13 @@ from app.widgets.header import Elsewhere
 from app.widgets.markup import Markup
 from app.widgets.texts import box, esc, quiet
 
-SORTED: dict[str, Sort] = {
-    "Distance from here": "distance",
-    "Conditioning": "condition",
-    "Height": "height",
-    "Mode": "mode",
-}
-NO_FOLD = "none"
 PAGE = 40  # rows at first and with every "more"
-
-HELP = """
-The **forward kinematics**: all poses at which the machine can be assembled with its present
-actuator lengths. Each is an **assembly mode**; a click puts the machine there. The list counts the
-real solutions against the complex ones, and says how it is known that none is missing: their number
-is that of almost every machine of this family, and with each complex solution its conjugate is
-there too.
-
-The **distance** of a solution is how far the platform's farthest point would go. A large
-**condition** number means that a singularity is near. As an actuator moves, solutions appear and
-merge in pairs, always at a parallel singularity: a **fold**. *Fold ahead* shows for each actuator,
-driven alone, how far it can go either way until this assembly mode ends.
-"""
 
 
 class SolutionsPanel(Panel):
     """The list, its filters, the ghosts' switch, the folds ahead."""
 
-    TITLE = "Solutions"
+    TITLE = "solutions.tab"
 
     def build(self, review: Review) -> None:
         gui, desk, machine = self.gui, self.desk, review.machine
@@ -56,33 +37,30 @@ class SolutionsPanel(Panel):
         self._list = Markup(desk, self._pressed)
         self._empty = gui.add_html("", visible=False)
         self._limit = PAGE
-        self._more = self.button("Show more", self._show_more)
-        hint = "Forget this set and find every solution from scratch"
-        self.asks("Find all anew", self._part.find_again, hint=hint)
+        self._more = self.button("solutions.more", self._show_more)
+        self.asks("solutions.anew", self._part.find_again)
         self._remarks = gui.add_html("")
-        with self.folder("Order and filter", open=False):
-            self.switch("Within strokes", Atlas, "within_stroke")
-            self.menu("Sort by", SORTED, Atlas, "sort")
-            modes, own = {"All modes": "", "The present mode": SAME_MODE}, ("A pattern", "Pattern")
+        with self.folder("solutions.order", open=False):
+            self.switch("solutions.within", Atlas, "within_stroke")
+            self.menu("solutions.sort", menu("solutions.by"), Atlas, "sort")
+            modes = {tr("solutions.all"): "", tr("solutions.present"): SAME_MODE}
             change = partial(SetAtlas, "modes")
-            self._modes = ModesMenu(self, modes, own, change, visible=self._signs)
-        with self.folder("Ghosts in the scene", "the platform in other solutions"):
-            hint = "The platform in every other solution of the list; click one to go there (G)"
-            command = "Ghosts", "Show or hide the platform in all other solutions", "G"
-            self.switch("Ghosts", Atlas, "ghosts", hint, command)
-        self._ahead = self.folder("Fold ahead", open=False)
+            self._modes = ModesMenu(self, modes, "solutions.own", change, visible=self._signs)
+        with self.folder("solutions.in_scene"):
+            self.switch("solutions.ghosts", Atlas, "ghosts", ("ghosts", "G"))
+        self._ahead = self.folder("solutions.ahead", open=False)
         with self._ahead:
             self._strokes = gui.add_html("")
-            self._which = gui.add_dropdown("Fold", (NO_FOLD,), visible=False)
+            self._which = gui.add_dropdown(tr("solutions.fold"), (tr("page.none"),), visible=False)
             self.answer(self._which, self._choose_fold)
             self._words = gui.add_html("")
-            self._drive = self.button("Drive to the fold", self._go_to_fold)
-            self._partner = self.button("Go to the solution it merges with", self._go_to_partner)
+            self._drive = self.button("solutions.to_fold", self._go_to_fold)
+            self._partner = self.button("solutions.to_partner", self._go_to_partner)
         self._fold: Ahead | None = None
         self._folds: dict[str, Ahead] = {}
         self._table = ""
         self._drawn: object = None
-        explain(gui, HELP, machine.text("solutions"))
+        explain(gui, tr("solutions.help"), machine.text("solutions"))
 
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)
@@ -111,11 +89,12 @@ class SolutionsPanel(Panel):
             self._table = html.filter_html(atlas, wanted.only, signs=self._signs)
             self._table += html.table_html(atlas, self._limit, axes, wanted.sort, signs=self._signs)
             if atlas.rows:
-                shown = f"1–{min(self._limit, len(atlas.rows))} of {len(atlas.rows)}"
-                self._table += quiet(f"{shown} · mm, ° · Δ: way of the farthest point")
+                shown, of = min(self._limit, len(atlas.rows)), len(atlas.rows)
+                self._table += quiet(tr("solutions.shown", shown=shown, of=of))
             self._list.say(self._table if atlas.count else "", stale=atlas.stale)
         left = len(atlas.rows) - self._limit
-        self.set(self._more, visible=left > 0, label=f"Show {min(PAGE, left)} of {left} more")
+        label = tr("solutions.show_more", shown=min(PAGE, left), of=left)
+        self.set(self._more, visible=left > 0, label=label)
         self._draw_folds(sheet, solutions)
 
     def _draw_folds(self, sheet: Sheet, solutions: Solutions) -> None:
@@ -129,7 +108,7 @@ class SolutionsPanel(Panel):
         self.see(fold is not None, self._which, self._drive)
         self.see(merges, self._partner)
         if not known:
-            self.say(self._words, quiet(solutions.fold_trouble or "Known when the hand rests."))
+            self.say(self._words, quiet(solutions.fold_trouble or tr("solutions.at_rest")))
             return
         goals = {(a.index, a.longer): a.goal for a in self._folds.values()}
         joints = zip(review.machine.joints, posture.joints, strict=True)
@@ -138,10 +117,9 @@ class SolutionsPanel(Panel):
             for n, (axis, value) in enumerate(joints)
         ]
         self.say(self._strokes, box(html.strokes_html(spans)))
-        self.offer(self._which, self._folds, NO_FOLD)
+        self.offer(self._which, self._folds, tr("page.none"))
         if fold is None:
-            text = "No actuator, driven alone, meets a fold before the end of its stroke."
-            self.say(self._words, quiet(text))
+            self.say(self._words, quiet(tr("solutions.no_fold")))
             return
         self.put(self._which, html.title(review, fold))
         self.say(self._words, box(esc(html.words(review, fold, solutions.known))))

@@ -14,6 +14,7 @@ from app.features.trajectory.part import TrajectoryPart
 from app.features.trajectory.paths_panel import WayFolder
 from app.features.trajectory.plot import figure, mark
 from app.features.trajectory.state import MOST_SAMPLES, Plan, set_plan, step_plan
+from app.language import menu, tr
 from app.review.state import Review
 from app.review.view import Moment
 from app.widgets.boxes import Typing, limits_box
@@ -24,50 +25,15 @@ from kinematics.machine import Machine
 from kinematics.trajectories.fits import HIGHEST
 
 KINDS = ("CSV", "SVG")
-LAWS = {
-    "The path's own": "",
-    "Constant velocity": "linear",
-    "Cubic, rest to rest": "cubic",
-    "Quintic, rest to rest": "quintic",
-    "Trapezoidal": "trapezoidal",
-}
-PLAYBACKS = {"Again and again": "loop", "Once": "once", "To and fro": "swing"}
-PLOTS = {
-    "Joints, rates, distance": "main",
-    "Everything": "all",
-    "Joints": "joints",
-    "Rates": "rates",
-    "Accelerations": "accelerations",
-    "Forces": "forces",
-    "Distance to a singularity": "distance",
-}
 PACES = {"¼×": 0.25, "½×": 0.5, "1×": 1.0, "4×": 4.0}
-WRONG = ("Go there", "To the next")
-DEGREES = {"none": 0} | {f"{n}": n for n in range(1, HIGHEST + 1)}
 WINDOW = 860, 352  # px of the plots over the scene
 STEPS = 1000  # of the scrub bar
-HINT = box("Show the trajectory to have it computed, drawn and plotted.")
-
-HELP = """
-A **path** of the platform and a **time law** on it, run in the present working mode. The plots show
-what that asks of the actuators; forces hold the load of the Singularities tab, quasi-statically.
-Bands mark where the path leaves the workspace, is singular or exceeds a limit (red-orange), grey
-ones where a singularity is near; the same places are marked on the path in the scene.
-
-**Play** moves the machine in the scene, and the review stays where it is: *Stop here* puts it where
-it is shown, and so does the scrub bar, or a click on a plot, once the hand rests. Undo takes it
-back. Playing stops where the platform is not held, as a machine could not be driven on. Where
-coordinates depend on each other, one of them follows along the way.
-
-A **polynomial fit** replaces each joint's curve; its true error is that of the machine that the
-polynomials drive, solved again. CSV files have the same columns as `bohemia trajectory` writes.
-"""
 
 
 class TrajectoryPanel(Panel):
     """What runs where and when, its plots in a panel of their own, and what is told of it."""
 
-    TITLE = "Trajectory"
+    TITLE = "trajectory.tab"
 
     @staticmethod
     def serves(machine: Machine[Any]) -> bool:
@@ -77,46 +43,46 @@ class TrajectoryPanel(Panel):
         gui, desk = self.gui, self.desk
         self._moved: Moved | None = None
         part = self._part = desk.part(TrajectoryPart)
-        hint = "In the scene and as plots (hotkey T)"
-        command = "Trajectory", "Show or hide the trajectory and its plots", "T"
-        self.switch("Show the trajectory", Plan, "on", hint, command)
-        self.key(
-            "Play", "Play the trajectory, or pause", "P", lambda _: desk.ask(part.playing.play)
-        )
+        self.switch("trajectory.show", Plan, "on", ("trajectory", "T"))
+        self.key("play", "P", lambda _: desk.ask(part.playing.play))
         self._summary = gui.add_html("")
-        self._wrong = gui.add_button_group("What is wrong", WRONG)
+        self._wrong = gui.add_button_group(
+            tr("trajectory.wrong"), (tr("trajectory.to_first"), tr("trajectory.to_next"))
+        )
         self.clicked(self._wrong, self._go_there)
         self._progress = gui.add_progress_bar(0.0, visible=False)
-        self._give_up = self.asks("Cancel the distances", part.measure, False)
-        self._go_on = self.asks("Find distances to singularities", part.measure, True)
+        self._give_up = self.asks("trajectory.cancel_distances", part.measure, False)
+        self._go_on = self.asks("trajectory.find_distances", part.measure, True)
         self.groups.append(WayFolder(desk, self.sheet))
         self._add_time()
-        with gui.add_folder("Largest on the way"):
+        with gui.add_folder(tr("trajectory.most")):
             self._most = gui.add_html("")
         self._add_limits(review)
         self._add_playback()
-        with gui.add_folder("Polynomials for the joints", expand_by_default=False):
-            self.menu("Degree", DEGREES, Plan, "degree")
+        with gui.add_folder(tr("trajectory.fits"), expand_by_default=False):
+            degrees = {tr("page.none"): 0} | {f"{n}": n for n in range(1, HIGHEST + 1)}
+            self.menu("trajectory.degree", degrees, Plan, "degree")
             self._fits = gui.add_html("")
         self.saving(KINDS, part.save_trajectory)
-        explain(gui, review.machine.text("trajectory"), HELP)
+        explain(gui, review.machine.text("trajectory"), tr("trajectory.help"))
         self._add_window(review)
         self._moment = Moment(0.0, playing=False, away=False, distance=float("nan"))
 
     def _add_time(self) -> None:
         gui = self.gui
-        with gui.add_folder("Time"):
-            self.menu("Time law", LAWS, Plan, "law")
-            hint = "0: the path's own, else at 100 mm/s, angles by the characteristic length"
-            self._duration = gui.add_number("Duration (s)", 0.0, min=0.0, step=0.1, hint=hint)
+        with gui.add_folder(tr("trajectory.time")):
+            laws = {tr("trajectory.own_law"): ""} | menu("trajectory.laws")
+            self.menu("trajectory.law", laws, Plan, "law")
+            label, hint = tr("trajectory.duration"), tr("trajectory.duration_hint")
+            self._duration = gui.add_number(label, 0.0, min=0.0, step=0.1, hint=hint)
             self.bind(self._duration, self._lasts, partial(step_plan, "duration"))
             self._ramps = [
-                self.number("Speed (mm/s)", Plan, "speed", step_plan, min=0.001, step=1.0),
-                self.number(
-                    "Acceleration (mm/s²)", Plan, "acceleration", step_plan, min=0.001, step=1.0
-                ),
+                self.number(f"trajectory.{name}", Plan, name, step_plan, min=0.001, step=1.0)
+                for name in ("speed", "acceleration")
             ]
-            samples = self.gui.add_number("Samples", 2, min=2, max=MOST_SAMPLES, step=1)
+            samples = self.gui.add_number(
+                tr("trajectory.samples"), 2, min=2, max=MOST_SAMPLES, step=1
+            )
             self.field(samples, Plan, "samples", step_plan, round)
         for typed in (self._duration, *self._ramps):
             self.set(typed, precision=TYPED)
@@ -131,8 +97,8 @@ class TrajectoryPanel(Panel):
     def _add_limits(self, review: Review) -> None:
         gui, desk, joints = self.gui, self.desk, review.machine.joints
         unit, force = ("°", "N·mm") if joints[0].unit == "rad" else ("mm", "N")
-        hint = "One number for all actuators, or one for each; empty for none"
-        with gui.add_folder("Limits of the actuators", expand_by_default=False):
+        hint = tr("trajectory.limits_hint")
+        with gui.add_folder(tr("trajectory.limits"), expand_by_default=False):
             self._limits = {
                 name: limits_box(
                     desk,
@@ -142,17 +108,13 @@ class TrajectoryPanel(Panel):
                     turning=name != "forces",
                 )
                 for name, title in (
-                    ("rates", f"Rates ({unit}/s)"),
-                    ("accelerations", f"Accelerations ({unit}/s²)"),
-                    ("forces", f"Forces ({force})"),
+                    ("rates", tr("trajectory.rates", unit=unit)),
+                    ("accelerations", tr("trajectory.accelerations", unit=unit)),
+                    ("forces", tr("trajectory.forces", unit=force)),
                 )
             }
             self._typing = Typing(desk)
-            self.asks_for(
-                "Shortest duration that keeps them",
-                self._part.shorten,
-                hint="Rates and accelerations; forces hold the load at any speed",
-            )
+            self.asks_for("trajectory.shorten", self._part.shorten)
         for name, typed in self._limits.items():
             self._typing.watch(typed, partial(self._limit, name))
 
@@ -160,25 +122,25 @@ class TrajectoryPanel(Panel):
         self.desk.send(step_plan(name, value), client)
 
     def _add_playback(self) -> None:
-        with self.gui.add_folder("Playing and plots", expand_by_default=False):
-            self.menu("Plot", PLOTS, Plan, "plot")
-            self.menu("Playback", PLAYBACKS, Plan, "playback")
-            hint = "No machine is driven across a singularity"
-            self.switch("Stop where singular", Plan, "halt", hint)
+        with self.gui.add_folder(tr("trajectory.playing"), expand_by_default=False):
+            self.menu("trajectory.plot", menu("trajectory.plots"), Plan, "plot")
+            self.menu("trajectory.playback", menu("trajectory.playbacks"), Plan, "playback")
+            self.switch("trajectory.halt", Plan, "halt")
 
     def _add_window(self, review: Review) -> None:
         """The play bar, and the plots below it, over the foot of the scene."""
         gui, desk, playing = self.gui, self.desk, self._part.playing
-        self._window, tab = self.window("Along the trajectory", *WINDOW, visible=review[Plan].on)
+        self._window, tab = self.window(tr("trajectory.window"), *WINDOW, visible=review[Plan].on)
         with tab:
             self._bar = gui.add_html(bar_html(None, review[Plan].pace))
-            self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY, hint="Hotkey P")
-            self._scrub = gui.add_slider("Time (s)", 0.0, 1.0, 0.001, 0.0)
+            self._play = gui.add_button(
+                tr("keys.play"), icon=viser.Icon.PLAYER_PLAY, hint=tr("trajectory.play_hint")
+            )
+            self._scrub = gui.add_slider(tr("trajectory.at"), 0.0, 1.0, 0.001, 0.0)
             self.set(self._scrub, precision=3)
-            self._paces = gui.add_button_group("Speed", tuple(PACES))
-            self._stop = self.asks_for("Stop here", playing.stop_here)
-            hint = "Show the machine where the review has it"
-            self._back = self.asks("Back to where it was", playing.go_back, hint=hint)
+            self._paces = gui.add_button_group(tr("trajectory.pace"), tuple(PACES))
+            self._stop = self.asks_for("trajectory.stop_here", playing.stop_here)
+            self._back = self.asks("trajectory.back", playing.go_back)
             self._plot = Plot(
                 desk, lambda t, _, client: desk.ask(playing.scrub, t, client), alone=True
             )
@@ -190,7 +152,7 @@ class TrajectoryPanel(Panel):
         self.desk.send(set_plan("pace", PACES[self._paces.value]), client)
 
     def _go_there(self, client: Client) -> None:
-        first = self._wrong.value == WRONG[0]
+        first = self._wrong.value == tr("trajectory.to_first")
         self.desk.ask(self._part.playing.to_warning, client, first=first)
 
     # --- what is drawn
@@ -217,14 +179,18 @@ class TrajectoryPanel(Panel):
                 self._moment = news
                 self.put(self._scrub, round(news.at, 3))
                 icon = viser.Icon.PLAYER_PAUSE if news.playing else viser.Icon.PLAYER_PLAY
-                self.set(self._play, label="Pause" if news.playing else "Play", icon=icon)
+                self.set(
+                    self._play,
+                    label=tr("trajectory.pause" if news.playing else "keys.play"),
+                    icon=icon,
+                )
                 for button in (self._stop, self._back):
                     self.set(button, disabled=not news.away)
                 self._draw_cursor()
 
     def _draw_trajectory(self, moved: Moved) -> None:
         plan, computed, machine = self.review[Plan], moved.computed, self.review.machine
-        self.say(self._summary, summary_html(moved) if plan.on else HINT)
+        self.say(self._summary, summary_html(moved) if plan.on else box(tr("trajectory.none_yet")))
         there = plan.on and computed is not None and not moved.stale
         measuring = there and moved.measuring
         self.see(plan.on and not moved.missing, self._window)

@@ -11,22 +11,15 @@ from app.features.trajectory import state
 from app.features.trajectory.compute import Moved
 from app.features.trajectory.files import LARGEST, read_points
 from app.features.trajectory.sketch import Sketch, sketch_figure, sketch_mark
+from app.language import menu, tr
 from app.review.state import Review
+from app.review.view import mode_noun
 from app.widgets.boxes import Typing, pose_box, poses_box, units
 from app.widgets.desk import Client, Group, Sheet
 from app.widgets.texts import box, esc
 from kinematics.arrays import Array
 from kinematics.errors import InputError
 
-OWN_TITLES = {
-    "Straight from pose to pose": state.STRAIGHT,
-    "Through way points": state.POINTS,
-    "Points from a CSV file": state.FILE,
-    "Drawn with the mouse": state.STROKE,
-}
-THROUGH = {"Smooth curve": "spline", "Straight lines": "lines"}
-ENDS = ("From here", "To here")
-LIST = ("Add here", "Remove last", "Clear")
 BY_ITS_LAW = {"law": "", "duration": 0.0}
 
 
@@ -37,37 +30,51 @@ class WayFolder(Group):
         gui, desk = self.gui, self.desk
         self._axes = axes = review.machine.coordinates
         self._named = {each.name: each for each in review.machine.paths.named()}
-        titles = {each.title: name for name, each in self._named.items()} | OWN_TITLES
+        titles = {each.title: name for name, each in self._named.items()}
+        titles |= menu("trajectory.ways")
         hint, symbols = units(axes), tuple(c.symbol for c in axes)
-        with gui.add_folder("Path"):
-            self.choice("It runs", titles, lambda r: r[state.Plan].way, _chosen)
+        with gui.add_folder(tr("trajectory.path")):
+            self.choice("trajectory.way", titles, lambda r: r[state.Plan].way, _chosen)
             self._source = gui.add_html("")
-            self._start = pose_box(desk, gui.add_text("From", "", hint=hint), axes, "From")
-            self._end = pose_box(desk, gui.add_text("To", "", hint=hint), axes, "To")
-            self._ends = gui.add_button_group("Take it", ENDS, hint="The machine's present pose")
-            listed = gui.add_text("Way points", "", multiline=True, hint=f"One a line: {hint}")
-            self._points = poses_box(desk, listed, axes, "Way point")
-            self._list = gui.add_button_group("Present pose", LIST)
+            self._start, self._end = (
+                pose_box(desk, gui.add_text(label, "", hint=hint), axes, label)
+                for label in (tr("trajectory.from"), tr("trajectory.to"))
+            )
+            self._take_as, self._edits = menu("trajectory.ends"), menu("trajectory.edits")
+            self._ends = gui.add_button_group(
+                tr("trajectory.take"), tuple(self._take_as), hint=tr("trajectory.take_hint")
+            )
+            listed = gui.add_text(
+                tr("trajectory.points"),
+                "",
+                multiline=True,
+                hint=tr("trajectory.points_hint", units=hint),
+            )
+            self._points = poses_box(desk, listed, axes, tr("trajectory.point"))
+            self._list = gui.add_button_group(tr("trajectory.edit"), tuple(self._edits))
             # A button for uploads does not hide itself; what it stands in does.
-            self._files = gui.add_folder("File", visible=False)
+            self._files = gui.add_folder(tr("trajectory.file"), visible=False)
             with self._files:
-                hint = "Its first line names the pose coordinates, and t if points have times"
-                self.upload("Open a CSV file", ".csv,text/csv", self._open, hint)
-            self._plane = [gui.add_dropdown(t, symbols) for t in ("To the right", "Upwards")]
+                self.upload("trajectory.open", ".csv,text/csv", self._open)
+            self._plane = [
+                gui.add_dropdown(label, symbols)
+                for label in (tr("trajectory.rightwards"), tr("trajectory.upwards"))
+            ]
             self._sketch = Sketch(desk, self._stroked)
             plan, step = state.Plan, state.step_plan
-            self._smooth = self.number("Smoothing (mm)", plan, "smooth", step, min=0.0, step=0.5)
-            self._through = self.menu("Joined by", THROUGH, plan, "through", step)
-            look: dict[str, Any] = {"min": 0.0, "step": 1.0, "hint": "From this far on"}
-            self._blend = self.number("Rounded corners (mm)", plan, "blend", step, **look)
+            self._smooth = self.number("trajectory.smooth", plan, "smooth", step, min=0.0, step=0.5)
+            self._through = self.menu(
+                "trajectory.joined", menu("trajectory.through"), plan, "through", step
+            )
+            self._blend = self.number("trajectory.blend", plan, "blend", step, min=0.0, step=1.0)
             self._typing = Typing(desk)
         self._typed = {"start": self._start, "end": self._end, "points": self._points}
         for name, typed in self._typed.items():
             self._typing.watch(typed, partial(self._take, name))
         self.clicked(self._ends, self._take_end)
         self.clicked(self._list, self._edit_list)
-        for menu in self._plane:
-            self.answer(menu, self._turn)
+        for axis in self._plane:
+            self.answer(axis, self._turn)
 
     # --- what a person does
 
@@ -75,28 +82,27 @@ class WayFolder(Group):
         self.desk.send(state.step_plan(name, value), client)
 
     def _take_end(self, client: Client) -> None:
-        name = "start" if self._ends.value == ENDS[0] else "end"
+        name = self._take_as[self._ends.value]
         self.desk.send(state.set_plan(name, self.review.pose), client)
 
     def _edit_list(self, client: Client) -> None:
         pose, points = self.review.pose, self.review[state.Plan].points
-        if self._list.value == LIST[0]:
+        edit = self._edits[self._list.value]
+        if edit == "add":
             if points and points[-1] == pose:
-                raise InputError("this pose is the last way point already; move the machine on")
+                raise InputError(tr("trajectory.same_point"))
             points = (*points, pose)
         else:
-            points = points[:-1] if self._list.value == LIST[1] else ()
+            points = points[:-1] if edit == "remove" else ()
         self.desk.send(state.set_plan("points", points), client)
 
     def _open(self, file: Any, client: Client) -> None:
         if len(file.content) > LARGEST:
-            raise InputError(f"{file.name}: longer than 16 MB, which no path is")
+            raise InputError(tr("trajectory.too_large", file=file.name))
         try:
             text = file.content.decode("utf-8")
         except UnicodeDecodeError:
-            raise InputError(
-                f"{file.name}: not a text file in UTF-8, so not a list of points"
-            ) from None
+            raise InputError(tr("trajectory.not_text", file=file.name)) from None
         machine, mode = self.review.machine, self.review.mode
         points = read_points(text, self._axes, origin=file.name, dependent=machine.dependent)
         poses, left = points.poses, points.dependent
@@ -116,7 +122,7 @@ class WayFolder(Group):
     def _turn(self, _: str, client: Client) -> None:
         """Choose the plane of a stroke; of two equal coordinates the other gives way."""
         keys = {c.symbol: c.key for c in self._axes}
-        chosen = tuple(keys[menu.value] for menu in self._plane)
+        chosen = tuple(keys[axis.value] for axis in self._plane)
         if chosen[0] == chosen[1]:
             first, second = state.plane_of(self.review[state.Plan], self._axes)
             chosen = self._axes[second].key, self._axes[first].key
@@ -138,8 +144,8 @@ class WayFolder(Group):
         plan = self.review[state.Plan]
         for name, typed in self._typed.items():
             self._typing.draw(typed, getattr(plan, name))
-        for menu, n in zip(self._plane, state.plane_of(plan, self._axes), strict=True):
-            self.put(menu, self._axes[n].symbol)
+        for axis, n in zip(self._plane, state.plane_of(plan, self._axes), strict=True):
+            self.put(axis, self._axes[n].symbol)
         way = plan.way
         joined = way == state.POINTS or (way == state.FILE and not plan.times)
         for seen, handles in (
@@ -158,16 +164,14 @@ class WayFolder(Group):
         review = self.review
         plan, named = review[state.Plan], self._named.get(review[state.Plan].way)
         if named is not None:
-            other = (
-                f" Given for {review.machine.mode_noun} {esc(named.mode)}; it runs in the present "
-                "one."
-                if named.mode != review.mode
-                else ""
-            )
+            other, mode = "", f"{mode_noun(review.machine)} {named.mode}"
+            if named.mode != review.mode:
+                other = " " + esc(tr("trajectory.other_mode", mode=mode))
             return box(f"{esc(named.source)}.{other}") if named.source or other else ""
         if plan.way == state.FILE and plan.file:
             times = f", {plan.times[-1] - plan.times[0]:g} s" if plan.times else ""
-            return box(f"<b>{esc(plan.file_name)}</b>: {len(plan.file)} points{times}")
+            points = tr("trajectory.read", n=len(plan.file))
+            return box(f"<b>{esc(plan.file_name)}</b>: {points}{times}")
         return ""
 
     def told(self, sheet: Sheet, news: Any) -> None:

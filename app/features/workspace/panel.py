@@ -11,37 +11,24 @@ from app.features.workspace import html
 from app.features.workspace.compute import Laying, Solids
 from app.features.workspace.part import RegionsPart
 from app.features.workspace.state import ASPECTS, ChooseModes, Fade, Flat, Show, Workspace
+from app.language import menu, tr
 from app.review.changes import Change
 from app.review.state import Review
 from app.widgets.boxes import ModesMenu
 from app.widgets.desk import Client, Group, Panel, Sheet, explain
 from app.widgets.markup import Markup
 from kinematics.answers.modes import matching
-from kinematics.facets.solids import SolidSpec, SurfaceKind
+from kinematics.facets.solids import SolidSpec
 from kinematics.machine import Machine
 
-MADE_OF: dict[str, SurfaceKind] = {"Facets": "facets", "The true surface": "true"}
 KINDS = ("SVG", "DXF", "CSV")
-
-HELP = """
-Its solid is **made of** facets that are right on the average, or of the **true surface**: every
-vertex on the exact surfaces that meet there, chords between them; it is inscribed where the
-surface bulges outwards, so its volume is a little smaller.
-
-While a slider moves the solid is coarse, when the hand rests it becomes fine. The first volume is
-that of the solid shown, with an estimate of its error; pieces are parts that do not touch. The
-**exact** volume is the integral of exact section areas (see the Section tab).
-
-The **largest ball** and the **largest box** along x, y, z inside the workspace are what one can use
-of it; a mechanism's data sheet quotes them.
-"""
 
 
 class WorkspacePanel(Panel):
     """How large the workspace is, what of it can be used, and what is shown of it."""
 
-    TITLE = "Solid"
-    TAB = "Workspace"
+    TITLE = "workspace.solid"
+    TAB = "workspace.tab"
 
     @staticmethod
     def serves(machine: Machine[Any]) -> bool:
@@ -56,35 +43,38 @@ class WorkspacePanel(Panel):
         of_modes = any(s.uses_modes for s in alone) or any(
             s.uses_modes for s in machine.region_specs
         )
-        modes = {"All working modes together": "all", "The current working mode": "current"}
+        modes = menu("workspace.modes")
         visible = of_modes and len(machine.modes) > 1
-        own, hint = ("A chosen set", "Modes"), "Working modes"
-        self._modes = ModesMenu(self, modes, own, self._chosen, hint=hint, visible=visible)
+        self._modes = ModesMenu(
+            self,
+            modes,
+            "workspace.own",
+            self._chosen,
+            hint=tr("workspace.modes_hint"),
+            visible=visible,
+        )
         self._report = gui.add_html("")
         if machine.section_spec is not None:
             self.groups.append(UsableFolder(desk, sheet))
         self._limbs(specs)
         if alone:
-            with self.folder("Look", "shown or not, opacity, facets", open=len(alone) > 1):
+            with self.folder("workspace.look", open=len(alone) > 1):
                 self._look(alone)
-        command = "Workspace", "Show or hide the workspace solid", "W"
-        self.toggle(command, partial(_shown, "workspace"), partial(Show, "workspace"))
-        explain(gui, machine.text("workspace"), HELP)
+        self.toggle(("workspace", "W"), partial(_shown, "workspace"), partial(Show, "workspace"))
+        explain(gui, machine.text("workspace"), tr("workspace.help"))
         self._solids = Solids((), {}, {}, None)
         self._measured: Sections | None = None
 
     def _look(self, alone: list[SolidSpec]) -> None:
         """How the workspace is shown, or each of several."""
         for spec in alone:
-            self._display(spec, "Show" if len(alone) == 1 else spec.title)
+            self._display(spec, tr("workspace.show") if len(alone) == 1 else spec.title)
         self._opacity(tuple(s.key for s in alone), 0.35)
         self.menu(
-            "Made of",
-            MADE_OF,
+            "workspace.made_of",
+            menu("workspace.made"),
             Workspace,
             "surface",
-            hint="Facets are right on the average; of the true surface every vertex is exact, "
-            "which takes longer and many more triangles",
             visible=any("true" in spec.surfaces for spec in alone),
         )
 
@@ -93,10 +83,10 @@ class WorkspacePanel(Panel):
         self._of_limbs = tuple(s for s in specs if s.limb is not None)
         if not self._of_limbs:
             return
-        with self.folder("Vertex spaces", "the surfaces that bound it", open=False):
+        with self.folder("workspace.limbs", open=False):
             self._switches = Markup(self.desk, self._toggle)
             self._whole = [s.key for s in self._of_limbs if s.key.endswith("/whole")]
-            self._all = self.gui.add_checkbox("All limbs", False)
+            self._all = self.gui.add_checkbox(tr("workspace.all_limbs"), False)
             self.answer(self._all, self._show_all)
             self._opacity(tuple(s.key for s in self._of_limbs), 0.25)
             self._parts = self.gui.add_html("")
@@ -138,7 +128,7 @@ class WorkspacePanel(Panel):
         def shown(review: Review) -> float:
             return next((s.opacity for s in review[Workspace].solids if s.key in keys), value)
 
-        slider = self.gui.add_slider("Opacity", 0.05, 1.0, 0.05, value)
+        slider = self.gui.add_slider(tr("workspace.opacity"), 0.05, 1.0, 0.05, value)
         self.bind(slider, shown, partial(Fade, keys))
 
     def _chosen(self, choice: str) -> Change:
@@ -156,30 +146,18 @@ class UsableFolder(Group):
     def build(self, review: Review) -> None:
         gui, desk = self.gui, self.desk
         part = desk.part(SectionPart)
-        with self.folder("Largest inside", "ball and box"):
-            here = gui.add_checkbox(
-                "About the platform",
-                False,
-                hint="Centred where the platform is; otherwise wherever the most room is",
-            )
-            together = gui.add_checkbox(
-                "Modes together",
-                False,
-                hint="In all modes at once; otherwise in the present one, as a machine "
-                "cannot change its mode on the way",
-                visible=len(review.machine.modes) > 1,
-            )
+        with self.folder("workspace.inside"):
+            here = self.tick("workspace.about_platform")
+            together = self.tick("workspace.together", visible=len(review.machine.modes) > 1)
 
             def find(what: str, _: Client) -> None:
                 desk.ask(part.inscribe, what, here.value, together.value)
 
-            self.button("Largest ball", partial(find, "ball"))
-            self.button("Largest box", partial(find, "box"))
+            self.button("workspace.ball", partial(find, "ball"))
+            self.button("workspace.box", partial(find, "box"))
             self._told = gui.add_html("")
-            self._go = self.asks_for(
-                "Platform to the ball's centre", part.go_to_ball, visible=False
-            )
-            self._hide = self.asks("Hide them", part.forget_inscribed, visible=False)
+            self._go = self.asks_for("workspace.to_centre", part.go_to_ball, visible=False)
+            self._hide = self.asks("workspace.hide", part.forget_inscribed, visible=False)
 
     def told(self, sheet: Sheet, news: Any) -> None:
         if isinstance(news, Sections):
@@ -195,10 +173,10 @@ class RegionsFolder(Group):
         gui, desk = self.gui, self.desk
         part = desk.part(RegionsPart)
         titles = {s.title: s.key for s in review.machine.region_specs}
-        with self.folder("In its plane"):
-            self.switch("Show", Flat, "on")
-            self.menu("Regions", titles, Flat, "key", visible=len(titles) > 1)
-            self.switch("Singular curves", Flat, "locus", "Of the present mode, red-orange")
+        with self.folder("workspace.plane"):
+            self.switch("workspace.show", Flat, "on")
+            self.menu("workspace.regions", titles, Flat, "key", visible=len(titles) > 1)
+            self.switch("workspace.curves", Flat, "locus")
             self._report = gui.add_html("")
             self.saving(KINDS, part.save_regions)
 
