@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 from app.jobs.lane import Done, Job, Lane, Lost
+from app.language import tr
 
 _NOTHING: Mapping[Any, Any] = {}
 
@@ -26,7 +27,8 @@ class Question(Generic[A]):
     """A kind of work: from a request, which is all that it depends on, to its answer.
 
     Attributes:
-        title: what a person reads while it takes long; "" for work with a progress bar of its own.
+        title: the key of what a person reads while it takes long; "" for work with a progress bar
+            of its own.
         lane: who does it.
         answer: called in the lane's process with the request, or with the arguments instead of it.
         rest, slow, tries: as in `Job`.
@@ -50,7 +52,9 @@ class Question(Generic[A]):
 
         If ``idle`` the answer is of use if it is there, and not worth any work now.
         """
-        return Asked(self, request, arguments or (request,), title or self.title, idle)
+        return Asked(
+            self, request, arguments or (request,), title or (self.title and tr(self.title)), idle
+        )
 
 
 @dataclass(frozen=True, eq=False)

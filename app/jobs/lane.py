@@ -13,6 +13,7 @@ from functools import partial
 from typing import Any
 
 from app.jobs.process import GIVES_WAY, Process, give_way
+from app.language import tr
 from kinematics.errors import BohemiaError
 
 
@@ -189,7 +190,7 @@ class Lane:
                     return Lost(job, "")
         return Lost(
             job,
-            f"The process at work on {job.title} stopped; change something, and it is tried again.",
+            tr("work.stopped", what=job.title or tr("work.this")),
         )
 
     def _bury(self) -> None:

@@ -13,6 +13,7 @@ from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import TypeVar
 
+from app.language import tr
 from kinematics.errors import BohemiaError
 
 T = TypeVar("T")
@@ -70,7 +71,7 @@ class Process:
         """
         self._pipe.send((function, arguments))
         if not self._pipe.poll(timeout):
-            raise BohemiaError(f"it was not ready after {timeout:.0f} s and was given up")
+            raise BohemiaError(tr("work.too_slow", seconds=timeout))
         failure, answer = self._pipe.recv()
         if failure:
             raise BohemiaError(failure)
@@ -92,7 +93,7 @@ def apart(function: Callable[..., T], *arguments: object, timeout: float = 120.0
     try:
         return process.run(timeout, function, *arguments)
     except EOFError:
-        raise BohemiaError("the process at work on it stopped; try again") from None
+        raise BohemiaError(tr("work.ended")) from None
     finally:
         process.kill()
 
@@ -128,7 +129,7 @@ def _serve(pipe: Connection, prepare: Callable[[], None]) -> None:
         except BohemiaError as error:
             answer = (str(error), None)
         except Exception as error:  # noqa: BLE001 (the server must hear of it, whatever it was)
-            answer = (f"it could not be computed ({type(error).__name__}: {error})", None)
+            answer = (tr("work.failed", what=type(error).__name__, why=error), None)
         try:
             pipe.send(answer)
         except OSError:

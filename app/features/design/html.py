@@ -6,6 +6,7 @@ import math
 from collections import defaultdict
 from functools import lru_cache
 
+from app.language import tr
 from app.review.state import Review
 from app.review.units import minus
 from app.scene import palette
@@ -77,7 +78,7 @@ def _limbs(groups: dict[str, list[DesignField]]) -> str:
         cells = "".join(f"<td>{_box(group, field)}</td>" for field in fields)
         rows.append(f"<tr><td>{chip(palette.limb_color(n))}{n}</td>{cells}</tr>")
     units = {"mm" if f.unit == "mm" else "°" for f in first if f.unit}
-    told = faint(f"{', '.join(sorted(units))}; a box takes a calculation and other units too")
+    told = faint(tr("design.units", units=", ".join(sorted(units))))
     return (
         f'<table class="bo-table bo-design"><tr><th>limb</th>{heads}</tr>{"".join(rows)}</table>'
         f'<div class="bo-says">{told}</div>'

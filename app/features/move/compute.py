@@ -19,7 +19,7 @@ def spans(
     return reach(machine_of(design).inverse, pose, mode, dependent)
 
 
-REACH = Question("where the pose can go", "reach", spans, REST)
+REACH = Question("work.pose_reach", "reach", spans, REST)
 
 
 def reach_asked(review: Review) -> Asked[tuple[Array, ...]]:

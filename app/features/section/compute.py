@@ -20,6 +20,7 @@ from app.features.singularities.compute import placed
 from app.features.singularities.state import Control
 from app.features.workspace.state import Workspace, solver_modes
 from app.jobs.answers import Question
+from app.language import tr
 from app.review.state import Review
 from app.review.units import minus, tenths
 from app.scene.painting import scale
@@ -218,8 +219,10 @@ def of_what(of: Region) -> str:
     axes = zip(machine_of(of.design).coordinates, of.pose, strict=True)
     turned = [f"{c.symbol} {tenths(c.outer(v))}°" for c, v in axes if c.unit == "rad"]
     modes = of.modes
-    every = "every mode" if modes is None else f"{len(modes)} modes"
-    which = minus(f"mode {modes[0]}") if modes is not None and len(modes) == 1 else every
+    every = tr("section.every_mode") if modes is None else tr("section.modes", n=len(modes))
+    which = (
+        minus(tr("section.mode", mode=modes[0])) if modes is not None and len(modes) == 1 else every
+    )
     return " · ".join(filter(None, (", ".join(turned), which)))
 
 
@@ -340,11 +343,11 @@ def _raised(flat: Array, at: float) -> Array:
 
 
 REST = 0.15  # s for which a workspace must stay before it is measured
-SECTION = Question("the section", "sections", draw)
+SECTION = Question("work.section", "sections", draw)
 # Apart, so that a section is never behind a volume, let alone behind the first one of all, for
 # which code is compiled.
-VOLUME = Question("the exact volume", "measures", measure, REST, kept=64)
+VOLUME = Question("work.volume", "measures", measure, REST, kept=64)
 Inside = tuple[Region, tuple[float, ...] | None]
 """Of what the largest is wanted, and about which point; None for wherever the most room is."""
-BALL = Question("the largest ball", "measures", sphere, slow=True, urgent=True)
-BOX = Question("the largest box", "measures", box, slow=True, urgent=True)
+BALL = Question("work.ball", "measures", sphere, slow=True, urgent=True)
+BOX = Question("work.box", "measures", box, slow=True, urgent=True)

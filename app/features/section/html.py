@@ -6,7 +6,8 @@ from functools import partial
 
 import numpy as np
 
-from app.review.units import area_text, number, plural, spaced, tenths
+from app.language import tr
+from app.review.units import area_text, number, spaced, tenths
 from app.scene import palette
 from app.widgets.axes import MOST as MARKS
 from app.widgets.axes import (
@@ -36,29 +37,28 @@ def numbers_html(section: Section, spec: SectionSpec, along: tuple[float, float]
     """A section in numbers; ``along`` says where the workspace is."""
     if not section.loops:
         if along is None:
-            return box("At this orientation the workspace is empty.")
-        return box(
-            f"The section is empty here; the workspace lies within {esc(spec.normal)} = "
-            f"{number(round(along[0], 1))} … {number(round(along[1], 1))} mm."
-        )
+            return box(tr("workspace.empty"))
+        low, high = (number(round(end, 1)) for end in along)
+        return box(esc(tr("section.empty_here", axis=spec.normal, low=low, high=high)))
     first, second = spec.axes
     holes = int((section.loop_area < 0).sum())
-    inner = f" ({holes} of them hole{'s' if holes > 1 else ''})" if holes else ""
-    loops = plural(section.loops, "loop") + inner
+    loops = tr("section.loops", n=section.loops)
+    loops += f" ({tr('section.holes', n=holes)})" if holes else ""
     exact = f"{spaced(section.area, 6)} mm²"
     limbs = " ".join(
-        f'<span style="white-space:nowrap">{chip(palette.limb_color(n))}limb {n}</span>'
+        f'<span style="white-space:nowrap">{chip(palette.limb_color(n))}'
+        f"{tr('page.limb', n=n)}</span>"
         for n in sorted(set(section.limb.tolist()))
     )
     rows = (
-        ("Cut at", f"{esc(spec.normal)} = {number(round(section.at, 4))} mm"),
-        ("Perimeter", f"{section.perimeter:.1f} mm"),
+        (tr("section.cut_at"), f"{esc(spec.normal)} = {number(round(section.at, 4))} mm"),
+        (tr("section.perimeter"), f"{section.perimeter:.1f} mm"),
         (
-            f"Centroid ({esc(first)}, {esc(second)})",
+            tr("section.centroid", first=esc(first), second=esc(second)),
             f"{tenths(section.centroid[0])}, {tenths(section.centroid[1])} mm",
         ),
-        ("In all", f"{plural(section.pieces, 'piece')}, {loops}"),
-        ("Bounded by", limbs),
+        (tr("section.in_all"), f"{tr('page.pieces', n=section.pieces)}, {loops}"),
+        (tr("section.bounded_by"), limbs),
     )
     titled = "opacity:.75;padding-right:.9em;white-space:nowrap;width:1%"
     body = table(rows, (titled, "font-variant-numeric:tabular-nums"))
@@ -69,11 +69,11 @@ def numbers_html(section: Section, spec: SectionSpec, along: tuple[float, float]
         )
     )
     summary = f"I<sub>{first}{first}</sub> = ∫{first}² dA"
-    exactly = f"{exact}<br>second moments about the centroid ({summary}):<br>{moments}"
-    details = faint(f"<summary>Exactly</summary>{exactly}", "details")
+    exactly = f"{exact}<br>{tr('section.moments', what=summary)}<br>{moments}"
+    details = faint(f"<summary>{tr('section.exactly')}</summary>{exactly}", "details")
     look = "font-size:20px;line-height:24px;font-weight:600"
     area = f'<span style="{look}" title="{exact}">{area_text(section.area)}</span>'
-    return box(f"<div>{faint('Area')} {area}</div>{body}{details}")
+    return box(f"<div>{faint(tr('section.area'))} {area}</div>{body}{details}")
 
 
 def largest(volume: Volume) -> float:
@@ -152,10 +152,10 @@ def profile(volume: Volume, spec: SectionSpec, look: Look = WHOLE) -> Figure | N
         [f"{spec.normal} = {number(round(p, 1))} mm: " for p in places.tolist()],
         ("",),
         [area_text(a) for a in areas.tolist()],
-        "drag to cut there",
-        "Area of the section",
+        tr("section.drag"),
+        tr("section.area_name"),
         partial(_table, spec, x, area),
-        title=f"Area along {spec.normal}",
+        title=tr("section.area_along", axis=spec.normal),
         unit="cm²",
     )
 
@@ -166,7 +166,7 @@ def _largest(axes: Axes, x: np.ndarray, area: np.ndarray) -> str:
     u, v = axes.px(float(x[n]), 0.01 * float(area[n]))
     if not axes.left <= u <= axes.width - axes.right:
         return ""
-    text = f"max {0.01 * area[n]:.4g} at {number(round(float(x[n]), 1))} mm"
+    text = tr("section.most", area=0.01 * area[n], at=number(round(float(x[n]), 1)))
     room = 0.5 * 5.8 * len(text)
     middle = min(max(u, axes.left + room), axes.width - axes.right - room)
     stem = line(f"M{u:.1f} {v:.1f}v-4", TEXT, 1)
@@ -175,4 +175,4 @@ def _largest(axes: Axes, x: np.ndarray, area: np.ndarray) -> str:
 
 def _table(spec: SectionSpec, x: np.ndarray, area: np.ndarray) -> Table:
     rows = [(tenths(float(x[n])), f"{0.01 * area[n]:.2f}") for n in sampled(len(x))]
-    return (f"{spec.normal} (mm)", "area (cm²)"), rows
+    return (f"{spec.normal} (mm)", tr("section.area_head")), rows

@@ -18,8 +18,9 @@ from app.features.workspace.state import modes_text
 from app.jobs.answers import Asked
 from app.jobs.parts import Client, Grip, Part, Stage
 from app.jobs.process import Process, give_way
+from app.language import tr
 from app.review.state import Review
-from app.review.units import minus, plural, volume_text
+from app.review.units import minus, volume_text
 from app.review.view import Fact, Size, View, reaching_mode
 from app.widgets.desk import DIGITS, Sheet
 from kinematics.errors import BohemiaError
@@ -156,7 +157,7 @@ class SectionPart(Part):
     def came(self, asked: Asked[Any], answer: Any) -> bool:
         for what, question in QUESTIONS.items():
             if asked.question is question and not answer:
-                self.stage.complain(f"There is no {what}: nothing of the workspace is there.")
+                self.stage.complain(tr("section.nothing_inside", what=tr(f"section.{what}")))
         return asked.question is compute.BALL and self._going is not None and self._go()
 
     def lost(self, asked: Asked[Any]) -> None:
@@ -191,7 +192,7 @@ class SectionPart(Part):
         known = found.volume or found.old_volume
         fact = None
         if known is not None:
-            pieces = f", {plural(len(known.pieces), 'piece')}" if known.pieces else ""
+            pieces = f", {tr('page.pieces', n=len(known.pieces))}" if known.pieces else ""
             fact = Fact(volume_text(known.value), f"{modes_text(review)}{pieces}")
         self.stage.tell(Size(fact, stale=found.volume is None))
 
@@ -202,7 +203,7 @@ class SectionPart(Part):
 
     def save_section(self, kind: str, client: Client) -> None:
         """Save the section as a file of this kind."""
-        missing = "There is no section to save; show it first."
+        missing = tr("section.none_to_save")
         drawn = self.answers[compute.SECTION].now
         self.save(drawn, lambda drawn: section_file(drawn, kind), client, missing)
 

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from app.language import tr
 from app.review.units import number, tenths
 from app.scene.painting import Scale
 from app.scene.palette import limb_color
@@ -50,12 +51,6 @@ from app.widgets.svg import (
 from kinematics.answers.sections import BOUNDS, Construction, EdgeBound, Section, SectionSpec
 from kinematics.arrays import Array
 
-BOUND_TITLES: dict[EdgeBound, str] = {
-    "rho_max": "{} max",
-    "rho_min": "{} min",
-    "link": "reach of the link",
-    "parallel": "parallel singularity",  # of regions that are parts between singularities
-}
 DASHES: dict[EdgeBound, str | None] = {
     "rho_max": None,
     "rho_min": "7 4",
@@ -155,9 +150,9 @@ def section_figure(picture: Picture, look: Look = WHOLE) -> Figure:
         *pointed(frame, *picture.axes, CELLS),
         (),
         picture.note,
-        f"Section at {at}",
+        tr("section.at_name", at=at),
         partial(_table, picture),
-        title=f"Section {at}",
+        title=tr("section.at_title", at=at),
     )
 
 
@@ -168,12 +163,19 @@ def _table(picture: Picture) -> Table:
     for n in sampled(len(section.limb)) if len(section.limb) else ():
         limb, bound = int(section.limb[n]), BOUNDS[section.bound[n]]
         ends = (*section.start[n].tolist(), *section.end[n].tolist())
-        title = BOUND_TITLES[bound].format(picture.spec.joint)
+        title = tr(f"bounds.{bound}", joint=picture.spec.joint)
         radius = float(section.radius[n])
-        size = tenths(radius) if isfinite(radius) else "straight"
+        size = tenths(radius) if isfinite(radius) else tr("section.straight")
         rows.append((f"{limb}" if limb else "–", title, *map(tenths, ends), size))
-    places = (f"{axis} {end} (mm)" for end in ("from", "to") for axis in (first, second))
-    return ("limb", "bound", *places, "radius (mm)"), rows
+    places = (
+        f"{axis} {end} (mm)" for end in (tr("map.from"), tr("map.to")) for axis in (first, second)
+    )
+    return (
+        tr("section.limb_head"),
+        tr("section.bound_head"),
+        *places,
+        tr("section.radius_head"),
+    ), rows
 
 
 def _within(picture: Picture) -> Bounds:
@@ -204,7 +206,7 @@ def _content(picture: Picture, frame: Axes) -> str:
         inner.append(label(x + 8, y - 6, "O′", "start", fill=TEXT))
     inner.append(_bar(frame))
     first, second = (f"{symbol} ({unit})" for symbol, unit in picture.axes)
-    empty = "" if section.loops else "The section is empty here."
+    empty = "" if section.loops else tr("section.empty")
     return (
         frame.clipped("".join(inner))
         + scales(frame, first, second, xs, ys)
@@ -257,10 +259,10 @@ def _legend(picture: Picture, width: float, height: float) -> tuple[str, float]:
     # An edge where control is lost, or a curve of it: in its own colour, if there is any.
     lost = bool(len(picture.curves) or len(picture.beyond))
     lost |= bool((section.bound == _PARALLEL).any())
-    entries: list[Entry] = [(f"limb {limb}", limb_color(limb), None) for limb in limbs]
+    entries: list[Entry] = [(tr("page.limb", n=limb), limb_color(limb), None) for limb in limbs]
     entries += [
         (
-            BOUND_TITLES[bound].format(picture.spec.joint),
+            tr(f"bounds.{bound}", joint=picture.spec.joint),
             LOST if bound == "parallel" else TEXT,
             dash,
         )

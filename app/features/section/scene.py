@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from app.features.section.compute import Drawn, Extent
+from app.language import tr
 from app.scene import palette
 from app.scene.nodes import NO_LINE, Edges, Nodes, triple
 from app.scene.shapes import BALL
@@ -137,7 +138,7 @@ class Ball:
         text, top = "", None
         if ball is not None:
             self._nodes.set(self._node, position=triple(ball.center), scale=ball.radius)
-            text = f"radius {ball.radius:.1f} mm"
+            text = tr("section.radius", radius=ball.radius)
             top = ball.center + np.array([0.0, 0.0, ball.radius])
         self._nodes.text(self._label, text, top)
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar, Self
 
+from app.language import tr
 from app.review import content as session
 from app.review.changes import Change, SetOne, Taken
 from app.review.state import Review, Slice
@@ -94,7 +95,7 @@ def within_reach(review: Review, at: float) -> tuple[float, str]:
         InputError: it is no finite number.
     """
     spec = review.machine.section_spec
-    name = "the section" if spec is None else spec.normal
+    name = tr("section.the_section") if spec is None else spec.normal
     sides = [max(abs(c.lower), abs(c.upper)) for c in review.machine.coordinates if c.unit == "mm"]
     far = max(FAR, float(math.ceil(math.hypot(*sides))))
     return within(Coordinate("at", name, "mm", -far, far), at)

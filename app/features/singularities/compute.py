@@ -288,13 +288,13 @@ def beside(review: Review) -> Beside | None:
 # --- what is asked, and all that an answer depends on ----------------------------------------
 
 REST = 0.2  # s for which a place must stay before curves are traced about it
-HERE = Question("what holds the platform", "control", look)
-PASSED = Question("the way here", "control", passed, kept=0)
-BESIDE = Question("the counterpart", "control", look)
-CURVES = Question("the singular curves", "loci", curves, REST, urgent=True)
-CURVES_BESIDE = Question("the counterpart's curves", "loci", curves, REST)
-PROFILES = Question("the profile", "loci", profiles, REST)
-FREE = Question("the largest ball without a singularity", "loci", ball, slow=True, urgent=True)
+HERE = Question("work.here", "control", look)
+PASSED = Question("work.passed", "control", passed, kept=0)
+BESIDE = Question("work.beside", "control", look)
+CURVES = Question("work.curves", "loci", curves, REST, urgent=True)
+CURVES_BESIDE = Question("work.curves_beside", "loci", curves, REST)
+PROFILES = Question("work.profile", "loci", profiles, REST)
+FREE = Question("work.free", "loci", ball, slow=True, urgent=True)
 
 
 def same_branch(one: Place, other: Place) -> bool:

@@ -10,8 +10,9 @@ import numpy as np
 from app.features.singularities.compute import Controlled, Here, Logged
 from app.features.workspace.compute import Solids, piece_here
 from app.features.workspace.state import ASPECTS
+from app.language import tr
 from app.review.state import Options, Review
-from app.review.units import how_far, minus, page_unit, plural, volume_text
+from app.review.units import how_far, minus, page_unit, volume_text
 from app.review.view import Fact, short_title
 from app.scene import painting, palette
 from app.widgets.texts import (
@@ -48,9 +49,9 @@ def held_fact(here: Here | None) -> Fact | None:
     if here is None:
         return None
     if kinds := {s.kind: None for s in here.singular if s.measure <= AT}:
-        return Fact("singular", ", ".join(kinds))
+        return Fact(tr("singularities.singular"), ", ".join(kinds))
     nearest = here.nearest("parallel", "constraint")
-    return None if nearest is None else Fact(how_far(nearest), "to a singularity")
+    return None if nearest is None else Fact(how_far(nearest), tr("page.to_singularity"))
 
 
 def here_html(controlled: Controlled) -> str:
@@ -59,15 +60,15 @@ def here_html(controlled: Controlled) -> str:
     if controlled.trouble:
         return red(controlled.trouble)
     if here is None:
-        return box("Looking …")
+        return box(tr("page.looking"))
     parts = [_card(s) for s in here.singular]
     if here.wrenches is None:
-        parts.append("The limbs do not close here, so nothing holds the platform.")
+        parts.append(tr("singularities.nothing_holds"))
     elif here.remedy is not None:
-        parts.append("This pose is out of reach; the ways out are below.")
+        parts.append(tr("singularities.out_of_reach"))
     elif not here.singular:
-        held = styled("The platform is held", f"font-size:14px;color:{tone('good')}", "b")
-        parts.append(f"{held} the wrenches are independent here")
+        held = styled(tr("singularities.is_held"), f"font-size:14px;color:{tone('good')}", "b")
+        parts.append(f"{held} {tr('singularities.independent')}")
     return box("".join(parts))
 
 
@@ -80,8 +81,10 @@ def measures_html(here: Here | None) -> str:
 
 
 def _card(singular: Singularity) -> str:
-    near = "Near a " if singular.measure > AT else "In a "
-    head = styled(f"{near}{esc(singular.kind)} singularity", f"color:{palette.BEYOND}", "b")
+    text = tr(
+        "singularities.near" if singular.measure > AT else "singularities.at", kind=singular.kind
+    )
+    head = styled(esc(text), f"color:{palette.BEYOND}", "b")
     why = styled(esc(singular.cause), "opacity:.8")
     return edged(f"{head}<br>{esc(singular.text)}<br>{why}", palette.BEYOND, "margin-bottom:.4em")
 
@@ -96,15 +99,6 @@ def _measure(measure: Measure, value: float) -> tuple[str, str, str]:
     return esc(measure.title), f"{value:.3g}{esc(unit)}", share
 
 
-_WHAT = {
-    "parallel": "parallel singularity",
-    "constraint": "constraint singularity",
-    "boundary": "end of the workspace",
-    "stroke": "end of a stroke",
-    "mode": "change of mode",
-}
-
-
 def clearances_html(here: Here | None) -> str:
     if here is None or not here.clearances:
         return ""
@@ -116,7 +110,7 @@ def clearances_html(here: Here | None) -> str:
         along = way.angle is None and most > 0.0  # a turn is not compared with a distance
         length = bar(abs(way.distance) / most, "var(--bo-bar)", "5px") if along else ""
         rows.append((f'<span title="{esc(way.text)}">{chip(color)}{esc(what)}</span>', far, length))
-    heads = ("nearest at this orientation", "", "")
+    heads = (tr("singularities.nearest_head"), "", "")
     return box(table(rows, ("", NUMERIC, "width:24%"), heads=heads))
 
 
@@ -124,10 +118,10 @@ def limit(way: Clearance, decimals: int = 1) -> tuple[str, str, str]:
     """A limit's colour, what it is, and how far it is."""
     lost = way.kind in ("parallel", "constraint")
     limb = palette.limb_color(way.limb) if way.limb else palette.WORKSPACE
-    whose = f"limb {way.limb}, " if way.limb else ""
-    way_there = " by turning" if way.angle is not None else f" {way.along}" if way.along else ""
+    whose = f"{tr('page.limb', n=way.limb)}, " if way.limb else ""
+    turned = tr("singularities.by_turning") if way.angle is not None else way.along
     end = "" if way.bound in ("", "link") else f" ({named(way.bound)})"
-    what = f"{whose}{_WHAT[way.kind]}{end}{way_there}"
+    what = f"{whose}{tr(f'limits.{way.kind}')}{end} {turned}".rstrip()
     return palette.BEYOND if lost else limb, what, how_far(way, decimals)
 
 
@@ -139,7 +133,7 @@ def ways_html(remedy: Remedy) -> str:
         for n, way in enumerate(remedy.changes[:WAYS], 1)
     )
     listed = table(rows, ("vertical-align:top;padding-right:.6em;width:1%",))
-    return box(f"Or change the design, the pose as it is:{listed}")
+    return box(f"{tr('singularities.or_change')}{listed}")
 
 
 def forces_html(here: Here | None) -> str:
@@ -148,7 +142,7 @@ def forces_html(here: Here | None) -> str:
     statics, units = here.statics, here.force_units
     values = np.asarray(statics.forces)
     if not np.isfinite(values).all():
-        return red("No finite forces hold this load here.")
+        return red(tr("singularities.no_forces"))
     rows = []
     for name, value, unit in zip(statics.names, values.tolist(), units, strict=True):
         # Bars of forces and of moments beside them are not to one scale.
@@ -164,10 +158,10 @@ def forces_html(here: Here | None) -> str:
             )
         )
     forces = table(rows, ("", f"{NUMERIC};padding:0 .6em", "width:45%"), "border-spacing:0 2px")
-    return box(forces + faint(f"positive: {_POSITIVE[units[0]]}"))
+    return box(forces + faint(tr(_POSITIVE[units[0]])))
 
 
-_POSITIVE = {"N": "the limb pushes the platform", "N·mm": "the actuator turns its joint forwards"}
+_POSITIVE = {"N": "singularities.pushes", "N·mm": "singularities.turns"}
 
 
 def pieces_html(review: Review, solids: Solids) -> str:
@@ -177,7 +171,7 @@ def pieces_html(review: Review, solids: Solids) -> str:
         return ""
     solid = built.solid
     if not solid.pieces:
-        return box(esc(solid.note) or "The workspace of this mode is empty at this orientation.")
+        return box(esc(solid.note) or tr("singularities.empty"))
     here = piece_here(review, built) if ASPECTS in solids.built else None
     scheme = palette.scheme(review[Options].dark)
     colors = painting.piece_colors([piece.sign for piece in solid.pieces], scheme)
@@ -187,27 +181,23 @@ def pieces_html(review: Review, solids: Solids) -> str:
             f"{chip(color)}{n + 1}",
             signs[piece.sign],
             *_sized(piece.volume, piece.volume_error),
-            "<b>the machine is here</b>" if n == here else "",
+            f"<b>{tr('workspace.machine_here')}</b>" if n == here else "",
         )
         for n, (piece, color) in enumerate(zip(solid.pieces, colors, strict=True))
         if n < LISTED or n == here
     ]
     looks = ["aria-current" if n == here else "" for n in range(len(solid.pieces))]
     more = len(solid.pieces) - len(rows)
-    tail = f"<br>and {more} smaller ones" if more > 0 else ""
-    exact = (
-        f"; singular surface exact to {solid.locus_residual:.0e} mm"
-        + (f" but for {solid.locus_unplaced} vertices at its rim" if solid.locus_unplaced else "")
-        if solid.locus_residual is not None
-        else ""
-    )
-    told = (
-        f"together {volume_text(solid.volume, solid.volume_error)}{exact}. "
-        f"At {built.resolution} resolution; pieces thinner than a cell may be missed. "
-        "Slices at this orientation: pieces may be joined through others. "
-        f"{esc(solid.note)}"
-    )
-    heads = ("#", "sign", "volume", "±", "")
+    tail = f"<br>{tr('singularities.smaller', n=more)}" if more > 0 else ""
+    exact = ""
+    if solid.locus_residual is not None:
+        exact = tr("singularities.locus_exact", error=solid.locus_residual)
+        rim = solid.locus_unplaced
+        exact += tr("singularities.but_for", n=rim) if rim else ""
+    volume = volume_text(solid.volume, solid.volume_error)
+    told = tr("singularities.pieces", volume=volume, exact=exact, kind=built.resolution)
+    told = f"{told} {esc(solid.note)}"
+    heads = ("#", tr("singularities.sign_head"), tr("workspace.volume_head"), "±", "")
     listed = table(rows, ("", "", NUMERIC, NUMERIC, ""), heads=heads, looks=looks)
     return box(aged(f"{listed}{tail}{faint(told, 'div')}", ASPECTS in solids.old))
 
@@ -246,12 +236,11 @@ def comparison_html(here: Here | None, beside: Here | None) -> str:
         better = one > two if measure.better == "high" else one < two
         if abs(one - two) > 1e-9 * max(abs(one), abs(two), 1.0):  # else it tells nothing
             rows.append(_pair(measure.title, f"{one:.4g}", f"{two:.4g}", better))
-    limits = {"Circle to a singularity": "parallel", "Circle within strokes": "stroke"}
-    for title, kind in limits.items():
+    for kind in ("parallel", "stroke"):
         found = [next((c for c in h.circles if c.limit == kind), None) for h in (here, beside)]
         if found[0] is not None and found[1] is not None:
             one, two = (math.degrees(c.radius) for c in found if c is not None)
-            rows.append(_pair(title, f"{one:.3f}°", f"{two:.3f}°", one > two))
+            rows.append(_pair(tr(f"circles.{kind}"), f"{one:.3f}°", f"{two:.3f}°", one > two))
     head = "".join(styled(esc(name), "text-align:right", "th") for name in names)
     return box(f'<table style="width:100%"><tr><th></th>{head}</tr>{"".join(rows)}</table>')
 
@@ -274,7 +263,7 @@ def legend_html(measure: Measure, steps: painting.Scale) -> str:
 
 def log_html(lines: tuple[Logged, ...]) -> str:
     if not lines:
-        return quiet("Nothing yet.")
+        return quiet(tr("singularities.nothing_yet"))
     rows = []
     for line in lines[:LINES]:
         at = time.strftime("%H:%M:%S", time.localtime(line.at))
@@ -303,7 +292,12 @@ def motion_html(here: Here | None) -> str:
     rows.append((f"{chip(palette.VELOCITY)}O′", f"{_finite(speed)} mm/s", f"{_finite(gain)} mm/s²"))
     # Which rate is not the one that was typed, as it follows from the others.
     followed = [
-        f"{c.symbol} follows: {_finite(c.outer(float(v)))} {page_unit(c)}/s"
+        tr(
+            "singularities.follows",
+            axis=c.symbol,
+            value=_finite(c.outer(float(v))),
+            unit=page_unit(c),
+        )
         for c, v, typed in zip(axes, np.asarray(motion.pose_rates), here.place.rates, strict=False)
         if abs(float(v) - typed) > 1e-9 * max(1.0, abs(typed))
     ]
@@ -318,7 +312,7 @@ def _finite(value: float) -> str:
 def exactness(spec: LocusSpec, curves: LocusCurves) -> str:
     """How many curves a chart has, and how exact they are."""
     if not curves.kinds:
-        return "No singularity in this chart."
+        return tr("singularities.none_in_chart")
     worst = float(curves.residual.max(initial=0.0))
     size = f"{math.degrees(worst):.0e}°" if spec.units[0] == "rad" else f"{worst:.0e} mm"
-    return f"{plural(len(curves.kinds), 'curve')}, every point exact to {size}"
+    return tr("singularities.exact_to", n=len(curves.kinds), size=size)

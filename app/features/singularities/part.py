@@ -18,6 +18,7 @@ from app.features.singularities.state import Control, SetControl
 from app.jobs.answers import Asked, Key
 from app.jobs.lane import Done, Job, Lost
 from app.jobs.parts import Client, Grip, Part, Stage
+from app.language import tr
 from app.review.changes import Change
 from app.review.state import Review
 from app.review.view import Clear, Limits, View
@@ -81,7 +82,7 @@ class ControlPart(Part):
         if note:
             self._note(note, "stop")
         if isinstance(change, Visit):
-            self._note("Went to another solution; the way between was not driven.", "jump")
+            self._note(tr("singularities.jumped"), "jump")
         if not isinstance(change, Move | Place | GoHome):
             # An actuator drives along its own way, and says itself what stopped it.
             self._watched = None
@@ -108,7 +109,7 @@ class ControlPart(Part):
 
     def came(self, asked: Asked[Any], answer: Any) -> bool:
         if asked.question is compute.FREE and not answer:
-            self.stage.complain("There is no such ball: nothing of the workspace is there.")
+            self.stage.complain(tr("singularities.no_ball"))
         return False
 
     def lost(self, asked: Asked[Any]) -> None:
@@ -155,7 +156,7 @@ class ControlPart(Part):
         """Go to the nearest posture that can be held."""
         here = self.answers[compute.HERE].now
         if here is None or here.remedy is None or here.remedy.nearest is None:
-            self.stage.complain("No reachable pose is known from here.", client)
+            self.stage.complain(tr("singularities.no_escape"), client)
             return False
         nearest = here.remedy.nearest
         way: Change = Visit(nearest.pose, nearest.mode)
@@ -193,9 +194,7 @@ class ControlPart(Part):
             name = solid_name(review.design, f"singularities-{spec.key}", (), (review.mode,))
             return ExportedFile(f"{name}.{kind}", locus_bytes(curves, spec, kind, title=title))
 
-        self.save(
-            self.answers[compute.CURVES].now, make, client, "There are no curves to save yet."
-        )
+        self.save(self.answers[compute.CURVES].now, make, client, tr("singularities.none_to_save"))
 
     # --- what is shown
 

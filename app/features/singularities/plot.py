@@ -9,6 +9,7 @@ from functools import partial
 
 import numpy as np
 
+from app.language import tr
 from app.review.units import number, tenths
 from app.scene import palette
 from app.widgets.axes import MOST as MARKS
@@ -114,7 +115,7 @@ def figure(
         columns,
         rows,
         [""] * (len(columns) * len(rows)),
-        "point to go there" if leads else "",
+        tr("singularities.point") if leads else "",
         spec.title,
         partial(_table, spec, curves),
         title=spec.title,
@@ -156,10 +157,10 @@ def chart_svg(spec: LocusSpec, curves: LocusCurves, *, title: str = "", note: st
         axes = replace(equal_axes((axes.x, axes.y), *FILE, 46, top, 38), digits=3)
     entries = {}
     for kind, limb in zip(curves.kinds, curves.limb.tolist(), strict=True):
-        name = f"{kind}, limb {limb}" if limb else kind
+        name = tr("singularities.kind_limb", kind=kind, limb=limb) if limb else kind
         entries[name] = palette.limb_color(limb), _DASH.get(kind)
     if spec.polar and curves.barriers:
-        entries["no posture"] = "currentColor", "1.5 3"
+        entries[tr("singularities.no_posture")] = "currentColor", "1.5 3"
     foot = [(name, *look) for name, look in entries.items()]
     high = axes.height + legend(foot, wide, 0.0)[1]
     x0, y0 = axes.px(0.0, 0.0)
@@ -173,7 +174,7 @@ def chart_svg(spec: LocusSpec, curves: LocusCurves, *, title: str = "", note: st
         named_scales(axes, *_titles(spec)),
         label(wide / 2, 20, title, font_size=13, font_weight=600),
         label(wide / 2, 38, note),
-        label(wide / 2, axes.height / 2, "" if curves.kinds else "no singularity here"),
+        label(wide / 2, axes.height / 2, "" if curves.kinds else tr("singularities.none_here")),
         legend(foot, wide, high)[0],
     ]
     drawing = document((wide, high), "".join(drawn), name=title or spec.title, paper="#FFFFFF")
@@ -224,7 +225,9 @@ def profile_figure(profiles: Sequence[tuple[str, Profile]], look: Look = WHOLE) 
     for n, (name, profile) in enumerate(profiles):
         for curve in profile.curves:
             points = np.stack([profile.x, np.degrees(curve.radius)], axis=1).tolist()
-            title = f"{esc(name)}, mode {esc(curve.mode)}, {esc(curve.title)}"
+            title = tr(
+                "singularities.curve", name=esc(name), mode=esc(curve.mode), what=esc(curve.title)
+            )
             look_of = {
                 "stroke": MACHINES[n % len(MACHINES)],
                 "stroke_opacity": 1 if curve.own else 0.4,
@@ -236,7 +239,12 @@ def profile_figure(profiles: Sequence[tuple[str, Profile]], look: Look = WHOLE) 
     columns = [
         f"{first.across} = {x:.2f}: "
         + " · ".join(
-            f"{name} {np.degrees(np.interp(x, p.x, c.radius)):.1f}° (mode {c.mode})"
+            tr(
+                "singularities.radius",
+                machine=name,
+                value=np.degrees(np.interp(x, p.x, c.radius)),
+                mode=c.mode,
+            )
             for name, p in profiles
             for c in p.curves
             if c.own
@@ -252,7 +260,7 @@ def profile_figure(profiles: Sequence[tuple[str, Profile]], look: Look = WHOLE) 
         columns,
         ("",),
         [""] * CELLS,
-        f"{first.figure}; full mode {modes[0]}, dashed mode {modes[-1]}",
+        tr("singularities.profile", figure=first.figure, full=modes[0], dashed=modes[-1]),
         first.title,
         partial(_radii, profiles),
         title=first.up,
@@ -263,7 +271,10 @@ def profile_figure(profiles: Sequence[tuple[str, Profile]], look: Look = WHOLE) 
 def _radii(profiles: Sequence[tuple[str, Profile]]) -> Table:
     own = [(name, p, c) for name, p in profiles for c in p.curves if c.own]
     first = profiles[0][1]
-    heads = [first.across, *(f"{name}, mode {c.mode} (°)" for name, _, c in own)]
+    heads = [
+        first.across,
+        *(tr("singularities.radius_head", machine=name, mode=c.mode) for name, _, c in own),
+    ]
     places = first.x[sampled(len(first.x))].tolist()
     rows = [
         (f"{x:.2f}", *(tenths(math.degrees(np.interp(x, p.x, c.radius))) for _, p, c in own))

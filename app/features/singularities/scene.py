@@ -12,6 +12,7 @@ import numpy as np
 from app.features.section.scene import Ball
 from app.features.singularities.compute import Here
 from app.features.singularities.state import Control
+from app.language import tr
 from app.review.units import how_far
 from app.review.view import View
 from app.scene import palette
@@ -28,7 +29,11 @@ SWING = 0.22  # of the machine's size: how far the free motion is shown
 PERIOD, SWINGS = 1.6, 2  # s, and how often
 USUAL_LOAD = 100.0  # N
 # Those that are named in the scene; more labels would lie one over the other.
-_WHAT = {"parallel": "singular", "constraint": "singular", "boundary": "end of the workspace"}
+_WHAT = {
+    "parallel": "singularities.singular",
+    "constraint": "singularities.singular",
+    "boundary": "limits.boundary",
+}
 
 Arrow = tuple[Array, Array, str]
 """From, to, colour."""
@@ -104,7 +109,7 @@ class Held:
         named = [way for way in shown if way.kind in _WHAT]
         for n, label in enumerate(self._labels):
             seen = n < len(named)
-            text = f"{how_far(named[n])} · {_WHAT[named[n].kind]}" if seen else ""
+            text = f"{how_far(named[n])} · {tr(_WHAT[named[n].kind])}" if seen else ""
             self._nodes.text(label, text, named[n].point if seen else None)
 
     def swing(self, view: View, motion: tuple[float, ...], elapsed: float) -> bool:

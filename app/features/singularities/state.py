@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar, Self
 
+from app.language import tr
 from app.review import content as session
 from app.review.changes import SetOne
 from app.review.state import Review, Slice, is_planar
@@ -63,25 +64,29 @@ class Control(Slice):
 
     def checked(self, review: Review) -> Self:
         machine = review.machine
-        session.listed(self.shade, ("", *(m.key for m in machine.measures.specs)), "colour shows")
+        session.listed(
+            self.shade, ("", *(m.key for m in machine.measures.specs)), tr("singularities.shades")
+        )
         charts = ("", *(spec.key for spec in machine.singularities.loci))
-        session.listed(self.chart, charts, "a chart of loci is one of")
+        session.listed(self.chart, charts, tr("singularities.charts"))
         if any(not (math.isfinite(r) and 0.0 < r <= MAX_RATIO) for r in self.ratios):
-            raise InputError(f"a ratio is a positive number up to {MAX_RATIO:g}")
+            raise InputError(tr("singularities.ratio_is", most=MAX_RATIO))
         if len(self.ratios) > MAX_RATIOS:
-            raise InputError(f"at most {MAX_RATIOS} ratios can be compared")
+            raise InputError(tr("singularities.too_many_ratios", most=MAX_RATIOS))
         axes = machine.coordinates
         for name, values in (("rates", self.rates), ("accelerations", self.accelerations)):
             if values and (len(values) != len(axes) or not all(abs(v) <= LARGEST for v in values)):
                 raise InputError(
-                    f"{name} are {len(axes)} numbers within ±{LARGEST:.0e}, of "
-                    f"{', '.join(c.symbol for c in axes)}"
+                    tr(
+                        "singularities.rates_are",
+                        what=name,
+                        count=len(axes),
+                        most=LARGEST,
+                        axes=", ".join(c.symbol for c in axes),
+                    )
                 )
         if len(self.load) != 6 or not all(abs(v) <= LARGEST for v in self.load):
-            raise InputError(
-                f"a load is six numbers within ±{LARGEST:.0e}: three forces (N), three moments "
-                "(N·mm)"
-            )
+            raise InputError(tr("singularities.load_is", most=LARGEST))
         return self
 
     def carried(self, before: Review, review: Review) -> Self:

@@ -16,6 +16,7 @@ import numpy as np
 
 from app.features.solutions.state import SAME_MODE, Atlas, Only, Sort
 from app.jobs.answers import Question
+from app.language import tr
 from app.review.state import Review
 from app.review.units import place_text
 from app.review.view import View
@@ -31,7 +32,6 @@ SAME_JOINTS = 1e-6  # mm or rad: lengths that differ by less have the same solut
 NAMED, TOLD = 8, 3  # of those that came, and of those that went, the page names this many
 HERE = 0.01  # mm: a solution whose platform is nearer than this is the present one
 SAME = 1e-3  # mm and rad: a partner this near to a known solution is that solution
-ELSEWHERE = "The present posture is not among them: it stands in a singularity, or next to one."
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -149,10 +149,7 @@ def atlas(view: View, known: Known | None) -> Listed:
     """What to show of the solutions in a view; `NONE_YET` while there are none."""
     review, posture = view.review, view.posture
     if not posture.closes:
-        why = (
-            "The limbs do not close at this pose, so there are no actuator lengths to solve for. "
-            "Bring the platform back within their reach."
-        )
+        why = tr("solutions.open")
         return replace(NONE_YET, stale=False, remarks=((why, False),))
     if known is None or not known.is_of(review):
         return NONE_YET
@@ -167,7 +164,7 @@ def atlas(view: View, known: Known | None) -> Listed:
     remarks = [(note, note in singular) for note in found.notes]
     remarks += _news(review, known)
     if not stale and not any(row.here for row in rows):
-        remarks.append((ELSEWHERE, False))
+        remarks.append((tr("solutions.elsewhere"), False))
     return Listed(
         rows=tuple(kept),
         placements=placements[[row.index for row in kept]],
@@ -248,8 +245,8 @@ def _news(review: Review, known: Known) -> list[tuple[str, bool]]:
     if known.appeared:
         count = len(known.appeared)
         names = ", ".join(f"#{identity}" for identity in sorted(known.appeared)[:NAMED])
-        more = f" and {count - NAMED} more" if count > NAMED else ""
-        news.append((f"{count} appeared on the way: {names}{more}", False))
+        more = " " + tr("solutions.and_more", n=count - NAMED) if count > NAMED else ""
+        news.append((tr("solutions.appeared", n=count, names=names + more), False))
     if known.merged:
         told: list[str] = []
         partners: set[int] = set()
@@ -257,12 +254,11 @@ def _news(review: Review, known: Known) -> list[tuple[str, bool]]:
             if gone.identity in partners:
                 continue
             partners |= {gone.partner} if gone.partner is not None else set()
-            pair = f" with #{gone.partner}" if gone.partner is not None else ""
-            told.append(
-                f"#{gone.identity}{pair} at {place_text(review.machine.coordinates, gone.pose)}"
-            )
+            place = place_text(review.machine.coordinates, gone.pose)
+            key = "solutions.one_gone" if gone.partner is None else "solutions.pair_gone"
+            told.append(tr(key, identity=gone.identity, partner=gone.partner, place=place))
         shown = "; ".join(told[:TOLD]) + ("; …" if len(told) > TOLD else "")
-        news.append((f"{len(known.merged)} merged on the way: {shown}", True))
+        news.append((tr("solutions.merged", n=len(known.merged), names=shown), True))
     return news
 
 
@@ -326,5 +322,5 @@ def partner(known: Known | None, posture: Posture) -> int | None:
     return known.solutions.identities[nearest] if same else None
 
 
-SOLUTIONS = Question("all solutions", "solutions", solve, REST, kept=0)
-FOLDS = Question("the folds ahead", "solutions", look_ahead, REST)
+SOLUTIONS = Question("work.solutions", "solutions", solve, REST, kept=0)
+FOLDS = Question("work.folds", "solutions", look_ahead, REST)

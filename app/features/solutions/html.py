@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from app.features.solutions.compute import Ahead, Known, Listed, Row, partner
 from app.features.solutions.state import Only, Sort
+from app.language import tr
 from app.review.state import Review
 from app.review.units import joint_text, minus, pose_text, tenths
 from app.scene import palette
@@ -31,9 +32,9 @@ def table_html(
     rows = listed.rows[:most]
     if not rows:
         return ""
-    heads: list[tuple[str, Sort | None]] = [("mode", "mode")] if signs else []
+    heads: list[tuple[str, Sort | None]] = [(tr("modes.mode"), "mode")] if signs else []
     heads += [(c.symbol, "height" if c.key == "z" else None) for c in axes]
-    heads += [("Δ", "distance"), ("cond.", "condition"), ("", None)]
+    heads += [("Δ", "distance"), (tr("solutions.condition_head"), "condition"), ("", None)]
     titles = "".join(_head(text, sort, order) for text, sort in heads)
     body = "".join(row_html(row, axes, signs=signs) for row in rows)
     return (
@@ -43,28 +44,23 @@ def table_html(
 
 
 def _head(text: str, sort: Sort | None, order: Sort) -> str:
-    side = "" if text == "mode" else ' class="n"'
+    side = "" if sort == "mode" else ' class="n"'
     if sort is None:
         return f"<th{side}>{esc(text)}</th>"
     mark = " ▴" if sort == order else ""
     return (
         f'<th{side}><button type="button" data-send="sort {sort}" '
-        f'title="Sort by {TITLES[sort]}">{esc(text)}{mark}</button></th>'
+        f'title="{esc(tr(f"solutions.sort_by.{sort}"))}">{esc(text)}{mark}</button></th>'
     )
-
-
-TITLES: dict[Sort, str] = {
-    "distance": "the way of the platform's farthest point from here",
-    "condition": "conditioning",
-    "height": "height",
-    "mode": "mode",
-}
 
 
 def row_html(row: Row, axes: Sequence[Coordinate], *, signs: bool = True) -> str:
     """One solution: its mode as ticks, its pose, how far it is and how well it is held."""
     numbers = [tenths(c.outer(v)) for c, v in zip(axes, row.pose, strict=True)]
-    numbers += ["here" if row.here else tenths(row.distance), condition_text(row.condition)]
+    numbers += [
+        tr("solutions.here") if row.here else tenths(row.distance),
+        condition_text(row.condition),
+    ]
     cells = [f"<td>{ticks(row.mode)}</td>"] if signs else []
     cells += [f'<td class="n">{text}</td>' for text in numbers]
     cells.append(f"<td>{_marks(row)}</td>")
@@ -79,8 +75,8 @@ def row_html(row: Row, axes: Sequence[Coordinate], *, signs: bool = True) -> str
 def _marks(row: Row) -> str:
     """What is particular about it, in a word or two."""
     told: list[tuple[str, Tone, str]] = []
-    told += [("new", "good", "It appeared on the way")] if row.new else []
-    told += [] if row.within_stroke else [("out", "bad", "Beyond stroke")]
+    told += [(tr("solutions.new"), "good", tr("solutions.new_hint"))] if row.new else []
+    told += [] if row.within_stroke else [(tr("solutions.out"), "bad", tr("solutions.beyond_hint"))]
     told += [("×2", "near", row.remark)] if row.remark else []
     return " ".join(
         f'<small style="color:{tone(level)}" title="{esc(title)}">{text}</small>'
@@ -90,8 +86,8 @@ def _marks(row: Row) -> str:
 
 def spoken(row: Row, axes: Sequence[Coordinate]) -> str:
     """All that is known of it as a sentence: "Go to solution #12, mode +−: x 50.0 …"."""
-    what = "The present solution" if row.here else "Go to solution"
-    mode = f", mode {minus(row.mode)}" if row.mode else ""
+    what = tr("solutions.the_present" if row.here else "solutions.go_to", identity=row.identity)
+    mode = f", {tr('modes.mode')} {minus(row.mode)}" if row.mode else ""
     lengths = [
         f"{c.symbol} {tenths(c.outer(v))}"
         for c, v in zip(axes, row.pose, strict=True)
@@ -105,13 +101,13 @@ def spoken(row: Row, axes: Sequence[Coordinate]) -> str:
     where = " ".join([*lengths, *(["mm"] if lengths else []), *angles])
     parts = [
         where,
-        "" if row.here else f"farthest point {tenths(row.distance)} mm away",
-        f"condition {condition_text(row.condition)}",
-        "" if row.within_stroke else "beyond stroke",
+        "" if row.here else tr("solutions.farthest", distance=tenths(row.distance)),
+        tr("solutions.condition", condition=condition_text(row.condition)),
+        "" if row.within_stroke else tr("solutions.beyond"),
         row.remark,
-        "new" if row.new else "",
+        tr("solutions.new") if row.new else "",
     ]
-    return f"{what} #{row.identity}{mode}: {', '.join(filter(None, parts))}"
+    return f"{what}{mode}: {', '.join(filter(None, parts))}"
 
 
 def ticks(mode: str) -> str:
@@ -130,14 +126,15 @@ def ticks(mode: str) -> str:
     return tag("svg", "".join(parts), viewBox=f"0 0 {x:g} {TICKS:g}", width=x, height=TICKS)
 
 
-FILTERS: dict[Only, str] = {"": "All", "mode": "This mode", "new": "New", "merging": "Merging"}
+FILTERS: dict[Only, str] = {"": "all", "mode": "mode", "new": "new", "merging": "merging"}
 
 
 def filter_html(atlas: Listed, chosen: Only, *, signs: bool) -> str:
     """A switch between all solutions, those of the present mode, new ones and merging ones."""
     parts = [
         f'<button type="button" data-send="only {only}" '
-        f'aria-pressed="{str(only == chosen).lower()}">{title} {atlas.counts.get(only, 0)}</button>'
+        f'aria-pressed="{str(only == chosen).lower()}">'
+        f"{tr(f'solutions.only.{title}')} {atlas.counts.get(only, 0)}</button>"
         for only, title in FILTERS.items()
         if signs or only != "mode"
     ]
@@ -187,29 +184,30 @@ def words(review: Review, ahead: Ahead, known: Known | None) -> str:
     if fold is None:
         return ""
     axis = review.machine.joints[ahead.index]
-    change = "Raising" if ahead.longer else "Lowering"
-    text = (
-        f"{change} {axis.symbol} by {joint_text(axis, abs(ahead.goal - ahead.start))}, to "
-        f"{joint_text(axis, ahead.goal)}, ends this assembly mode at "
-        f"{pose_text(review.machine.coordinates, fold.pose)}"
+    text = tr(
+        "solutions.raising" if ahead.longer else "solutions.lowering",
+        joint=axis.symbol,
+        way=joint_text(axis, abs(ahead.goal - ahead.start)),
+        to=joint_text(axis, ahead.goal),
+        pose=pose_text(review.machine.coordinates, fold.pose),
     )
     if fold.mode != review.mode:
-        text += f" (by then in mode {minus(fold.mode)})"
+        text += " " + tr("solutions.by_then", mode=minus(fold.mode))
     if fold.partner is None:
-        return f"{text}. The branch that it merges with does not reach back to these lengths."
+        return f"{text}. {tr('solutions.no_partner')}"
     of_this = known is not None and known.is_of(review)  # else of the machine before
     other = partner(known, fold.partner) if of_this else None
-    name = "a solution" if other is None else f"solution #{other}"
-    return f"{text}. There it merges with {name} (mode {minus(fold.partner.mode)})."
+    name = tr("solutions.a_solution") if other is None else tr("solutions.solution", identity=other)
+    return f"{text}. {tr('solutions.merges', name=name, mode=minus(fold.partner.mode))}"
 
 
 def count_html(atlas: Listed, trouble: str) -> str:
     if trouble:
         return red(trouble)
     if not atlas.count:
-        return box("<b>Finding all solutions …</b>" if atlas.stale else "<b>No solutions</b>")
+        return box(f"<b>{tr('solutions.finding' if atlas.stale else 'solutions.none')}</b>")
     number, _, rest = atlas.count.partition(" ")
-    late = " <b>for the lengths before</b>" if atlas.stale else ""
+    late = f" <b>{tr('solutions.for_before')}</b>" if atlas.stale else ""
     known, _, how = atlas.how.partition(": ")
     verdict = styled(
         f"{esc(known)}{' ✓' if atlas.complete else ''}",
@@ -230,5 +228,5 @@ def remarks_html(atlas: Listed) -> str:
 
 
 def empty_html(atlas: Listed) -> str:
-    what = "the one solution" if atlas.hidden == 1 else f"all {atlas.hidden} solutions"
-    return quiet(f"The filter leaves out {what}.")
+    what = tr("solutions.hidden", n=atlas.hidden)
+    return quiet(tr("solutions.hides", what=what))

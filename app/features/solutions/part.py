@@ -18,6 +18,7 @@ from app.features.solutions.state import Atlas
 from app.jobs.answers import Answers, Asked
 from app.jobs.lane import Busy, Done, Lane, Lost
 from app.jobs.parts import Client, Part, Stage
+from app.language import tr
 from app.review.changes import Change
 from app.review.history import QUIET_GAP
 from app.review.state import Options, Review
@@ -166,15 +167,13 @@ class Explorer:
             return None
         if not self.known.is_of(view.review):  # numbers of another set mean nothing in the next
             self._awaited = None
-            raise BohemiaError(
-                "this list was of the machine before; choose again once the new one is there"
-            )
+            raise BohemiaError(tr("solutions.of_before"))
         if not self.is_current(view):
             return None
         identity, self._awaited = self._awaited, None
         index = self.known.index(identity)
         if index is None:
-            raise BohemiaError(f"solution #{identity} is not there any more: it merged on the way")
+            raise BohemiaError(tr("solutions.gone", identity=identity))
         found = self.known.solutions
         return Visit(tuple(float(v) for v in found.poses[index]), found.modes[index])
 
@@ -306,5 +305,5 @@ class SolutionsPart(Part):
         self._ghosts.show(view, solutions.atlas, solutions.fold)
         self.stage.tell(solutions)
         of = palette.scheme(options.dark)
-        entries = (of.ghost, "other solutions, the nearest"), (of.dot, "further ones, at O′")
+        entries = (of.ghost, tr("solutions.nearest_ones")), (of.dot, tr("solutions.further"))
         self.stage.tell(Legend("ghosts", entries if wanted.ghosts else ()))

@@ -19,6 +19,7 @@ from scipy.spatial.transform import Rotation
 
 from app.features.solutions.compute import Ahead, Listed, Row
 from app.features.solutions.state import Atlas
+from app.language import tr
 from app.review.state import Options
 from app.review.units import joint_text, minus, tenths
 from app.review.view import View
@@ -99,7 +100,7 @@ class Ghosts:
             there = ahead.fold
             at = review.machine.transform(there.pose, there.mode)[None]
             axis = review.machine.joints[ahead.index]
-            text = f"fold at {axis.symbol} = {joint_text(axis, ahead.goal)}"
+            text = tr("solutions.fold_at", joint=axis.symbol, value=joint_text(axis, ahead.goal))
         self._nodes.text(self._label, text, at[0, :3, 3] if len(at) else None)
         red = np.tile(np.array(palette.linear(of.beyond), np.uint8), (len(at), 1))
         self._fold_edges.show(*_sticks(edges, at, np.full(len(at), THICK * size)), red, [0])

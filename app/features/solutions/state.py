@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, ClassVar, Literal, Self, get_args
 
+from app.language import tr
 from app.review import content as session
 from app.review.changes import SetOne
 from app.review.state import Review, Slice
@@ -40,8 +41,8 @@ class Atlas(Slice):
         return f"atlas {name}" if isinstance(value, str) else ""
 
     def checked(self, review: Review) -> Self:
-        session.listed(self.sort, get_args(Sort), "solutions are sorted by")
-        session.listed(self.only, get_args(Only), "solutions shown are")
+        session.listed(self.sort, get_args(Sort), tr("solutions.sorted_by"))
+        session.listed(self.only, get_args(Only), tr("solutions.shown_are"))
         if self.modes not in ("", SAME_MODE):
             matching(self.modes, review.machine.modes)
         return self

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.features.move.command import wrench_entries
+from app.language import tr
 from app.terminal import tables, values
 from app.terminal.command import Answer, Output, command, progress
 from app.terminal.options import DESIGN, argument, choice, mode, option, output
@@ -304,7 +305,7 @@ def _at(value: float, time: float, unit: str = "") -> str:
 
 
 def _fit_lines(fits: Fits, axes: Sequence[Coordinate], joints: Sequence[Coordinate]) -> list[str]:
-    from app.features.trajectory.files import LOST, polynomial
+    from app.features.trajectory.files import polynomial
 
     lines = ["", f"polynomials of degree {fits.degree}, t in s"]
     for joint, row in zip(joints, fits.coefficients.tolist(), strict=True):
@@ -319,5 +320,5 @@ def _fit_lines(fits: Fits, axes: Sequence[Coordinate], joints: Sequence[Coordina
     if fits.trouble:
         lines.append(f"No true error: {fits.trouble}.")
     elif not fits.carried:
-        lines.append(LOST)
+        lines.append(tr("trajectory.digits_lost"))
     return [*lines, ""]

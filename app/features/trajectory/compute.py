@@ -301,8 +301,8 @@ def reach_key(review: Review) -> ReachKey:
 
 
 REST = 0.2  # s for which a trajectory must stay asked for before it is computed
-TRAJECTORY = Question("the trajectory", "trajectory", compute, REST)
+TRAJECTORY = Question("work.trajectory", "trajectory", compute, REST)
 DISTANCES = Question("", "trajectory", distances, urgent=True, kept=500)
 JUDGED = Question("", "trajectory", judged, urgent=True)
-FITS = Question("the polynomials", "trajectory", fitted, REST)
-REACH = Question("the reach", "trajectory", reach)
+FITS = Question("work.fits", "trajectory", fitted, REST)
+REACH = Question("work.reach", "trajectory", reach)

@@ -17,11 +17,6 @@ from kinematics.trajectories.points import LARGEST, MOST, Points, read_points
 
 __all__ = ["LARGEST", "MOST", "Points", "read_points", "trajectory_csv"]
 
-LOST = (
-    "The powers of t lose more digits than a number holds: the true error is that of the "
-    "polynomials as they are printed."
-)
-
 
 def columns_of(
     found: Trajectory, axes: Sequence[Coordinate], joints: Sequence[Coordinate]

@@ -8,9 +8,9 @@ from math import isfinite, nan
 import numpy as np
 
 from app.features.trajectory.compute import Computed, Moved
-from app.features.trajectory.files import LOST as DIGITS_LOST
 from app.features.trajectory.files import polynomial
 from app.features.trajectory.playing import first_wrong
+from app.language import tr
 from app.review.units import minus, page_unit, sentence, tenths
 from app.scene import palette
 from app.widgets.svg import BACK, BAD, DIM, EDGE, FIELD, LOST, RULE, TEXT
@@ -32,21 +32,6 @@ from kinematics.trajectories import Event, Fits
 
 MOST = 40  # warnings that are listed
 PACES = (0.25, 0.5, 1.0, 4.0)  # of the play bar's buttons
-FIRST = {
-    "outside": "Leaves the workspace",
-    "singularity": "Cannot be held",
-    "jump": "A joint has to leap",
-    "corner": "A sharp corner",
-    "rate": "Too fast",
-    "acceleration": "Too much acceleration",
-    "force": "Too much force",
-}
-LAWS = {
-    "linear": "constant velocity",
-    "cubic": "cubic",
-    "quintic": "quintic",
-    "trapezoidal": "trapezoidal",
-}
 # The window over the scene's foot, as wide as the scene; in it the play bar is one row.
 _WINDOW, _ROW = "[data-floating-window]:has(.bo-play)", "div:has(>div>.bo-play)"
 _BUTTONS = f"{_ROW}>div:nth-child(-n+6) button"
@@ -91,12 +76,16 @@ def summary_html(moved: Moved) -> str:
         return red(sentence(moved.trouble))
     computed = moved.computed
     if computed is None:
-        return box("Computing …")
+        return box(tr("page.computing_now"))
     found = computed.found
-    head = (
-        f"O′ travels {found.travel:.1f} mm in {computed.law.duration:.4g} s, "
-        f"{LAWS[computed.law.kind]}, {len(found.times)} samples{_moving(found.moving_ends)}"
+    head = tr(
+        "trajectory.travels",
+        n=len(found.times),
+        travel=found.travel,
+        duration=computed.law.duration,
+        law=tr(f"trajectory.by_law.{computed.law.kind}"),
     )
+    head += _moving(found.moving_ends)
     told = (
         f"{_first(found.events)}{_events(moved, found.events)}<div>{head}{_nearest(computed)}</div>"
     )
@@ -108,7 +97,7 @@ def _first(events: Sequence[Event]) -> str:
     if not events or first_wrong(events).kind == "near":
         return ""
     event = first_wrong(events)
-    text = f"{FIRST[event.kind]} at t = {event.start:.3f} s"
+    text = tr("trajectory.first", what=tr(f"trajectory.firsts.{event.kind}"), at=event.start)
     look = f"font-size:14px;line-height:20px;font-weight:600;color:{BAD}"
     return styled(text, look, "div")
 
@@ -131,7 +120,7 @@ def most_html(computed: Computed) -> str:
         cells = [*map(tenths, sizes), tenths(float(held))]
         rows.append((f"{chip(palette.limb_color(limb))}{esc(joint.symbol)}", *cells))
     load = " ".join(f"{v:g}" for v in of.load[:3])
-    note = faint(f"Forces hold the load F = ({minus(load)}) N quasi-statically.", "div")
+    note = faint(tr("trajectory.load", load=minus(load)), "div")
     heads = ("", f"{unit}/s", f"{unit}/s²", force)
     return box(table(rows, ("", *[NUMERIC] * 3), heads=heads) + note)
 
@@ -163,8 +152,8 @@ def bar_html(computed: Computed | None, pace: float) -> str:
 
 
 def _moving(ends: tuple[bool, bool]) -> str:
-    told = {(True, True): "starts and ends", (True, False): "starts", (False, True): "ends"}
-    return f", {told[ends]} at speed" if ends in told else ""
+    known = {(True, True): "both", (True, False): "start", (False, True): "end"}
+    return f", {tr(f'trajectory.at_speed.{known[ends]}')}" if ends in known else ""
 
 
 def _nearest(computed: Computed) -> str:
@@ -174,16 +163,14 @@ def _nearest(computed: Computed) -> str:
         return ""
     n = int(np.argmin(np.where(known, distance, np.inf)))
     at = computed.found.times[n]
-    return f"<br>nearest to a singularity: {distance[n]:.1f} mm, at t = {at:.3f} s"
+    return "<br>" + tr("trajectory.nearest", distance=distance[n], at=at)
 
 
 def _events(moved: Moved, events: Sequence[Event]) -> str:
     if not events:
         level: Tone = "good" if moved.share >= 1.0 else "quiet"
-        near = "" if moved.share >= 1.0 else " Distances to singularities are not all known."
-        text = (
-            "Nothing on the way: inside the workspace, no singularity crossed, no limit exceeded."
-        )
+        near = "" if moved.share >= 1.0 else " " + tr("trajectory.not_all_known")
+        text = tr("trajectory.all_well")
         return styled(text + near, f"color:{tone(level)}", "div")
     rows = []
     for event in events[:MOST]:
@@ -191,7 +178,7 @@ def _events(moved: Moved, events: Sequence[Event]) -> str:
         text = sentence(event.text)
         rows.append(styled(f"{chip(color)}{esc(text)}.", "margin-top:.3em", "div"))
     if len(events) > MOST:
-        rows.append(f"<div>… and {len(events) - MOST} more</div>")
+        rows.append(f"<div>{tr('trajectory.more', n=len(events) - MOST)}</div>")
     return styled("".join(rows), "max-height:11em;overflow-y:auto", "div")
 
 
@@ -202,7 +189,7 @@ def fits_html(
     if trouble:
         return red(sentence(trouble))
     if fits is None:
-        return box("Computing …")
+        return box(tr("page.computing_now"))
     lines = []
     for joint, row in zip(joints, fits.coefficients.tolist(), strict=True):
         color = palette.limb_color(joint.limb) if joint.limb else palette.INK
@@ -216,13 +203,13 @@ def fits_html(
         values = (deviation[0][n], largest[0][n], deviation[1][n], deviation[2][n])
         sizes = (_size(axis.outer(float(v))) for v in values)
         rows.append((f"{esc(axis.symbol)} ({page_unit(axis)})", *sizes))
-    note = esc(DIGITS_LOST) if not fits.carried else ""
+    note = esc(tr("trajectory.digits_lost")) if not fits.carried else ""
     if fits.trouble:
         note = f"{esc(fits.trouble[:1].upper() + fits.trouble[1:])}."
     note = styled(note, "margin-top:.3em", "div") if note else ""
-    heads = ("", "σ", "largest", "σ /s", "σ /s²")
+    heads = ("", "σ", tr("trajectory.largest_head"), "σ /s", "σ /s²")
     return box(
-        f"{''.join(lines)}True error of the machine that follows them, FK(fit) − path:"
+        f"{''.join(lines)}{tr('trajectory.fit_error')}"
         f"{table(rows, style='text-align:right', heads=heads)}{note}"
     )
 

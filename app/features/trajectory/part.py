@@ -19,6 +19,7 @@ from app.features.trajectory.scene import Trail
 from app.features.trajectory.state import STROKE, Plan, SetPlan, missing
 from app.jobs import answers
 from app.jobs.parts import Client, Part, Stage
+from app.language import tr
 from app.review.changes import Change
 from app.review.state import Review
 from app.review.view import Moment, View
@@ -138,7 +139,7 @@ class TrajectoryPart(Part):
         if computed is None:
             return False
         if not (plan.rates or plan.accelerations):
-            self.stage.complain("Give limits of rates or accelerations first.", client)
+            self.stage.complain(tr("trajectory.limits_first"), client)
             return False
         try:
             duration = rounded_up(duration_within(computed.found, plan.limits))
@@ -166,7 +167,7 @@ class TrajectoryPart(Part):
             return ExportedFile(f"{name}.{kind}", data.encode())
 
         computed = None if self.current is None else self._moved().computed
-        self.save(computed, make, client, "There is no trajectory to save yet.")
+        self.save(computed, make, client, tr("trajectory.none_to_save"))
 
     # --- what is shown
 
@@ -250,10 +251,10 @@ class TrajectoryPart(Part):
         fits, reach = self.answers[compute.FITS], self.answers[compute.REACH]
         trouble = told.trouble
         if told.given_up and not trouble:
-            trouble = "It was given up; change something to try again."
+            trouble = tr("trajectory.given_up_change")
         fit_trouble = fits.trouble
         if fits.given_up and not fit_trouble:
-            fit_trouble = "It was given up."
+            fit_trouble = tr("trajectory.given_up")
         return compute.Moved(
             computed,
             told.now is None,

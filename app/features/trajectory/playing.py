@@ -17,6 +17,7 @@ from app.features.move.state import Place
 from app.features.trajectory.compute import Computed
 from app.features.trajectory.state import Plan
 from app.jobs.parts import Client, Stage
+from app.language import tr
 from app.review import view as compute
 from app.review.state import Review
 from app.review.units import within
@@ -173,7 +174,7 @@ class Playing:
         """Play, or pause; None for the other of the two."""
         now = time.monotonic()
         if self.current is None:
-            self._stage.complain("There is no trajectory to play yet.")
+            self._stage.complain(tr("trajectory.none_to_play"))
             return
         on = not self.player.playing if on is None else on
         self.player = self.player.play(now) if on else self.player.pause(now)
@@ -192,7 +193,7 @@ class Playing:
         """Show the machine at the next place where something is wrong, or at the ``first`` one."""
         events = () if self.current is None else self.current.found.events
         if not events:
-            self._stage.complain("Nothing is wrong on the way, as far as it is known.", client)
+            self._stage.complain(tr("trajectory.nothing_wrong"), client)
             return
         at = self.player.at(time.monotonic())
         later = [e.start for e in events if e.start > at + 1e-9 and not first]
@@ -226,7 +227,7 @@ class Playing:
         if any(notes):  # elsewhere than on the way it would be of no use
             if asked:
                 told = " ".join(note for note in notes if note)
-                self._stage.complain(f"The machine cannot be put there: {told}", client)
+                self._stage.complain(tr("trajectory.not_there", why=told), client)
             self.late = True
             return False
         self.away = False
@@ -264,9 +265,7 @@ class Playing:
         if met:
             self._played_to = min(met) if at > before else max(met)
             self.player, self.late = self.player.halted(self._played_to, now), True
-            self._stage.complain(
-                f"Stopped at {self._played_to:.3f} s: the platform is not held there. Play goes on."
-            )
+            self._stage.complain(tr("trajectory.stopped", at=self._played_to))
 
     def shown(self, view: View) -> View:
         """The view with the machine where it is on its trajectory; the same if it is not."""
@@ -288,7 +287,7 @@ def on_the_way(view: View, pose: tuple[float, ...], at: float, duration: float) 
     machine = review.machine
     posture = machine.inverse.posture(pose, review.mode)
     status = compute.status(replace(review, pose=pose), posture)
-    when = f"At {at:.2f} of {duration:.2f} s"
+    when = tr("trajectory.at_of", at=at, duration=duration)
     return replace(
         view,
         posture=posture,

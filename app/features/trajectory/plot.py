@@ -11,6 +11,7 @@ from math import isfinite, nan
 import numpy as np
 
 from app.features.trajectory.compute import Computed, known_distances
+from app.language import tr
 from app.review.units import minus, number
 from app.scene import palette
 from app.widgets.axes import MOST as MARKS
@@ -83,7 +84,7 @@ def strips(computed: Computed, plot: str) -> tuple[Strip, ...]:
     named = [(found.names[n].symbol, found.names[n].limb or 0) for n in actuators]
     forces = _curves(named, found.times, found.forces[:, actuators], plan.forces)
     near = _distance(found)
-    unknown = "" if np.isfinite(near.values).any() else "not known yet"
+    unknown = "" if np.isfinite(near.values).any() else tr("trajectory.not_known")
 
     def curves(values: Array, limits: tuple[float, ...] = ()) -> tuple[Curve, ...]:
         scale = [joint.outer(1.0) for joint in joints]
@@ -97,18 +98,28 @@ def strips(computed: Computed, plot: str) -> tuple[Strip, ...]:
     )
     accelerations = curves(found.joint_accelerations, plan.accelerations)
     known = {
-        "joints": Strip("Joints", unit, placed, both=False),
-        "rates": Strip("Rates", f"{unit}/s", curves(found.joint_rates, plan.rates), both=True),
-        "accelerations": Strip("Accelerations", f"{unit}/s²", accelerations, both=True),
+        "joints": Strip(tr("trajectory.plots.joints"), unit, placed, both=False),
+        "rates": Strip(
+            tr("trajectory.plots.rates"),
+            f"{unit}/s",
+            curves(found.joint_rates, plan.rates),
+            both=True,
+        ),
+        "accelerations": Strip(
+            tr("trajectory.plots.accelerations"), f"{unit}/s²", accelerations, both=True
+        ),
         "forces": Strip(
-            "Torques" if torque else "Forces", "N·mm" if torque else "N", forces, both=True
+            tr("trajectory.torques") if torque else tr("trajectory.plots.forces"),
+            "N·mm" if torque else "N",
+            forces,
+            both=True,
         ),
         "distance": Strip(
-            "Distance to a singularity",
+            tr("trajectory.plots.distance"),
             "mm",
             (near,),
             both=False,
-            note="none on the way" if np.isinf(found.distance).all() else unknown,
+            note=tr("trajectory.none_near") if np.isinf(found.distance).all() else unknown,
         ),
     }
     return tuple(known[key] for key in GROUPS.get(plot, (plot,)))
@@ -237,8 +248,8 @@ def figure(
         [f"t = {t:.3f} s{_told(found.events, t, slack)}" for t in places.tolist()],
         ("",),
         [""] * COLUMNS,
-        "point to put the machine there",
-        "The trajectory against time",
+        tr("trajectory.point_at"),
+        tr("trajectory.against_time"),
         partial(_table, shown, found.duration),
     )
 
@@ -412,15 +423,5 @@ def _tick(value: float) -> str:
 
 
 def _told(events: Sequence[Event], t: float, slack: float) -> str:
-    names = {
-        "outside": "outside of the workspace",
-        "singularity": "singular",
-        "near": "near a singularity",
-        "jump": "a joint leaps",
-        "corner": "a sharp corner",
-        "rate": "too fast",
-        "acceleration": "too much acceleration",
-        "force": "too much force",
-    }
     kinds = {e.kind: None for e in events if e.start - slack <= t <= e.end + slack}
-    return "".join(f" · {names[kind]}" for kind in kinds)
+    return "".join(f" · {tr(f'trajectory.events.{kind}')}" for kind in kinds)

@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from app.features.trajectory.compute import Reach
+from app.language import tr
 from app.review.units import tenths
 from app.widgets.axes import (
     WHOLE,
@@ -89,10 +90,10 @@ def sketch_figure(axes: Sequence[Coordinate], reach: Reach, look: Look = WHOLE) 
         + tag("polyline", class_="trace", **trace),
         *pointed(box, *names, CELLS),
         [""] * CELLS**2,
-        "hold the button and draw",
-        f"The plane of {first.symbol} and {second.symbol}",
+        tr("trajectory.draw_here"),
+        tr("trajectory.plane_name", first=first.symbol, second=second.symbol),
         partial(_table, names, whole, reach),
-        title=f"Plane of {first.symbol} and {second.symbol}",
+        title=tr("trajectory.plane_title", first=first.symbol, second=second.symbol),
     )
 
 
@@ -106,7 +107,11 @@ def _table(names: tuple[Named, Named], box: Axes, reach: Reach) -> Table:
         inside = up[reach.inside[n]]
         ends = (tenths(inside.min()), tenths(inside.max())) if len(inside) else ("–", "–")
         rows.append((tenths(across[n]), *ends))
-    heads = f"{first} ({unit})", f"{second} from ({other})", f"{second} to ({other})"
+    heads = (
+        f"{first} ({unit})",
+        tr("trajectory.from_head", axis=second, unit=other),
+        tr("trajectory.to_head", axis=second, unit=other),
+    )
     return heads, rows
 
 

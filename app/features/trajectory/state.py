@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Literal, Self
 
+from app.language import tr
 from app.review import content as session
 from app.review.changes import Change, Taken
 from app.review.state import Review, Slice
@@ -123,40 +124,40 @@ class Plan(Slice):
         named = [each.name for each in machine.paths.named()]
         keys = [c.key for c in machine.coordinates]
         for name, known, what in (
-            (self.way, (*OWN, *named), "a way"),
-            (self.through, ("spline", "lines"), "how points are joined"),
-            (self.law, ("", *LAWS), "a time law"),
-            (self.playback, PLAYBACKS, "a playback"),
-            (self.plot, PLOTS, "a plot"),
+            (self.way, (*OWN, *named), tr("trajectory.a_way")),
+            (self.through, ("spline", "lines"), tr("trajectory.a_joining")),
+            (self.law, ("", *LAWS), tr("trajectory.a_law")),
+            (self.playback, PLAYBACKS, tr("trajectory.a_playback")),
+            (self.plot, PLOTS, tr("trajectory.a_plot")),
         ):
-            session.listed(name, known, f"{what} is one of")
+            session.listed(name, known, tr("typing.one_of", what=what))
         _check_points(self, len(keys))
         if self.file_open not in ("", *keys):
-            raise InputError(f"a file may leave a coordinate open, but {self.file_open!r} is none")
+            raise InputError(tr("trajectory.left_open", key=self.file_open))
         if not set(self.plane) <= {"", *keys}:
-            raise InputError(f"a stroke lies in two of {', '.join(keys)}")
+            raise InputError(tr("trajectory.stroke_of", keys=", ".join(keys)))
         if self.plane != ("", "") and ("" in self.plane or self.plane[0] == self.plane[1]):
-            raise InputError("a stroke is drawn in two different coordinates")
+            raise InputError(tr("trajectory.stroke_two"))
         for value, low, high, what in (
-            (self.blend, 0.0, 1e6, "a corner's blend (mm)"),
-            (self.smooth, 0.0, 1e3, "smoothing (mm)"),
-            (self.duration, 0.0, 1e6, "a duration (s)"),
-            (self.speed, 1e-6, 1e9, "a speed (mm/s)"),
-            (self.acceleration, 1e-6, 1e12, "an acceleration (mm/s²)"),
-            (self.pace, SPEEDS[0], SPEEDS[-1], "the pace of a playback"),
-            (self.samples, 2, MOST_SAMPLES, "how many samples there are"),
-            (self.degree, 0, HIGHEST, "the degree of a polynomial"),
+            (self.blend, 0.0, 1e6, tr("trajectory.a_blend")),
+            (self.smooth, 0.0, 1e3, tr("trajectory.a_smoothing")),
+            (self.duration, 0.0, 1e6, tr("trajectory.a_duration")),
+            (self.speed, 1e-6, 1e9, tr("trajectory.a_speed")),
+            (self.acceleration, 1e-6, 1e12, tr("trajectory.an_acceleration")),
+            (self.pace, SPEEDS[0], SPEEDS[-1], tr("trajectory.a_pace")),
+            (self.samples, 2, MOST_SAMPLES, tr("trajectory.a_count")),
+            (self.degree, 0, HIGHEST, tr("trajectory.a_degree")),
         ):
             if not (math.isfinite(value) and low <= value <= high):
-                raise InputError(f"{what} lies within {low:g} … {high:g}, got {value:g}")
+                raise InputError(tr("typing.between", what=what, low=low, high=high, value=value))
         if 0.0 < self.duration < 1e-6:
-            raise InputError("a duration is at least 1e-6 s, or 0 for the way's own")
+            raise InputError(tr("trajectory.too_short"))
         count = len(machine.joints)
         for what in ("rates", "accelerations", "forces"):
             values: tuple[float, ...] = getattr(self, what)
             fit = len(values) == count and all(math.isfinite(v) and v > 0.0 for v in values)
             if values and not fit:
-                raise InputError(f"the limits of {what} are {count} positive numbers, or none")
+                raise InputError(tr("trajectory.limits_of", what=what, count=count))
         return self
 
     # --- in a session file: a pose is one line of numbers, so that paths stay short
@@ -246,18 +247,15 @@ def _check_points(plan: Plan, size: int) -> None:
     ends = [tuple(p for p in group if p) for group in groups[:2]]
     for points in (*ends, *groups[2:]):
         if len(points) > MOST_POINTS:
-            raise InputError(
-                f"a path on the page has up to {MOST_POINTS} points, got {len(points)}; the "
-                "command line takes more"
-            )
+            raise InputError(tr("trajectory.too_many", most=MOST_POINTS, count=len(points)))
         if any(len(p) != size or not all(map(math.isfinite, p)) for p in points):
-            raise InputError(f"a point of a path is a pose of {size} finite numbers")
+            raise InputError(tr("trajectory.point_of", count=size))
     if plan.times and len(plan.times) != len(plan.file):
-        raise InputError("a file gives a time for each of its points, or for none")
+        raise InputError(tr("trajectory.times_all"))
     if any(not math.isfinite(t) for t in plan.times):
-        raise InputError("the times of a file are finite numbers")
+        raise InputError(tr("trajectory.times_finite"))
     if any(b <= a for a, b in zip(plan.times, plan.times[1:], strict=False)):
-        raise InputError("the times of a file increase from point to point")
+        raise InputError(tr("trajectory.times_order"))
 
 
 # --- what a plan means ---------------------------------------------------------------------
@@ -267,17 +265,13 @@ def missing(plan: Plan) -> str:
     """What a person still has to do until there is a path; "" when nothing."""
     match plan.way:
         case "straight" if not plan.start or not plan.end:
-            ends = [n for n, p in (("from", plan.start), ("to", plan.end)) if not p]
-            return (
-                f"Put the machine where the way {'begins' if 'from' in ends else 'ends'} and press "
-                f"“{'From' if 'from' in ends else 'To'} here”, or type the pose."
-            )
+            return tr("trajectory.put_start" if not plan.start else "trajectory.put_end")
         case "points" if len(plan.points) < 2:
-            return "Add at least two way points: put the machine there and press “Add here”."
+            return tr("trajectory.add_points")
         case "file" if not plan.file:
-            return "Open a CSV file whose first line names the pose coordinates."
+            return tr("trajectory.open_file")
         case "stroke" if not plan.stroke:
-            return "Draw the path in the plane below with the mouse."
+            return tr("trajectory.draw_path")
     return ""
 
 

@@ -21,6 +21,7 @@ from app.features.workspace.state import (
     solver_modes,
 )
 from app.jobs.answers import Asked, Question
+from app.language import tr
 from app.review.state import Options, Review
 from app.scene import painting, palette
 from app.scene.painting import Scale
@@ -156,7 +157,7 @@ SOLIDS: dict[Resolution, _Solid] = {
     "normal": Question("", "fine", build, REST_NORMAL, tries=2, urgent=True, kept=24),
     "fine": Question("", "fine", build, REST_FINE, tries=2, urgent=True, kept=24),
 }
-FIELD = Question("the colours", "colours", field, kept=4)
+FIELD = Question("work.colours", "colours", field, kept=4)
 
 
 def solid_asked(
@@ -226,7 +227,7 @@ def colour_key(review: Review, shown: Mapping[str, BuiltSolid]) -> tuple[tuple[s
         texts = {1: "det > 0", -1: "det < 0"}
         entries += [(palette.aspect_color(s, 0, of), t) for s, t in texts.items() if s in signs]
         if review[Control].locus and len(signs) > 1:
-            entries.append((of.beyond, "singular surface"))
+            entries.append((of.beyond, tr("workspace.locus")))
     return tuple(entries)
 
 
@@ -299,4 +300,4 @@ def _raised(flat: Array, frame: Array) -> Array:
     return raised
 
 
-REGIONS = Question("the regions of the workspace", "regions", lay)
+REGIONS = Question("work.regions", "regions", lay)

@@ -15,8 +15,9 @@ from app.features.workspace.compute import (
     region_colors,
 )
 from app.features.workspace.state import ASPECTS, Workspace
+from app.language import tr
 from app.review.state import Review
-from app.review.units import area_text, minus, plural, spaced, tenths, volume_text
+from app.review.units import area_text, minus, spaced, tenths, volume_text
 from app.review.view import mode_text
 from app.scene import palette
 from app.terminal.tables import surface_text
@@ -52,11 +53,11 @@ def report_html(review: Review, solids: Solids, sections: Sections | None) -> st
 def _where(review: Review) -> str:
     """Whether the machine is in the workspace."""
     if not inside(review):
-        return styled("O′ outside", f"float:right;color:{tone('bad')}")
-    told = styled("O′ inside ✓", f"float:right;color:{tone('good')}")
+        return styled(tr("workspace.outside"), f"float:right;color:{tone('bad')}")
+    told = styled(tr("workspace.inside_here"), f"float:right;color:{tone('good')}")
     if not review.posture.reachable:
         mode = mode_text(review.machine, review.mode)
-        told += styled(f"but not in {mode}, which the machine is in", f"color:{tone('bad')}", "div")
+        told += styled(tr("workspace.not_in_mode", mode=mode), f"color:{tone('bad')}", "div")
     return told
 
 
@@ -66,9 +67,9 @@ def _exact(sections: Sections) -> str:
         return red(sections.trouble)
     volume = sections.volume or sections.old_volume
     if volume is None:
-        return "<div>The exact volume is on its way …</div>"
+        return f"<div>{tr('workspace.volume_comes')}</div>"
     exact = f"{spaced(volume.value)} ± {volume.error:,.2g} mm³".replace(",", " ")
-    told = _answer(volume.value, volume.error, ", exact", exact)
+    told = _answer(volume.value, volume.error, tr("workspace.exactly"), exact)
     return aged(told, sections.volume is None)
 
 
@@ -87,19 +88,18 @@ def _solid(built: Built, here: int | None, exact: Sections | None) -> str:
     if solid.pieces:
         lines.append(_pieces(solid, here))
     elif built.resolution == "fine" and not solid.note:
-        lines.append("<div>At this orientation the workspace is empty.</div>")
+        lines.append(f"<div>{tr('workspace.empty')}</div>")
     elif built.resolution != "fine":
-        text = "Nothing is large enough to be seen yet; a finer look is on its way."
-        lines.append(f"<div>{text}</div>")
+        lines.append(f"<div>{tr('workspace.finer_comes')}</div>")
     if built.wish.branch:
-        lines.append(f"<div>The branch of {esc(built.wish.branch)}</div>")
+        lines.append(f"<div>{esc(tr('workspace.branch', of=built.wish.branch))}</div>")
     if solid.note:
         lines.append(f"<div>{esc(solid.note)}</div>")
-    made = f"mesh: {built.resolution}, {solid.triangles} triangles, "
-    made += volume_text(solid.volume, solid.volume_error)
+    volume = volume_text(solid.volume, solid.volume_error)
+    made = tr("workspace.mesh", kind=built.resolution, count=solid.triangles, volume=volume)
     if exact is not None and exact.volume is not None and exact.volume.value > 0.0:
         share = 100.0 * (solid.volume / exact.volume.value - 1.0)
-        made += f", {minus(f'{share:+.2g}')} % beside the exact volume"
+        made += tr("workspace.beside_exact", share=minus(f"{share:+.2g}"))
     lines.append(faint(f"{made}; {surface_text(solid)}", "div"))
     return "".join(lines)
 
@@ -109,28 +109,31 @@ def _pieces(solid: BuiltSolid, here: int | None) -> str:
     rows, looks = [], []
     largest = max(piece.volume for piece in solid.pieces)
     for n, piece in enumerate(solid.pieces[:MOST]):
-        where = "the machine is here" if n == here else ""
+        where = tr("workspace.machine_here") if n == here else ""
         share = f"{100.0 * piece.volume / solid.volume:.0f} %"
         color = "var(--bo-work)" if n == here else "var(--bo-bar)"
         length = bar(piece.volume / largest, color, "5px")
         rows.append((f"{n + 1}", where, volume_text(piece.volume), share, length))
         looks.append("aria-current" if n == here else "")
     if (left := len(solid.pieces) - MOST) > 0:
-        rows.append(("", f"and {left} smaller", "", "", ""))
+        rows.append(("", tr("workspace.smaller", n=left), "", "", ""))
     styles = ("width:1.4em", "", NUMERIC, f"{NUMERIC};width:3.4em", "width:30%")
-    return table(rows, styles, heads=("piece", "", "volume", "share", ""), looks=looks)
+    return table(
+        rows,
+        styles,
+        heads=(
+            tr("workspace.piece_head"),
+            "",
+            tr("workspace.volume_head"),
+            tr("workspace.share_head"),
+            "",
+        ),
+        looks=looks,
+    )
 
 
-PARTS = {
-    "whole": "whole",
-    "H1": "H₁",
-    "H2": "H₂",
-    "H3": "H₃",
-    "body": "body",
-    "plus": "+",
-    "minus": "−",
-}
-"""Of a limb's vertex space, as the heads of their columns."""
+PARTS = ("whole", "H1", "H2", "H3", "body", "plus", "minus")
+"""Of a limb's vertex space, in the order of their columns."""
 
 
 def switches_html(review: Review, specs: Sequence[SolidSpec]) -> str:
@@ -139,14 +142,14 @@ def switches_html(review: Review, specs: Sequence[SolidSpec]) -> str:
     known = {spec.key: spec for spec in specs}
     rows = []
     for limb in sorted({spec.limb for spec in specs if spec.limb is not None}):
-        cells = [f"{chip(palette.limb_color(limb))}limb {limb}"]
+        cells = [f"{chip(palette.limb_color(limb))}{tr('page.limb', n=limb)}"]
         for part in parts:
             spec = known.get(f"limb{limb}/{part}")
             cells.append("" if spec is None else _switch(review, spec))
         rows.append(cells)
-    heads = ["limb", *(PARTS[part] for part in parts)]
+    heads = [tr("page.limb_head"), *(tr(f"workspace.parts.{part}") for part in parts)]
     told = table(rows, ("", *["text-align:center"] * len(parts)), heads=heads)
-    return box(told + faint("More than one limb: outlines, so that the machine stays in sight."))
+    return box(told + faint(tr("workspace.outlines")))
 
 
 def _switch(review: Review, spec: SolidSpec) -> str:
@@ -169,7 +172,7 @@ def parts_html(solids: Solids) -> str:
         text = (
             volume_text(solid.volume, solid.volume_error)
             if solid.pieces
-            else "does not exist for this limb"
+            else tr("workspace.no_solid")
         )
         line = f"{chip(palette.solid_color(wish.spec))}{esc(wish.spec.title)}: {text}"
         rows.append(aged(line, wish.spec.key in solids.old, "span"))
@@ -182,22 +185,23 @@ def inscribed_html(machine: Machine[Any], sections: Sections) -> str:
     if sections.ball is not None:
         ball, modes = sections.ball
         center = ", ".join(map(tenths, ball.center))
-        text = f"Ball: radius <b>{ball.radius:.2f} mm</b> about {center} mm"
+        text = tr("workspace.ball_is", radius=ball.radius, center=center)
         lines.append(f"{text}, {_of_modes(machine, modes)}")
     if sections.box is not None:
         box_, modes = sections.box
         sides = " × ".join(f"{v:.1f}" for v in box_.high - box_.low)
         center = ", ".join(map(tenths, 0.5 * (box_.low + box_.high)))
-        text = f"Box: <b>{sides} mm</b> about {center} mm, {volume_text(box_.volume)}"
-        lines.append(f"{text}, {_of_modes(machine, modes)}")
+        text = tr("workspace.box_is", sides=sides, center=center)
+        lines.append(f"{text}, {volume_text(box_.volume)}, {_of_modes(machine, modes)}")
     return box("<br>".join(lines)) if lines else ""
 
 
 def _of_modes(machine: Machine[Any], modes: Modes) -> str:
     if modes is not None and len(modes) == 1:
         return mode_text(machine, modes[0])
-    count = "all" if modes is None else f"{len(modes)}"
-    return f"{count} {machine.mode_noun}s together: no machine goes from one to another in it"
+    if modes is None:
+        return tr("workspace.of_all_modes")
+    return tr("workspace.of_modes", n=len(modes))
 
 
 def regions_html(laying: Laying) -> str:
@@ -208,7 +212,7 @@ def regions_html(laying: Laying) -> str:
     if laid is None:
         return ""
     if not any(region.section.loops for region in laid.regions):
-        return box("At this orientation the workspace is empty.")
+        return box(tr("workspace.empty"))
     drawn = [len(fill.faces) > 0 for fill in laid.fills]
     rows = []
     for region, color, shown in zip(laid.regions, region_colors(laid.regions), drawn, strict=True):
@@ -218,20 +222,19 @@ def regions_html(laying: Laying) -> str:
             (
                 f"{chip(color if shown else 'transparent')}{esc(region.title)}",
                 f'<span title="{exact}">{area_text(section.area)}</span>',
-                plural(section.pieces, "piece"),
-                f"group {region.group}" if region.group else "",
+                tr("page.pieces", n=section.pieces),
+                tr("workspace.group", group=region.group) if region.group else "",
             )
         )
     worst = max(region.deviation for region in laid.regions)
-    exactly = "exact arcs" if worst == 0.0 else f"edges within {worst:.0e} mm of the true ones"
-    groups = any(region.group for region in laid.regions)
-    joined = " Regions of one group join through serial singularities." if groups else ""
-    some = "" if all(drawn) else " Drawn are those of one mode, as others lie over them."
-    curves = (
-        f"<br>{chip(palette.BEYOND)}where control is lost in the present mode"
-        if len(laid.locus)
-        else ""
+    exactly = (
+        tr("workspace.exact_arcs") if worst == 0.0 else tr("workspace.edges_within", worst=worst)
     )
+    groups = any(region.group for region in laid.regions)
+    joined = f" {tr('workspace.groups')}" if groups else ""
+    some = "" if all(drawn) else f" {tr('workspace.one_drawn')}"
+    lost = f"<br>{chip(palette.BEYOND)}{tr('workspace.lost')}"
+    curves = lost if len(laid.locus) else ""
     quiet = "opacity:.75;white-space:nowrap"
     told = faint(f"{exactly}.{joined}{some}")
     return box(f"{table(rows, ('', NUMERIC, quiet, quiet))}{told}{curves}")

@@ -19,6 +19,7 @@ from app.jobs.answers import Asked
 from app.jobs.lane import Lane
 from app.jobs.parts import Client, Part, Stage
 from app.jobs.process import apart, load_finer_solids, load_solids
+from app.language import tr
 from app.review.state import Options, Review
 from app.review.units import area_text, plural, volume_text
 from app.review.view import Fact, Legend, Size, View
@@ -185,7 +186,7 @@ class SolidsPart(Part):
         review = self.stage.review
         each = next((w for w in compute.wishes(review) if w.spec.key == key), None)
         if each is None:
-            self.stage.complain("that solid is not shown any more", client)
+            self.stage.complain(tr("workspace.not_shown"), client)
             return
         axes = zip(review.machine.coordinates, review.pose, strict=True)
         angles = tuple((c, v) for c, v in axes if c.unit == "rad")
@@ -247,6 +248,6 @@ class RegionsPart(Part):
 
     def save_regions(self, kind: str, client: Client) -> None:
         """Save the plane regions on display as a file of this kind."""
-        missing = "There are no regions to save yet; show them first."
+        missing = tr("workspace.no_regions")
         laid = self.answers[compute.REGIONS].now
         self.save(laid, lambda laid: regions_file(laid, kind), client, missing)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar, Literal, Self
 
+from app.language import tr
 from app.review import content as session
 from app.review.changes import Change, SetOne, Taken
 from app.review.state import Review, Slice
@@ -58,7 +59,7 @@ class Workspace(Slice):
     def checked(self, review: Review) -> Self:
         machine = review.machine
         if isinstance(self.modes, tuple) and not set(self.modes) <= set(machine.modes):
-            raise InputError(f"these are no {machine.mode_noun}s of this mechanism")
+            raise InputError(tr("workspace.no_modes"))
         return self
 
     def carried(self, before: Review, review: Review) -> Self:
@@ -117,7 +118,7 @@ class Flat(Slice):
     def checked(self, review: Review) -> Self:
         known = [spec.key for spec in review.machine.region_specs]
         if known:
-            session.listed(self.key, known, "regions are")
+            session.listed(self.key, known, tr("workspace.regions_are"))
         return self
 
 
@@ -133,16 +134,16 @@ def modes_text(review: Review) -> str:
     """Which modes the workspace is of, in a few words."""
     modes, machine = review[Workspace].modes, review.machine
     if len(machine.modes) == 1:
-        return "the workspace"
+        return tr("workspace.it")
     if modes == "all":
-        return f"every {machine.mode_noun.split()[-1]} together"
-    return "this mode" if modes == "current" else f"{len(modes)} modes together"
+        return tr("workspace.every_mode")
+    return tr("workspace.this_mode" if modes == "current" else "workspace.some", n=len(modes))
 
 
 def colour_text(review: Review) -> str:
     """What the workspace's colour stands for."""
-    one = len(review.machine.modes) == 1
-    return "workspace" if one else f"workspace, {modes_text(review)}"
+    name = tr("workspace.legend")
+    return name if len(review.machine.modes) == 1 else f"{name}, {modes_text(review)}"
 
 
 @dataclass(frozen=True)
@@ -154,12 +155,12 @@ class Show(Change):
 
     def title(self, before: Review, after: Review) -> str:
         spec = next(spec for spec in after.machine.solid_specs if spec.key == self.key)
-        return f"{spec.title} {'shown' if self.on else 'hidden'}"
+        return tr("workspace.shown" if self.on else "workspace.hidden", what=spec.title)
 
     def apply(self, review: Review) -> Taken:
         specs = {spec.key: n for n, spec in enumerate(review.machine.solid_specs)}
         if self.key not in specs:
-            raise InputError(f"there is no solid {self.key!r}")
+            raise InputError(tr("workspace.no_such", key=self.key))
         before = review[Workspace]
         kept = [s for s in before.solids if s.key != self.key]
         if self.on:
@@ -180,11 +181,11 @@ class Fade(Change):
         return f"fade {self.keys}"
 
     def title(self, before: Review, after: Review) -> str:
-        return f"opacity {self.opacity:g}"
+        return tr("workspace.faded", opacity=self.opacity)
 
     def apply(self, review: Review) -> Taken:
         if not 0.0 <= self.opacity <= 1.0:
-            raise InputError("an opacity lies between 0 and 1")
+            raise InputError(tr("workspace.opacity_is"))
         before = review[Workspace]
         solids = tuple(
             Shown(s.key, self.opacity) if s.key in self.keys else s for s in before.solids
