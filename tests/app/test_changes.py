@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from app.features.design.state import EditDesign, UseDesign
-from app.features.map.state import Chart, SetChart, Span
+from app.features.map.state import Chart, Colours, SetChart, Span
 from app.features.move.state import Drive, Flip, GoHome, Move, Place, Visit
 from app.features.review.files import design_file
 from app.features.section.state import Cut, MoveCut, SetCut, point_in_section
@@ -85,7 +85,8 @@ def test_a_machine_that_is_not_assembled_cannot_be_driven(review: Review) -> Non
     y = review.machine.coordinates[1].upper
     away, _ = change(review, Move(1, y))
     assert not away.posture.closes
-    with pytest.raises(InputError, match=r"limb \d cannot close"):
+    first = next(r.limb for r in away.posture.reasons if r.bound == "link")
+    with pytest.raises(InputError, match=f"limb {first} cannot close"):
         change(away, Drive(0, 300.0))
 
 
@@ -311,6 +312,10 @@ def test_the_settings_of_a_map_are_checked(review: Review) -> None:
         (replace(good, second=Span(0.0, 1.0, 10_000)), "values of θ"),
         (replace(good, first=Span(-4.0, 0.2, 5)), "φ must stay within −180 … 180 °"),
         (replace(good, first=Span(math.nan, 0.2, 5)), "finite"),
+        (replace(good, colours=Colours(low=math.nan)), "are finite numbers"),
+        (replace(good, colours=Colours(high=math.inf)), "are finite numbers"),
+        (replace(good, colours=Colours(low=2.0, high=2.0)), "must end above"),
+        (replace(good, colours=Colours(step=-1.0)), "is positive"),
     ):
         with pytest.raises(InputError, match=message):
             change(review, SetChart(bad))

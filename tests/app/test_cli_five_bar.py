@@ -46,6 +46,7 @@ def test_ik_fk_and_singularity(here: Run) -> None:
 def test_workspace_is_a_plane_region(bohemia: Run, tmp_path: Path) -> None:
     found = answered(bohemia("workspace", "five-bar", "--json", "-o", "plane.dxf"))
     assert f"{found['area_mm2'] / 100:.6f}" == "19833.838618"
+    assert (found["volume_mm3"], found["triangles"], found["watertight"]) == (0.0, 0, False)
     (region,) = found["regions"]
     assert [edge["kind"] for edge in region["loops"][0]] == ["arc"] * 3
     assert (tmp_path / "plane.dxf").read_text().count("ARC") >= 3

@@ -66,6 +66,8 @@ def test_a_fresh_plan_is_the_machines_own_or_begins_at_home(rpur: Review, bar: R
         ({"duration": -1.0}, "a duration"),
         ({"duration": 1e-9}, "at least 1e-6"),
         ({"samples": 1}, "how many samples"),
+        ({"pace": 0.2}, "the pace of a playback lies within 0.25 … 4"),
+        ({"pace": 5.0}, "the pace of a playback lies within 0.25 … 4"),
         ({"degree": 99}, "the degree"),
         ({"rates": (1.0, 2.0)}, "5 positive numbers"),
         ({"forces": (1.0, 1.0, 1.0, 1.0, 0.0)}, "5 positive numbers"),

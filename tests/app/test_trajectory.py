@@ -127,11 +127,13 @@ def test_how_it_is_shown_makes_no_other_trajectory() -> None:
     assert compute.asked(_review("five-bar", end=())) is None
 
 
-@pytest.mark.parametrize("samples", [2, 3, 17, 101, 2001])
+@pytest.mark.parametrize("samples", [2, 3, 17, 64, 101, 2001])
 def test_distances_come_coarse_first_and_each_once(samples: int) -> None:
     found = [n for part in compute.parts(samples) for n in part]
     assert sorted(found) == list(range(samples))
     if samples > 20:
+        first = next(k for k in range(1, samples) if found[k] < found[k - 1])
+        assert 8 < first <= 16
         early = np.sort(found[: samples // 4])
         assert np.diff(early).max() <= 8 * samples / 101 + 8
 

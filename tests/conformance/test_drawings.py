@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from kinematics.answers.drawings import Bar, Drawing
+from kinematics.answers.drawings import Bar, Drawing, round_plate
 from tests.conformance.machines import PRESETS, held, machine
 
 LOOSE = ("rail", "stop")
@@ -67,3 +67,14 @@ def test_what_cannot_be_held_is_drawn_all_the_same(name: str) -> None:
     drawing = m.drawing(m.posture(far, m.home.mode))
     places = np.array([place for bar in drawing.bars for place in (bar.start, bar.end)])
     assert np.isfinite(places).all()
+
+
+def test_a_round_plate_has_its_corners_evenly_once_around() -> None:
+    rim = np.array(round_plate(np.array([30.0, -20.0]), 50.0, 7.0, 24))
+    assert rim.shape == (24, 3)
+    sides = np.linalg.norm(np.roll(rim, -1, axis=0) - rim, axis=1)
+    np.testing.assert_allclose(sides, 100.0 * np.sin(np.pi / 24), rtol=1e-12)
+    np.testing.assert_allclose(rim.mean(axis=0), [30.0, -20.0, 7.0], atol=1e-12)
+    x, y = rim[:, 0], rim[:, 1]
+    area = 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+    assert area == pytest.approx(12 * 50.0**2 * np.sin(np.pi / 12))

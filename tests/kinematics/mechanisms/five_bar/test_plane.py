@@ -202,14 +202,24 @@ def test_the_reference_s_points(reference: dict[str, Any]) -> None:
         assert abs(np.hypot(10 * x, 10 * y - 415.69219381653056) - 480.0) < 1e-9
 
 
+# The coupler is as long as the base and the cranks are equal: θ₁ leaps where they lie in line,
+# which is at γ = 0 or π by which distal link is the longer.
+LEAPING = tuple(
+    FiveBarDesign((Limb(400.0, a), Limb(400.0, b)), 150.0)
+    for a, b in ((100.0, 400.0), (400.0, 100.0), (50.0, 250.0))
+)
+
+
 def test_pieces_have_one_mode_and_end_where_it_changes() -> None:
-    for design in MACHINES.values():
+    for design in (*MACHINES.values(), *LEAPING):
         for piece in curve_pieces.pieces(design):
             if piece.serial:
                 continue
             p, q = piece.loop.points(piece.tau(np.linspace(0.02, 0.98, 25)))
             assert set(inverse.mode_of(design, p, q)) == {piece.mode}
             assert inverse.in_range(design, q).all()
+            turns = np.diff(piece.loop.points(piece.tau(np.linspace(0.0, 1.0, 400)))[1], axis=0)
+            assert np.abs((turns + np.pi) % (2 * np.pi) - np.pi).max() < 1.0  # it is one curve
             if not piece.whole:
                 ends, joints = piece.loop.points(piece.tau([0.0, 1.0]))
                 limbs, _ = sines(design, ends, joints)

@@ -9,6 +9,7 @@ from kinematics.facets import inverse as generic
 from kinematics.machine import machine_of
 from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.five_bar import clearances, curve_pieces, curves, inverse, workspace
+from kinematics.mechanisms.five_bar.design import FiveBarDesign, Limb
 from tests.kinematics.mechanisms.five_bar.conftest import (
     BOTH,
     EMPTY,
@@ -159,6 +160,20 @@ def test_home_is_held_and_far_from_singularities(name: str) -> None:
         assert c.lower <= value <= c.upper
 
 
+def test_home_is_on_the_side_of_positive_y_though_the_other_has_better_places() -> None:
+    design = FiveBarDesign((Limb(461.0, 323.0, (-33.0, 10.0)), Limb(378.0, 295.0)), 282.0)
+    home = machine_of(design).home
+    assert home.reachable
+    assert home.pose[1] >= 0.0
+    below = machine_of(design).inverse.posture((-24.0, -340.0), home.mode)
+    assert below.reachable
+    measured = [
+        float(machine_of(design).measures(p, home.mode, "transmission"))
+        for p in (home.pose, below.pose)
+    ]
+    assert measured[1] > measured[0]
+
+
 def test_home_of_nothing_is_still_a_posture() -> None:
     home = machine_of(EMPTY).home
     assert not home.reachable
@@ -204,3 +219,36 @@ def test_distances_of_many_points() -> None:
     place = np.array([0.0, 415.69219381653056 + 5.0])
     (point, _) = clearances.nearest_parallel(PAPER, "+-", place)
     assert np.hypot(*(point - place)) == pytest.approx(5.0, abs=1e-6)
+
+
+def test_of_two_pieces_that_are_about_as_near_the_nearer_is_told() -> None:
+    """Their samples may rank them the other way round: places along which two are equally near."""
+    rng = np.random.default_rng(3)
+    told = 0
+    for design in (UNLIKE, PAPER):
+        mine = [each for each in curve_pieces.pieces(design) if each.mode == "+-"]
+        rows = [clearances._sampled(design, "+-")[n][2] for n in range(len(mine))]
+        for _ in range(30):
+            ends = rng.uniform(-600.0, 600.0, (2, 2))
+
+            def distances(t: float, ends: np.ndarray = ends, rows: list = rows) -> np.ndarray:
+                place = ends[0] + t * (ends[1] - ends[0])
+                return np.array([np.hypot(*(each - place).T).min() for each in rows])
+
+            low, high = 0.0, 1.0
+            first = int(distances(0.0).argmin())
+            if first == int(distances(1.0).argmin()):
+                continue
+            for _ in range(40):  # where another of the samples becomes the nearest
+                middle = 0.5 * (low + high)
+                low, high = (middle, high) if distances(middle).argmin() == first else (low, middle)
+            place = ends[0] + low * (ends[1] - ends[0])
+            near = [
+                clearances._least(piece, place, max(n - 1, 0) / 256, min(n + 1, 256) / 256)[1]
+                for piece, row in zip(mine, rows, strict=True)
+                for n in np.argsort(np.hypot(*(row - place).T))[:3].tolist()
+            ]
+            (point, _) = clearances.nearest_parallel(design, "+-", place)
+            assert np.hypot(*(point - place)) == pytest.approx(min(near), abs=1e-9 * design.size)
+            told += 1
+    assert told > 10
