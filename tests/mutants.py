@@ -41,7 +41,7 @@ TESTS = ("tests/kinematics", "tests/conformance", "tests/app")
 
 SECONDS = (45.0, 150.0)  # of processors: for the tests of a folder, and of all for a mutant
 SOUND: set[str] = set()  # tests that are known to pass
-GUESS = 40.0  # s of processors for tests that may well notice it
+GUESS = 25.0  # s of processors for tests that may well notice it
 MEMORY = 8 << 30  # bytes of addresses that a process of a mutant's tests may have
 PATIENCE = 10.0  # times as long as the tests take; then the mutant hangs, which is noticed
 

@@ -147,3 +147,22 @@ def test_what_is_no_pose_or_no_mode_is_refused_in_a_sentence(name: str) -> None:
         m.forward([1.0] * (len(m.joints) + 1))
     with pytest.raises(kin.InputError, match="no coordinate 'nothing'"):
         m.pose(nothing=1.0)
+
+
+@pytest.mark.parametrize(("name", "part"), [("sps-spr", 0.6), ("rps-3", 0.6), ("rps-3", 1.5)])
+def test_the_stroke_that_would_allow_a_pose_is_told(name: str, part: float) -> None:
+    m = machine(name)
+    z = next(n for n, c in enumerate(m.coordinates) if c.key == "z")
+    pose = [v * part if n == z else v for n, v in enumerate(m.home.pose)]
+    at = m.inverse.posture(pose, m.home.mode)
+    assert not at.reachable
+    assert all(reason.amount > 0.0 for reason in at.reasons)
+    ways = m.clearances.nearest_pose(at).changes
+    assert ways
+    for way in ways:
+        changed = m
+        for each in way:
+            changed = changed.edited(each.path, each.after)
+        assert changed.inverse.posture(pose, m.home.mode).reachable
+        beyond = [abs(each.after - each.before) for each in way]
+        assert max(beyond) == pytest.approx(max(r.amount for r in at.reasons), rel=1e-9)

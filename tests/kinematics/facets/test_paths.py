@@ -8,6 +8,7 @@ import pytest
 from kinematics.answers.singularities import Event
 from kinematics.answers.solutions import Posture
 from kinematics.designs.files import load_design
+from kinematics.facets.events import after_part
 from kinematics.facets.paths import PathsFacet
 from kinematics.machine import Machine, machine_of
 
@@ -73,3 +74,8 @@ def test_a_path_of_one_s_own_functions_stops_where_the_plain_one_does() -> None:
             assert one.fraction == pytest.approx(two.fraction, abs=1e-6)
             stops.add(one.stop)
     assert len(stops) > 1
+
+
+def test_places_on_a_way_are_told_in_per_cent() -> None:
+    assert after_part(0.125) == "after 12.5 % of the way"
+    assert after_part(1.0) == "after 100 % of the way"

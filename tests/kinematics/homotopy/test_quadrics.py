@@ -14,14 +14,14 @@ def system() -> Quadrics:
     turned = image([[x, y], [z, 2.0 * x]], [3.0, -1.0])
     return Quadrics.of(
         [
-            0.5 * (square(x - 1.0) + (y + 2.0).by(3.0 - z)) - 4.0,
+            0.5 * ((square(x - 1.0) + 7.0) + ((y + 2.0).by(3.0 - z) - 2.5)) - 4.0,
             dot(turned, [y, x]) - 2.0 * z + 5.0,
         ]
     )
 
 
 def as_written(x: float, y: float, z: float) -> list[float]:
-    first = 0.5 * ((x - 1.0) ** 2 + (y + 2.0) * (3.0 - z)) - 4.0
+    first = 0.5 * ((x - 1.0) ** 2 + 7.0 + (y + 2.0) * (3.0 - z) - 2.5) - 4.0
     return [first, (3.0 * x - y) * y + (3.0 * z - 2.0 * x) * x - 2.0 * z + 5.0]
 
 

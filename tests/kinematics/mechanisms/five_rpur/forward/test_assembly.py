@@ -7,6 +7,7 @@ independent of this package; its determinants are of unit wrenches with moments 
 from __future__ import annotations
 
 from dataclasses import replace
+from time import perf_counter
 
 import numpy as np
 import pytest
@@ -366,3 +367,14 @@ def test_strokes_do_not_change_the_solutions():
     wide = replace(design, limbs=tuple(replace(limb, stroke=(1.0, 999.0)) for limb in design.limbs))
     (one,), (other,) = (forward(d, [305.0, 311.0, 322.0, 333.0, 290.0]) for d in (design, wide))
     np.testing.assert_allclose(one.poses, other.poses, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["rpur-table1", "rpur-a1a1"])
+def test_the_time_that_a_set_took_is_its_own(name):
+    machine = machine_of(load_design(name))
+    began = perf_counter()
+    first = machine.forward(machine.home.joints)
+    next_ = machine.forward.tracked_on(first, np.array(machine.home.joints) + 0.01)
+    took = perf_counter() - began
+    assert 0.0 < first.seconds < took
+    assert 0.0 < next_.seconds < took - first.seconds
