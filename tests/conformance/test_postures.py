@@ -166,3 +166,14 @@ def test_the_stroke_that_would_allow_a_pose_is_told(name: str, part: float) -> N
         assert changed.inverse.posture(pose, m.home.mode).reachable
         beyond = [abs(each.after - each.before) for each in way]
         assert max(beyond) == pytest.approx(max(r.amount for r in at.reasons), rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ONE_EACH)
+def test_lengths_of_nothing_or_less_are_refused_and_angles_are_not(name: str) -> None:
+    m = machine(name)
+    for joints in ([-1.0 for _ in m.joints], [0.0, *m.home.joints[1:]]):
+        if all(c.unit == "mm" and not c.signed for c in m.joints):
+            with pytest.raises(kin.InputError, match="must be positive"):
+                m.forward(joints)
+        else:
+            m.forward(joints)
