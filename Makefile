@@ -47,7 +47,6 @@ sweeps: $(VENV)/installed-tools
 
 # Whether the tests notice a wrong operator; ARGS="--count 20 --only kinematics/screws".
 mutants: $(VENV)/installed-tools
-	@$(BIN)/python -c 'import coverage' 2>/dev/null || $(BIN)/python -m pip install -q '.[mutants]'
 	@$(BIN)/python tests/mutants.py $(ARGS)
 
 format: $(VENV)/installed-tools

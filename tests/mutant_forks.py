@@ -56,9 +56,13 @@ def pytest_runtestloop(session: pytest.Session) -> bool:
     out = Path(os.environ["MUTANTS_FOUND"])
     sound: dict[str, bool] = {}
     for mutant in asked:
-        chosen = {test: n for n, test in enumerate(mutant["tests"])}
-        items = [i for i in session.items if i.nodeid.split("::")[0] in chosen]
-        items.sort(key=lambda i: (_turn(i) // _CASES, chosen[i.nodeid.split("::")[0]], _turn(i)))
+        ranked = [
+            (_turn(item) // _CASES, n, _turn(item), k)
+            for k, item in enumerate(session.items)
+            for n, test in enumerate(mutant["tests"])
+            if item.nodeid.startswith(test)
+        ]
+        items = [session.items[each[-1]] for each in sorted(ranked)]
         began = time.time()
         said = _fork(items, mutant, mutant["seconds"])
         if said["failed"]:
@@ -69,7 +73,8 @@ def pytest_runtestloop(session: pytest.Session) -> bool:
             if not sound[test]:
                 said = {"failed": None, "end": f"{test} fails as it is"}
         with out.open("a") as file:
-            file.write(json.dumps({"key": mutant["key"], **said}) + "\n")
+            told = {"number": mutant.get("number"), "key": mutant["key"], **said}
+            file.write(json.dumps(told) + "\n")
         print(f"{mutant['key']} {said} {time.time() - began:.0f} s", file=sys.stderr, flush=True)
     return True
 

@@ -44,12 +44,17 @@ def copied(to: Path) -> Path:
     return to
 
 
+def is_kernel(file: str) -> bool:
+    """Whether a file is compiled."""
+    return Path(file).stem in KERNEL and file.startswith(KERNEL_FOLDER)
+
+
 def instrumented(copy: Path, sites: list[Mutant]) -> None:
     """Have each place say that it runs."""
     inserted: dict[str, list[tuple[int, int, bytes]]] = defaultdict(list)
     trees = {name: ast.parse((ROOT / name).read_bytes()) for name in files()}
     for n, site in enumerate(sites):
-        if Path(site.file).stem in KERNEL and site.file.startswith(KERNEL_FOLDER):
+        if is_kernel(site.file):
             _at_functions(inserted, trees, n, (KERNEL_CALLS[1],), KERNEL_CALLS[0])
             continue
         if site.used:
@@ -92,9 +97,7 @@ def _at_functions(
 ) -> None:
     """At the beginning of every function that has or mentions one of the names."""
     for file, tree in trees.items():
-        if (only and file != only) or (
-            file.startswith(KERNEL_FOLDER) and Path(file).stem in KERNEL
-        ):
+        if (only and file != only) or is_kernel(file):
             continue
         text = (ROOT / file).read_bytes()
         lines = text.splitlines(keepends=True)

@@ -2,10 +2,11 @@
 
 One operator, sign, index or number of `kinematics` or of what `app` decides (not what it draws) is
 changed at a time, and the tests that run through its place are run, the nearest and quickest first.
-Places are drawn by a seed, so that a sample can be repeated. Which tests run through them is seen
-folder by folder of the tests, from the nearest on, and only for mutants that nearer tests did not
-notice. What was seen is kept in `.mutants` until the code, or that file of tests, changes; so is
-what was noticed, until the code changes.
+Places are drawn by a seed, so that a sample can be repeated. First those files of tests are tried
+for a few seconds that speak of the mutant's module. For the mutants that these do not notice it is
+seen which tests run through their places, folder by folder of the tests, from the nearest on. What
+was seen is kept in `.mutants` until the code, or that file of tests, changes; so is what was
+noticed, until the code changes.
 
 A changed program that gives the same answers is no fault of the tests. Those are listed in
 `mutants_equal.toml`, each with the reason.
@@ -27,12 +28,12 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import partial
+from itertools import groupby
 from pathlib import Path
 from queue import Queue
 from threading import Lock
 
-from mutant_reach import Ran, copied, environment, instrumented, run_through
+from mutant_reach import Ran, copied, environment, instrumented, is_kernel, run_through
 from mutant_sites import ROOT, Mutant, sample
 
 KEPT = ROOT / ".mutants"
@@ -40,8 +41,7 @@ EQUAL = Path(__file__).with_name("mutants_equal.toml")
 TESTS = ("tests/kinematics", "tests/conformance", "tests/app")
 
 SECONDS = (45.0, 150.0)  # of processors: for the tests of a folder, and of all for a mutant
-SOUND: set[str] = set()  # tests that are known to pass
-GUESS = 25.0  # s of processors for tests that may well notice it
+GUESS = 15.0  # s of processors for tests that speak of its module
 MEMORY = 8 << 30  # bytes of addresses that a process of a mutant's tests may have
 PATIENCE = 10.0  # times as long as the tests take; then the mutant hangs, which is noticed
 
@@ -124,24 +124,6 @@ class Trial:
     left: int = 0
     seconds: float = 0.0
 
-    def guess(self, copy: Path) -> None:
-        """Try the files of tests that speak of the mutant's module, for a short while.
-
-        What they notice costs less than to see which tests run through the place; what is noticed
-        so has to pass without the mutant.
-        """
-        files = speaking_of(self.mutant)
-        if not files:
-            return
-        with changed(copy, self.mutant):
-            said = _noticed(copy, files, GUESS)
-        if said.startswith(("FAILED", "ERROR")):
-            test = said.split(" ", 1)[1].split(" - ")[0]
-            if test not in SOUND and not _noticed(copy, [test], GUESS):
-                SOUND.add(test)
-            if test in SOUND:
-                self.said = said
-
     def go_on(self, copy: Path, reach: Reach) -> None:
         """Try the tests of the next folder, as far as they are quick enough."""
         chosen: list[str] = []
@@ -159,6 +141,47 @@ class Trial:
         if chosen:
             with changed(copy, self.mutant):
                 self.said = _noticed(copy, chosen, 60.0 + PATIENCE * seconds)
+
+
+def guessed(room: list[Mutant], copy: Path) -> dict[Mutant, str]:
+    """By what mutants are noticed in a few seconds, in forks of one process.
+
+    Tried are the files of tests that speak of a mutant's module: no search is as quick.
+    """
+    asked, files = copy / "asked.json", {each: speaking_of(each) for each in room}
+    found = copy / "found.jsonl"
+    found.unlink(missing_ok=True)
+    content = [
+        {
+            **{name: getattr(each, name) for name in ("key", "file", "start", "end", "text")},
+            "number": n,
+            "tests": files[each],
+            "seconds": GUESS,
+        }
+        for n, each in enumerate(room)
+        if files[each] and not is_kernel(each.file)
+    ]
+    if not content:
+        return {}
+    asked.write_text(json.dumps(content))
+    options = ["-q", "-p", "no:cacheprovider", "-p", "mutant_forks", "-n", "0", "--timeout=0"]
+    every = dict.fromkeys(test for each in files.values() for test in each)
+    subprocess.run(
+        [sys.executable, "-m", "pytest", *options, *every],
+        cwd=copy,
+        env={**environment(copy), "MUTANTS_ASKED": str(asked), "MUTANTS_FOUND": str(found)},
+        capture_output=True,
+        check=False,
+    )
+    lines = found.read_text().splitlines() if found.exists() else []
+    told = [json.loads(line) for line in lines]
+    return {room[each["number"]]: " - ".join(each["failed"]) for each in told if each["failed"]}
+
+
+def room_of(mutant: Mutant) -> str:
+    """Mutants that are tried together."""
+    parts = Path(mutant.file).parent.parts
+    return "/".join(parts[:3] if parts[1:2] == ("mechanisms",) else parts[:2])
 
 
 def speaking_of(mutant: Mutant) -> list[str]:
@@ -238,52 +261,61 @@ def main() -> int:
     asked = parser.parse_args()
     equal: dict[str, str] = tomllib.loads(EQUAL.read_text())["equal"] if EQUAL.exists() else {}
     every = sorted(sample(asked.seed, asked.count, asked.only), key=_order)
-    code = _code()
     KEPT.mkdir(exist_ok=True)
-    record = KEPT / f"noticed-{code}.jsonl"
-    before = dict(map(json.loads, record.read_text().splitlines())) if record.exists() else {}
-    results: dict[Mutant, str] = {}
+    results = Results(len(every), KEPT / f"noticed-{_code()}.jsonl")
+    left = []
+    for mutant in (m for m in every if re.search(asked.match, m.key)):
+        said = "equal" if mutant.key in equal else results.before.get(_named(mutant))
+        if said:
+            results.found[mutant] = said
+        else:
+            left.append(mutant)
     with tempfile.TemporaryDirectory() as scratch, ThreadPoolExecutor(asked.jobs) as pool:
-        reach = Reach(every, code, Path(scratch))
+        reach = Reach(every, _code(), Path(scratch))
         copies: Queue[Path] = Queue()
         for n in range(asked.jobs):
             copies.put(copied(Path(scratch) / str(n)))
 
-        def one(trial: Trial, *, guess: bool = False) -> None:
+        def guess(room: list[Mutant]) -> None:
             copy = copies.get()
-            try:
-                if guess:
-                    trial.guess(copy)
-                else:
-                    trial.go_on(copy, reach)
-            finally:
-                copies.put(copy)
-            mutant = trial.mutant
-            if trial.said or not trial.folders:
-                results[mutant] = trial.said
-                with record.open("a") as out:
-                    out.write(json.dumps([f"{mutant.key} @{mutant.start}", trial.said]) + "\n")
-            told = trial.said or (f"not yet by {trial.run} tests" if trial.run else "")
-            if told or not trial.folders:
-                told = told or "no test runs through it"
-                print(
-                    f"{len(results)}/{len(every)} {mutant.line} {mutant.key}\n    {told}",
-                    flush=True,
-                )
+            for mutant, said in guessed(room, copy).items():
+                results.add(mutant, said)
+            copies.put(copy)
 
-        trials = []
-        for mutant in (m for m in every if re.search(asked.match, m.key)):
-            if mutant.key in equal:
-                results[mutant] = "equal"
-            elif said := before.get(f"{mutant.key} @{mutant.start}"):
-                results[mutant] = said
-            else:
-                trials.append(Trial(mutant, folders(mutant)))
-        trials.sort(key=lambda each: _order(each.mutant))
-        list(pool.map(partial(one, guess=True), trials))
+        def try_on(trial: Trial) -> None:
+            copy = copies.get()
+            trial.go_on(copy, reach)
+            copies.put(copy)
+            if trial.said or not trial.folders:
+                results.add(trial.mutant, trial.said)
+
+        list(pool.map(guess, [list(group) for _, group in groupby(left, room_of)]))
+        trials = [Trial(each, folders(each)) for each in left if each not in results.found]
         while trials := [each for each in trials if each.folders and not each.said]:
-            list(pool.map(one, trials))
-    return _told(results, asked.least)
+            list(pool.map(try_on, trials))
+    return _told(results.found, asked.least)
+
+
+class Results:
+    """By what mutants were noticed, "" by nothing; kept in a file."""
+
+    def __init__(self, count: int, file: Path) -> None:
+        self._count, self._file = count, file
+        lines = file.read_text().splitlines() if file.exists() else []
+        self.before: dict[str, str] = dict(map(json.loads, lines))
+        self.found: dict[Mutant, str] = {}
+
+    def add(self, mutant: Mutant, said: str) -> None:
+        """And tell it."""
+        self.found[mutant] = said
+        with self._file.open("a") as out:
+            out.write(json.dumps([_named(mutant), said]) + "\n")
+        told = said or "NOT NOTICED"
+        print(f"{len(self.found)}/{self._count} {mutant.line} {mutant.key}\n    {told}", flush=True)
+
+
+def _named(mutant: Mutant) -> str:
+    return f"{mutant.key} @{mutant.start}"
 
 
 def _order(mutant: Mutant) -> tuple[bool, str, int]:

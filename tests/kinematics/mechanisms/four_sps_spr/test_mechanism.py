@@ -14,6 +14,7 @@ from kinematics.machine import machine_of
 from kinematics.mechanism import mechanism_class
 from kinematics.mechanisms.four_sps_spr import inverse
 from kinematics.mechanisms.four_sps_spr.constraint import complete_pose
+from kinematics.mechanisms.four_sps_spr.home import reach
 from kinematics.screws.spatial import homogeneous
 from tests.kinematics.mechanisms.four_sps_spr.machines import (
     general,
@@ -262,3 +263,24 @@ def test_a_path_is_followed_up_to_what_stops_the_machine() -> None:
     assert reached.fraction == pytest.approx(home.pose[2] / (home.pose[2] + 200.0), rel=1e-4)
     with pytest.raises(InputError, match="a path must be a list of poses of 6 numbers"):
         machine_of(design).paths.drive(home, home.pose)
+
+
+def test_home_is_above_the_whole_base_or_in_the_upper_half_of_reach() -> None:
+    """A machine with base points at two heights, which could be held lower with more room."""
+    base = [[384, -6, 400], [108, 334, 400], [-359, 209, 0], [-346, -258, 400], [133, -324, 400]]
+    platform = [[104, 17, 8], [31, 78, 0], [-92, 44, 0], [-69, -67, 11], [32, -109, 19]]
+    design = machine(base, platform, (0.57, -0.4, -0.72), (250.0, 600.0))
+    home = machine_of(design).home
+    low, high = (c[2] for c in reach(design))
+    assert home.reachable
+    assert home.pose[2] >= min(400.0, 0.5 * (low + high)) - 1e-9
+
+
+def test_a_leg_without_length_is_drawn_upright() -> None:
+    design = preset()
+    for length, along in ((1e-3, (1.0, 0.0, 0.0)), (1e-8, (0.0, 0.0, 1.0))):
+        position = design.base[0] - design.platform[0] + np.array([length, 0.0, 0.0])
+        at = machine_of(design).inverse.posture((*position, 0.0, 0.0, 0.0), "")
+        bars = {bar.name: bar for bar in machine_of(design).drawing(at).bars}
+        rail = np.subtract(bars["limb1/rail"].end, bars["limb1/rail"].start)
+        np.testing.assert_allclose(rail / np.linalg.norm(rail), along, atol=1e-6)
