@@ -314,7 +314,7 @@ class Page:
             if review.design.mechanism != self._kind:
                 self._assemble(review)
             self._theme(review)
-            for part in self._parts:
+            for part in sorted(self._parts, key=lambda part: not part.ASKS_FIRST):
                 part.follow()
             self.show_machine()
         self._hand_over()  # the machine waits for no panel

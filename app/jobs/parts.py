@@ -117,6 +117,7 @@ class Part:
 
     LANES: ClassVar[tuple[str, ...]] = ()
     DRAWN_LAST: ClassVar[bool] = False  # its nodes are translucent, and others are within them
+    ASKS_FIRST: ClassVar[bool] = False  # a hand waits for its answers
 
     def __init__(self, stage: Stage) -> None:
         self.stage = stage

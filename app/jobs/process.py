@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import TypeVar
@@ -107,6 +108,31 @@ def give_way(steps: int) -> None:
 def load_solids() -> None:
     """Load manifold3d while nobody waits yet."""
     import kinematics.solids.csg  # noqa: F401
+
+
+def load_coarse_solids() -> None:
+    """The same where they are small: one thread, as several would wait for each other longer than
+    they gain, and take the page's core away."""
+    from kinematics.solids.csg import first_use
+
+    with one_core():
+        first_use()
+
+
+@contextmanager
+def one_core() -> Iterator[None]:
+    """This process on one core, where the system has it: how many threads a library starts is
+    often settled by the cores that it finds at its first use.
+    """
+    if not hasattr(os, "sched_setaffinity"):
+        yield
+        return
+    before = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {min(before)})
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, before)
 
 
 def load_finer_solids() -> None:

@@ -24,7 +24,9 @@ from app.widgets.desk import Command, Group, Sheet, put_prop
 from app.widgets.front import FRONT
 from app.widgets.icons import icon_button
 from app.widgets.markup import Markup
+from app.widgets.once import Once
 from app.widgets.texts import aged, box, chip, esc, faint, styled, tone
+from kinematics.mechanism import Design
 
 LOOKS: tuple[Look, ...] = ("isometric", "plan", "front", "side")
 """Views that have a key of their own, 1 to 4."""
@@ -57,19 +59,20 @@ class Header(Group):
         self._size = Size(None, stale=False)
         self._away = False  # the machine is not shown where the review has it
         self._entries: dict[str, Legend] = {}
+        self._buttons = Once(self._draw_bar)
+        self._looks = Once(self._draw_views)
+        self._ground = Once(self._draw_foot)
 
     def equip(self, commands: Iterable[Command]) -> None:
         """These can be done with a key, and some of them in the bar."""
         self._commands = {command.name: command for command in commands}
-        self._draw_bar(self.sheet)
-        self._draw_foot(self.sheet)
+        self._draw_frame(self.sheet)
 
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)
-        self._draw_bar(sheet)
+        self._draw_frame(sheet)
         self._draw_status(sheet, self._clear)
         self._draw_legend(sheet)
-        self._draw_foot(sheet)
 
     def told(self, sheet: Sheet, news: Any) -> None:
         match news:
@@ -96,10 +99,16 @@ class Header(Group):
         show = work is not None and work.title and waited > PATIENCE
         self._work.say(_doing(work.title or "", waited) if show and work else "")
 
-    def _draw_bar(self, sheet: Sheet) -> None:
-        done, undone = sheet.history.titles(False, 1), sheet.history.undone(False)
-        design = sheet.view.review.design
-        undo = tr("page.undo", what=done[0]) if done else tr("page.nothing_to_undo")
+    def _draw_frame(self, sheet: Sheet) -> None:
+        """The bar, the views over the scene and the foot."""
+        review, commands = sheet.view.review, tuple(self._commands.values())
+        done = next(iter(sheet.history.titles(False, 1)), "")
+        self._buttons(commands, review.design, done, sheet.history.undone(False))
+        self._looks(commands, on=review[Options].legend)
+        self._ground(commands, ground_cell(sheet.view.drawing))
+
+    def _draw_bar(self, _: object, design: Design, done: str, undone: str) -> None:
+        undo = tr("page.undo", what=done) if done else tr("page.nothing_to_undo")
         redo = tr("page.redo", what=undone) if undone else tr("page.nothing_to_redo")
         icons = [
             icon_button("undo", tr("keys.undo"), undo, disabled=not done),
@@ -111,7 +120,8 @@ class Header(Group):
             f'<div class="bo-name" title="{title}">{title}</div>'
             f'<div class="bo-bar">{"".join(icons)}</div>'
         )
-        on = sheet.view.review[Options].legend
+
+    def _draw_views(self, _: object, *, on: bool) -> None:
         views = [*map(self._icon, (*LOOKS, "fit")), self._icon("legend", on)]
         self._views.say(f'<div class="bo-views">{"".join(views)}</div>')
 
@@ -131,9 +141,8 @@ class Header(Group):
         shown = sheet.view.review[Options].legend
         self.say(self._legend, _legend(sheet, self._entries.values()) if shown else "")
 
-    def _draw_foot(self, sheet: Sheet) -> None:
-        cell = ground_cell(sheet.view.drawing)
-        self.say(self._foot, _foot(self._commands.values(), cell))
+    def _draw_foot(self, commands: Iterable[Command], cell: float) -> None:
+        self.say(self._foot, _foot(commands, cell))
 
     def _pressed(self, name: str, client: Client) -> None:
         if name in self._commands:

@@ -309,20 +309,25 @@ class BuiltSolid:
         """
         return crease_lines(self.shaded.vertices, self.shaded.faces)
 
+    @cached_property
+    def owner(self) -> NDArray[np.intp]:
+        """(F,) to which of ``pieces`` each face belongs, or −1; goes along as ``edges`` do."""
+        if self.piece_of is not None:
+            return self.piece_of
+        v, f = self.mesh.vertices, self.mesh.faces
+        shells = meshes.face_shells(len(v), f)
+        six, _, moments = meshes.face_parts(v, f)
+        return meshes.pieces(v, f, shells, six, moments)[1]
+
     def piece_at(self, point: ArrayLike) -> int | None:
         """Which of the pieces holds a point (3,) of the solid's own frame; None: none does."""
         p = np.asarray(point, dtype=float)
         v, f = self.mesh.vertices, self.mesh.faces
-        owner = self.piece_of
         for n, piece in enumerate(self.pieces):
             low, high = piece.bounds
-            if (p >= low).all() and (p <= high).all():
-                if owner is None:
-                    shells = meshes.face_shells(len(v), f)
-                    six, _, moments = meshes.face_parts(v, f)
-                    _, owner = meshes.pieces(v, f, shells, six, moments)
-                if meshes.winds_around(v, f[owner == n], p):
-                    return n
+            near = (p >= low).all() and (p <= high).all()
+            if near and meshes.winds_around(v, f[self.owner == n], p):
+                return n
         return None
 
     def piece_mesh(self, n: int) -> SolidMesh:
@@ -402,7 +407,7 @@ def finish(
         raise LeakError
     # Twice what was dropped: as much again may never have been meshed.
     lost = 0.0 if total else 2.0 * dropped + moved * area + shifted
-    return BuiltSolid(
+    built = BuiltSolid(
         mesh=traced.mesh,
         shaded=meshes.shaded(traced),
         volume=volume,
@@ -415,6 +420,8 @@ def finish(
         residual=None if placed is None else placed.residual,
         unplaced=0 if placed is None else placed.unplaced,
     )
+    built.__dict__["owner"] = piece_of  # known already
+    return built
 
 
 # --- positions: a file such as STL knows its vertices by nothing else ---------------------------
@@ -469,6 +476,12 @@ def rounded(
 def _closed(traced: TracedMesh) -> bool:
     v, f = traced.mesh.vertices, traced.mesh.faces
     return not len(meshes.sharing(v)) or meshes.is_closed(meshes.welded(v, f))
+
+
+def first_use() -> None:
+    """An operation like any other; with the first, manifold3d settles how many threads it has."""
+    ball = Manifold.sphere(1.0, 96)
+    Manifold.batch_boolean([ball, ball.translate((0.5, 0.5, 0.5))], OpType.Intersect).num_tri()
 
 
 def flat_mesh(loops: Sequence[ArrayLike]) -> tuple[NDArray[np.float64], NDArray[np.int32]]:

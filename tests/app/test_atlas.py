@@ -10,7 +10,7 @@ import pytest
 
 from app.features.move.state import Move, Visit
 from app.features.solutions.compute import HERE, Known, atlas
-from app.features.solutions.state import SAME_MODE, SetAtlas
+from app.features.solutions.state import SetAtlas
 from app.review import view as compute
 from app.review.changes import change
 from app.review.state import Review, new_review
@@ -116,7 +116,6 @@ def test_filters(review: Review, known: Known) -> None:
         return sorted(row.mode for row in filtered.rows)
 
     assert shown("modes", "") == sorted(modes)
-    assert shown("modes", SAME_MODE) == sorted(m for m in modes if m == review.mode)
     pattern = f"????{review.mode[4]}"
     assert 0 < len(shown("modes", pattern)) < len(modes)
     assert shown("modes", pattern) == sorted(m for m in modes if m[4] == review.mode[4])

@@ -7,10 +7,13 @@ import os
 import signal
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
 from app.jobs.lane import Done, Job, Lost
+from app.jobs.process import Process, load_coarse_solids, one_core
+from kinematics.solids.csg import first_use
 from tests.app import lanes
 from tests.app.lanes import Desk
 
@@ -107,3 +110,30 @@ def test_a_process_that_died_at_rest_is_started_again(desk: Desk) -> None:
     desk.lane.want((add(2),))
     assert desk.until(Done).result == 3
     assert desk.lane.pid != pid
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="the system has no such thing")
+def test_one_core_is_given_back() -> None:
+    before = os.sched_getaffinity(0)
+    with one_core():
+        assert len(os.sched_getaffinity(0)) == 1
+    assert os.sched_getaffinity(0) == before
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="threads are counted there")
+def test_coarse_solids_are_built_by_one_thread() -> None:
+    process = Process("test", load_coarse_solids)
+    try:
+        assert process.run(30.0, _threads) == process.run(30.0, _threads_after_a_boolean)
+        assert process.run(30.0, os.sched_getaffinity, 0) == os.sched_getaffinity(0)
+    finally:
+        process.kill()
+
+
+def _threads() -> int:
+    return len([*Path("/proc/self/task").iterdir()])
+
+
+def _threads_after_a_boolean() -> int:
+    first_use()
+    return _threads()

@@ -11,6 +11,7 @@ import pytest
 from app.features.move.state import Place
 from app.features.trajectory import compute
 from app.features.trajectory.compute import Asked, Computed, Moved
+from app.features.trajectory.html import ends_html
 from app.features.trajectory.part import TrajectoryPart, rounded_up
 from app.features.trajectory.playing import Player
 from app.features.trajectory.state import Plan, SetPlan
@@ -321,3 +322,36 @@ def test_answers_come_back_from_the_process_as_they_are() -> None:
     assert isinstance(again, Computed)
     assert again.asked == of
     assert not again.found.joints.flags.writeable
+
+
+def test_a_straight_way_is_ended_where_it_leaves_the_workspace(desk: Desk) -> None:
+    review = desk.stage.review
+    here = review.machine.home.pose
+    desk.set(way="straight", start=here, end=(here[0] + 900.0, *here[1:]))
+    desk.do(desk.wanted[0])
+    computed = desk.shown().computed
+    assert computed is not None
+    leaves = compute.leaves_at(computed)
+    assert leaves is not None
+    desk.part.cut()
+    end = desk.stage.review[Plan].end
+    assert review.machine.inverse.posture(end, review.mode).reachable
+    np.testing.assert_allclose(end, computed.pose_at(leaves), atol=0.5)  # the event is as near
+    beyond = np.array(end) + 1e-3 * (np.array(computed.pose_at(9e9)) - here) / 900.0
+    assert not review.machine.inverse.posture(tuple(beyond), review.mode).reachable
+    desk.part.follow()
+    desk.do(desk.wanted[0])
+    inside = desk.shown().computed
+    assert inside is not None
+    assert compute.leaves_at(inside) is None
+
+
+def test_the_ends_of_a_way_are_a_table_that_tells_units_and_what_is_not_chosen() -> None:
+    review = new_review(load_design("rpur-table1"))
+    start = (326.0, 73.0, 211.0, 0.1, -0.2)
+    text = ends_html([("start", start), ("end", ())], review.machine.coordinates)
+    assert text.count("data-edit=") == 10
+    assert 'data-edit="start.3" data-of="°" value="5.7296"' in text
+    assert 'data-edit="end.0" data-of="mm" value=""' in text
+    assert 'data-send="start"' in text
+    assert 'data-send="end"' in text

@@ -120,6 +120,12 @@ def test_sessions_from_before_there_were_solutions_still_open(review: Review) ->
     assert again.mode == review.mode
 
 
+def test_the_present_mode_alone_is_one_thing_now(review: Review) -> None:
+    content = json.loads(session.to_text(review)) | {"solutions": {"modes": "same"}}
+    again = session.from_text(json.dumps(content), origin="x")
+    assert again[Atlas] == Atlas(only="mode")
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [

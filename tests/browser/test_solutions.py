@@ -90,14 +90,14 @@ def test_all_solutions_are_counted_listed_filtered_and_sorted(tab: Tab) -> None:
     assert "The present solution" in _said(tab)[0]
     heights = [_numbers(text)[2] for text in _said(tab)]
     assert heights != sorted(heights, reverse=True)
-    tab.unfold("Order and filter")
-    _choose(tab, "Sort by", "Height")
+    tab.page.locator('[data-send="sort height"]').click()
 
     def sorted_now() -> bool:
         now = [_numbers(text)[2] for text in _said(tab)]
         return now == sorted(now, reverse=True)
 
     tab.wait(sorted_now, "the list by height")
+    tab.unfold("Which are listed")
     _choose(tab, "Of", "A pattern")
     tab.type_into("Pattern", "+????")
 

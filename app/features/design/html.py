@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
+from collections.abc import Iterable
 from functools import lru_cache
 
 from app.language import tr
-from app.review.state import Review
 from app.review.units import minus
 from app.scene import palette
 from app.widgets.texts import box, chip, edged, esc, faint, tone
@@ -24,9 +24,8 @@ def findings(design: Design) -> tuple[Finding, ...]:
     return machine_of(design).findings
 
 
-def about_html(review: Review) -> str:
+def about_html(design: Design) -> str:
     """Its title, its source, and what was found in it."""
-    design = review.design
     lines = [f"<b>{esc(design.title or design.name)}</b>"]
     if design.source:
         lines.append(faint(esc(design.source)))
@@ -42,11 +41,11 @@ def about_html(review: Review) -> str:
     return box("<br>".join(lines) + found)
 
 
-def numbers_html(review: Review) -> str:
+def numbers_html(fields: Iterable[DesignField]) -> str:
     """The design's numbers as boxes: a row for each limb, and for each number of the whole."""
     limbs: dict[str, list[DesignField]] = defaultdict(list)
     others: dict[str, list[DesignField]] = defaultdict(list)
-    for field in review.machine.fields:
+    for field in fields:
         one = field.group.removeprefix(LIMB).isdigit()
         (limbs if one else others)[field.group].append(field)
     parts = [_limbs(limbs)] if limbs else []

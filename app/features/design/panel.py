@@ -13,9 +13,12 @@ from app.language import tr
 from app.review.state import Review
 from app.widgets.desk import Client, Panel, Sheet, explain
 from app.widgets.markup import Markup
+from app.widgets.once import Once
 from app.widgets.texts import box, esc, styled, tone
 from kinematics.designs.files import MAX_BYTES, load_design, presets, read_design
 from kinematics.errors import InputError
+from kinematics.machine import machine_of
+from kinematics.mechanism import Design
 
 
 class DesignPanel(Panel):
@@ -36,12 +39,16 @@ class DesignPanel(Panel):
         with self.folder("design.dimensions"):
             self._numbers = Markup(self.desk, self._edit)
         explain(gui, review.machine.text("design"), tr("design.help"))
+        self._changed = Once(self._tell)
 
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)
         self.put(self._choice, _chosen(self.review))
-        self.say(self._about, html.about_html(self.review))
-        self._numbers.say(html.numbers_html(self.review))
+        self._changed(self.review.design)
+
+    def _tell(self, design: Design) -> None:
+        self.say(self._about, html.about_html(design))
+        self._numbers.say(html.numbers_html(machine_of(design).fields))
 
     def _edit(self, pressed: str, client: Client) -> None:
         key, _, value = pressed.partition(" ")

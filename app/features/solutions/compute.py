@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from app.features.solutions.state import SAME_MODE, Atlas, Only, Sort
+from app.features.solutions.state import Atlas, Only, Sort
 from app.jobs.answers import Question
 from app.language import tr
 from app.review.state import Review
@@ -218,9 +218,7 @@ def _rows(view: View, known: Known, placements: Array, *, stale: bool) -> list[R
 def _filtered(review: Review, rows: list[Row]) -> list[Row]:
     wanted = review[Atlas]
     modes: Sequence[str] = review.machine.modes
-    if wanted.modes == SAME_MODE:
-        modes = (review.mode,)
-    elif wanted.modes:
+    if wanted.modes:
         modes = matching(wanted.modes, review.machine.modes)
     return [r for r in rows if r.mode in modes and (r.within_stroke or not wanted.within_stroke)]
 

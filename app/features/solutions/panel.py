@@ -9,8 +9,8 @@ from app.features.move.state import Drive, Visit
 from app.features.solutions import html
 from app.features.solutions.compute import Ahead
 from app.features.solutions.part import Solutions, SolutionsPart
-from app.features.solutions.state import SAME_MODE, Atlas, SetAtlas
-from app.language import menu, tr
+from app.features.solutions.state import Atlas, SetAtlas
+from app.language import tr
 from app.review.state import Review
 from app.review.view import Moment
 from app.widgets.boxes import ModesMenu
@@ -42,8 +42,7 @@ class SolutionsPanel(Panel):
         self._remarks = gui.add_html("")
         with self.folder("solutions.order", open=False):
             self.switch("solutions.within", Atlas, "within_stroke")
-            self.menu("solutions.sort", menu("solutions.by"), Atlas, "sort")
-            modes = {tr("solutions.all"): "", tr("solutions.present"): SAME_MODE}
+            modes = {tr("solutions.all"): ""}
             change = partial(SetAtlas, "modes")
             self._modes = ModesMenu(self, modes, "solutions.own", change, visible=self._signs)
         with self.folder("solutions.in_scene"):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar, Literal, Self, get_args
 
@@ -13,7 +13,7 @@ from app.review.state import Review, Slice
 from kinematics.answers.modes import matching
 
 Sort = Literal["distance", "condition", "height", "mode"]
-SAME_MODE = "same"
+_SAME_MODE = "same"  # what sessions of before had for ``only`` = "mode"
 Only = Literal["", "mode", "new", "merging"]
 
 
@@ -21,9 +21,9 @@ Only = Literal["", "mode", "new", "merging"]
 class Atlas(Slice):
     """How the solutions are shown.
 
-    ``modes`` filters the list: "" for all, `SAME_MODE` for the present working mode, else patterns
-    that `kinematics.answers.modes.matching` understands. ``only`` leaves of those the ones of the
-    present working mode, those that appeared on the way, or those next to another one.
+    ``modes`` filters the list: "" for all, else patterns that `kinematics.answers.modes.matching`
+    understands. ``only`` leaves of those the ones of the present working mode, those that appeared
+    on the way, or those next to another one.
     """
 
     filed_as: ClassVar[str] = "solutions"
@@ -43,7 +43,9 @@ class Atlas(Slice):
     def checked(self, review: Review) -> Self:
         session.listed(self.sort, get_args(Sort), tr("solutions.sorted_by"))
         session.listed(self.only, get_args(Only), tr("solutions.shown_are"))
-        if self.modes not in ("", SAME_MODE):
+        if self.modes == _SAME_MODE:
+            return replace(self, modes="", only="mode")
+        if self.modes:
             matching(self.modes, review.machine.modes)
         return self
 

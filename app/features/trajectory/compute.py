@@ -14,7 +14,16 @@ from typing import Any
 import numpy as np
 
 from app.features.singularities.state import Control
-from app.features.trajectory.state import FILE, POINTS, STROKE, Plan, missing, path_of, plane_of
+from app.features.trajectory.state import (
+    FILE,
+    POINTS,
+    STRAIGHT,
+    STROKE,
+    Plan,
+    missing,
+    path_of,
+    plane_of,
+)
 from app.jobs.answers import Question
 from app.review.state import Review
 from kinematics.arrays import Array
@@ -37,6 +46,7 @@ from kinematics.trajectories.events import events_of
 from kinematics.trajectories.sampling import NEAR
 
 PART = 6  # distances that are found in one go
+HALVINGS = 40  # of the time in which a way leaves the workspace
 MOST_KNOTS = 60  # way points that are marked
 ReachKey = tuple[Design, tuple[float, ...], str, tuple[int, int], int | None]
 CELLS, COARSE = 160, 64  # of the reach in the plane of a stroke, along each side
@@ -169,6 +179,30 @@ def judged(computed: Computed) -> Computed:
     near = NEAR * of.machine.length
     events = events_of(along, found, of.plan.limits, near)
     return replace(computed, found=replace(found, events=events), marks=_marks(of, events))
+
+
+def leaves_at(computed: Computed) -> float | None:
+    """When the straight way leaves the workspace, s; None where it stays, or begins beyond it."""
+    beyond = [event.start for event in computed.found.events if event.kind == "outside"]
+    at = min(beyond, default=0.0)
+    return at if computed.asked.plan.way == STRAIGHT and at > 0.0 else None
+
+
+def last_inside(computed: Computed, leaves: float) -> tuple[float, ...] | None:
+    """The last pose of a way that can be reached before it ``leaves`` the workspace, s."""
+    machine, mode = computed.asked.machine, computed.asked.mode
+
+    def inside(time: float) -> bool:
+        return bool(machine.inverse.posture(computed.pose_at(time), mode).reachable)
+
+    times = computed.found.times
+    low, high = float(times[times < leaves][-1]), leaves
+    if not inside(low):
+        return None
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if inside(middle) else (low, middle)
+    return computed.pose_at(low)
 
 
 def known_distances(found: Trajectory) -> tuple[Array, Array]:

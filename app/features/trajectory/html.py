@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from math import isfinite, nan
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from app.features.trajectory.compute import Computed, Moved
 from app.features.trajectory.files import polynomial
 from app.features.trajectory.playing import first_wrong
+from app.features.trajectory.state import Pose
 from app.language import tr
 from app.review.units import minus, page_unit, sentence, tenths
 from app.scene import palette
@@ -100,6 +101,35 @@ def _first(events: Sequence[Event]) -> str:
     text = tr("trajectory.first", what=tr(f"trajectory.firsts.{event.kind}"), at=event.start)
     look = f"font-size:14px;line-height:20px;font-weight:600;color:{BAD}"
     return styled(text, look, "div")
+
+
+def ends_html(ends: Iterable[tuple[str, Pose]], axes: Sequence[Coordinate]) -> str:
+    """The ends of the straight way, a row each: numbers to type into, and a button that takes the
+    present pose. Of an end that is not chosen yet they are empty.
+    """
+    rows = []
+    for name, pose in ends:
+        title = tr("trajectory.from" if name == "start" else "trajectory.to")
+        cells = []
+        for n, c in enumerate(axes):
+            value = c.outer(pose[n]) if pose else None
+            short, whole = (
+                "" if value is None else minus(f"{round(value, 9) + 0.0:.{digits}g}")
+                for digits in (5, 12)
+            )
+            cells.append(
+                f'<td><input type="text" inputmode="decimal" data-edit="{name}.{n}" '
+                f'data-of="{page_unit(c)}" value="{short}" data-whole="{whole}" '
+                f'aria-label="{esc(f"{title}: {c.symbol} ({page_unit(c)})")}" title="{whole}"></td>'
+            )
+        here = tr(f"trajectory.ends.{name}")
+        button = f'<button class="bo-button" data-send="{name}">{esc(here)}</button>'
+        rows.append(f"<tr><th>{esc(title)}</th>{''.join(cells)}<td>{button}</td></tr>")
+    heads = "".join(f"<th>{esc(c.symbol)} {page_unit(c)}</th>" for c in axes)
+    return (
+        f'<table class="bo-table bo-design bo-ends"><tr><th></th>{heads}<th></th></tr>'
+        f"{''.join(rows)}</table>"
+    )
 
 
 def most_html(computed: Computed) -> str:

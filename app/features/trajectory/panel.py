@@ -8,7 +8,7 @@ from typing import Any
 
 import viser
 
-from app.features.trajectory.compute import Moved
+from app.features.trajectory.compute import Moved, leaves_at
 from app.features.trajectory.html import bar_html, fits_html, most_html, summary_html
 from app.features.trajectory.part import TrajectoryPart
 from app.features.trajectory.paths_panel import WayFolder
@@ -50,6 +50,7 @@ class TrajectoryPanel(Panel):
             tr("trajectory.wrong"), (tr("trajectory.to_first"), tr("trajectory.to_next"))
         )
         self.clicked(self._wrong, self._go_there)
+        self._cut = self.asks_for("trajectory.cut", part.cut, visible=False)
         self._progress = gui.add_progress_bar(0.0, visible=False)
         self._give_up = self.asks("trajectory.cancel_distances", part.measure, False)
         self._go_on = self.asks("trajectory.find_distances", part.measure, True)
@@ -166,7 +167,7 @@ class TrajectoryPanel(Panel):
         for name, box_ in self._limits.items():
             self._typing.draw(box_, getattr(plan, name))
         if not plan.on:
-            self.see(False, self._window, self._wrong)
+            self.see(False, self._window, self._wrong, self._cut)
 
     def told(self, sheet: Sheet, news: Any) -> None:
         super().told(sheet, news)
@@ -199,6 +200,9 @@ class TrajectoryPanel(Panel):
         self.see(there and not moved.measuring and moved.share < 1.0, self._go_on)
         events = () if computed is None else computed.found.events
         self.see(there and bool(events), self._wrong)
+        leaves = leaves_at(computed) if there and computed is not None else None
+        label = tr("trajectory.cut", at=leaves or 0.0)
+        self.set(self._cut, visible=leaves is not None, label=label)
         self.say(self._most, most_html(computed) if plan.on and computed else "", moved.stale)
         self.set(self._bar, content=bar_html(computed if there else None, plan.pace))
         fits = ""

@@ -16,7 +16,7 @@ from app.features.trajectory.files import trajectory_csv
 from app.features.trajectory.playing import Playing
 from app.features.trajectory.plot import plots_svg
 from app.features.trajectory.scene import Trail
-from app.features.trajectory.state import STROKE, Plan, SetPlan, missing
+from app.features.trajectory.state import STROKE, Plan, SetPlan, missing, set_plan
 from app.jobs import answers
 from app.jobs.parts import Client, Part, Stage
 from app.language import tr
@@ -152,6 +152,15 @@ class TrajectoryPart(Part):
             top = computed.path.length / duration / (1.0 - ramp)
             values = {"speed": top, "acceleration": top / (ramp * duration)}
         return self.stage.apply(SetPlan(tuple(values.items())), client)
+
+    def cut(self, client: Client = None) -> bool:
+        """End the straight way where it leaves the workspace."""
+        computed = self.current
+        leaves = None if computed is None else compute.leaves_at(computed)
+        if computed is None or leaves is None:
+            return False
+        end = compute.last_inside(computed, leaves)
+        return end is not None and self.stage.apply(set_plan("end", end), client)
 
     def save_trajectory(self, kind: str, client: Client = None) -> None:
         """Save the trajectory as CSV, or its plots as SVG."""

@@ -10,12 +10,14 @@ import numpy as np
 from app.features.trajectory import state
 from app.features.trajectory.compute import Moved
 from app.features.trajectory.files import LARGEST, read_points
+from app.features.trajectory.html import ends_html
 from app.features.trajectory.sketch import Sketch, sketch_figure, sketch_mark
 from app.language import menu, tr
 from app.review.state import Review
 from app.review.view import mode_noun
-from app.widgets.boxes import Typing, pose_box, poses_box, units
+from app.widgets.boxes import Typing, poses_box, units
 from app.widgets.desk import Client, Group, Sheet
+from app.widgets.markup import Markup
 from app.widgets.texts import box, esc
 from kinematics.arrays import Array
 from kinematics.errors import InputError
@@ -36,14 +38,8 @@ class WayFolder(Group):
         with gui.add_folder(tr("trajectory.path")):
             self.choice("trajectory.way", titles, lambda r: r[state.Plan].way, _chosen)
             self._source = gui.add_html("")
-            self._start, self._end = (
-                pose_box(desk, gui.add_text(label, "", hint=hint), axes, label)
-                for label in (tr("trajectory.from"), tr("trajectory.to"))
-            )
-            self._take_as, self._edits = menu("trajectory.ends"), menu("trajectory.edits")
-            self._ends = gui.add_button_group(
-                tr("trajectory.take"), tuple(self._take_as), hint=tr("trajectory.take_hint")
-            )
+            self._ends = Markup(desk, self._end)
+            self._edits = menu("trajectory.edits")
             listed = gui.add_text(
                 tr("trajectory.points"),
                 "",
@@ -68,22 +64,25 @@ class WayFolder(Group):
             )
             self._blend = self.number("trajectory.blend", plan, "blend", step, min=0.0, step=1.0)
             self._typing = Typing(desk)
-        self._typed = {"start": self._start, "end": self._end, "points": self._points}
-        for name, typed in self._typed.items():
-            self._typing.watch(typed, partial(self._take, name))
-        self.clicked(self._ends, self._take_end)
+        self._typing.watch(self._points, self._take_points)
         self.clicked(self._list, self._edit_list)
         for axis in self._plane:
             self.answer(axis, self._turn)
 
     # --- what a person does
 
-    def _take(self, name: str, value: Any, client: Client) -> None:
-        self.desk.send(state.step_plan(name, value), client)
+    def _take_points(self, value: Any, client: Client) -> None:
+        self.desk.send(state.step_plan("points", value), client)
 
-    def _take_end(self, client: Client) -> None:
-        name = self._take_as[self._ends.value]
-        self.desk.send(state.set_plan(name, self.review.pose), client)
+    def _end(self, pressed: str, client: Client) -> None:
+        """An end of the straight way is the present pose, or has another number."""
+        end, _, typed = pressed.partition(" ")
+        name, _, number = end.partition(".")
+        pose: state.Pose = self.review.pose
+        if typed:
+            n, known = int(number), getattr(self.review[state.Plan], name) or pose
+            pose = (*known[:n], self._axes[n].inner(float(typed)), *known[n + 1 :])
+        self.desk.send(state.set_plan(name, pose), client)
 
     def _edit_list(self, client: Client) -> None:
         pose, points = self.review.pose, self.review[state.Plan].points
@@ -142,14 +141,15 @@ class WayFolder(Group):
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)
         plan = self.review[state.Plan]
-        for name, typed in self._typed.items():
-            self._typing.draw(typed, getattr(plan, name))
+        self._typing.draw(self._points, plan.points)
+        ends = (("start", plan.start), ("end", plan.end))
+        straight = plan.way == state.STRAIGHT
+        self._ends.say(ends_html(ends, self._axes) if straight else "")
         for axis, n in zip(self._plane, state.plane_of(plan, self._axes), strict=True):
             self.put(axis, self._axes[n].symbol)
         way = plan.way
         joined = way == state.POINTS or (way == state.FILE and not plan.times)
         for seen, handles in (
-            (way == state.STRAIGHT, (self._start.handle, self._end.handle, self._ends)),
             (way == state.POINTS, (self._points.handle, self._list)),
             (way == state.FILE, (self._files,)),
             (way == state.STROKE and len(self._axes) > 2, self._plane),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -214,7 +215,13 @@ def piece_around(review: Review, built: Built) -> int | None:
     """The same of any solid."""
     solids = required(review.machine.solids, "solids")
     at = solids.point(built.wish.spec.key, review.pose, review.mode)
-    return built.solid.piece_at((np.linalg.inv(built.wish.placement) @ np.append(at, 1.0))[:3])
+    rotation, offset = built.wish.placement[:3, :3], built.wish.placement[:3, 3]
+    return _piece_at(built.solid, tuple((rotation.T @ (at - offset)).tolist()))
+
+
+@lru_cache(maxsize=8)  # several ask for it at each event
+def _piece_at(solid: BuiltSolid, point: tuple[float, ...]) -> int | None:
+    return solid.piece_at(point)
 
 
 def colour_key(review: Review, shown: Mapping[str, BuiltSolid]) -> tuple[tuple[str, str], ...]:

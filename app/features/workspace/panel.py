@@ -101,7 +101,6 @@ class WorkspacePanel(Panel):
         if self._of_limbs:
             self.put(self._all, all(wanted.shown(key) for key in self._whole))
             self._switches.say(html.switches_html(self.review, self._of_limbs))
-        self._draw_solids()
 
     def told(self, sheet: Sheet, news: Any) -> None:
         super().told(sheet, news)

@@ -18,7 +18,7 @@ from app.features.workspace.state import ASPECTS, KEY, colour_text, modes_text, 
 from app.jobs.answers import Asked
 from app.jobs.lane import Lane
 from app.jobs.parts import Client, Part, Stage
-from app.jobs.process import apart, load_finer_solids, load_solids
+from app.jobs.process import apart, load_coarse_solids, load_finer_solids
 from app.language import tr
 from app.review.state import Options, Review
 from app.review.units import area_text, plural, volume_text
@@ -41,6 +41,7 @@ class SolidsPart(Part):
 
     LANES = ("coarse", "fine", "colours")
     DRAWN_LAST = True
+    ASKS_FIRST = True
 
     def __init__(self, stage: Stage) -> None:
         super().__init__(stage)
@@ -52,7 +53,7 @@ class SolidsPart(Part):
     def lane(self, name: str) -> Lane:
         if name == "colours":
             return super().lane(name)
-        prepare = load_solids if name == "coarse" else load_finer_solids
+        prepare = load_coarse_solids if name == "coarse" else load_finer_solids
         return Lane(name, self.stage.put, prepare=prepare, warm=True)
 
     def prepare(self) -> None:

@@ -6,13 +6,9 @@ drawing itself. Shift and a drag, or the wheel, zoom; a double click shows the w
 if (!window.bohemiaPlots) {
   const numbers = (text) => text.split(" ").map(Number);
   const within = (w) => Math.min(Math.max(w, 0), 1);
-  const valued = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value");
-  const send = (plot, text) => {
-    const beside = plot.parentElement.nextElementSibling.nextElementSibling;
-    const input = beside.querySelector("input");
-    valued.set.call(input, text + " " + performance.now());
-    input.dispatchEvent(new Event("input", { bubbles: true }));
-  };
+  /* The hidden box stands behind the drawing and what lies over it. */
+  const send = (plot, text) =>
+    window.bohemiaTell(plot.parentElement.nextElementSibling.nextElementSibling, text);
   const look = (s, e) => {
     const b = numbers(s.dataset.box);
     const p = new DOMPoint(e.clientX, e.clientY).matrixTransform(s.getScreenCTM().inverse());

@@ -1,14 +1,15 @@
-/* Elements with data-send reach the server when they are pressed, by mouse or by key.
-
-viser reports nothing of what HTML in a panel is told. So the text of data-send is written into the
-hidden box behind it, which viser does report; the time makes every press another text. */
+/* The one way from HTML in a panel to the server, as viser reports nothing of what such is told: a
+text is written into a hidden box, which viser does report; the time makes every one another text. */
+window.bohemiaTell = (behind, text) => {
+  const box = behind.querySelector("input");
+  const { set } = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value");
+  set.call(box, `${text} ${performance.now()}`);
+  box.dispatchEvent(new Event("input", { bubbles: true }));
+};
+/* Elements with data-send tell its text when they are pressed, by mouse or by key. */
 if (!window.pressing) {
   const send = (at, text) => {
-    if (at.disabled) return;
-    const box = at.closest(".bo-live").parentElement.nextElementSibling.querySelector("input");
-    const { set } = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value");
-    set.call(box, `${text} ${performance.now()}`);
-    box.dispatchEvent(new Event("input", { bubbles: true }));
+    if (!at.disabled) window.bohemiaTell(at.closest(".bo-live").parentElement.nextElementSibling, text);
   };
   window.pressing = send;
   window.addEventListener("click", ({ target }) => {

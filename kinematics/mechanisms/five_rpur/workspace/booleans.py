@@ -86,8 +86,10 @@ def _intersection(operands: list[_Operand], resolution: Resolution) -> Solid:
         if one.part != "whole":
             unique.pop(replace(one, part="whole"), None)
     groups: dict[int, list[_Operand]] = {}
-    for one in unique:
-        groups.setdefault(one.rides, []).append(one)
+    for n, one in enumerate(unique):
+        # Halves share so little with far ones that to begin with these takes less on the whole.
+        own = one.rides if one.part == "whole" else LIMBS + n
+        groups.setdefault(own, []).append(one)
     # Previews alone are many, and small enough to be kept.
     shared = _kept if resolution == "preview" else _shared
     result: Solid | None = None
