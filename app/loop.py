@@ -32,6 +32,7 @@ from app.review.keeping import Keeper
 from app.review.state import Options, Review
 from app.scene.camera import Look, look
 from app.scene.machine import Scene
+from app.scene.pointer import Pointer
 from app.widgets.desk import Client, Command, Desk, Group, Hands, Panel, Sheet, safely
 from app.widgets.header import Header
 from kinematics.errors import InputError
@@ -104,6 +105,10 @@ class Page:
 
     def fit_view(self) -> None:
         self.look("fit")
+
+    def point(self, pointer: Pointer) -> None:
+        for part in self._parts:
+            self._inbox.put(partial(part.pointed, pointer))
 
     def cancel(self) -> None:
         busy = self._longest_work()

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from app.review.state import Review
     from app.review.view import View
     from app.scene.machine import Scene
+    from app.scene.pointer import Pointer
     from app.widgets.desk import Sheet
     from kinematics.arrays import Array
 
@@ -162,6 +163,9 @@ class Part:
 
     def applied(self, change: Change, before: Review, note: str) -> None:
         """A person's change was taken, with this to say; the review was ``before``."""
+
+    def pointed(self, pointer: Pointer) -> None:
+        """A person's pointer is somewhere else in the scene, or another tab is open."""
 
     def seen(self, view: View) -> View:
         """The view of a review with what the feature adds to it; the same as a rule."""

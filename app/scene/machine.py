@@ -33,12 +33,14 @@ class Scene(Nodes):
     Attributes:
         handle: what a person drags the platform by.
         held: a hand holds it, and decides where it is.
+        near: it is wanted in some browser; elsewhere it would only hide the platform.
     """
 
     def __init__(self, server: viser.ViserServer) -> None:
         super().__init__(server)
         self.handle: Any = None
         self.held = False
+        self.near = True
         self._seen: View | None = None
         self._lowest: dict[str, float] = {}  # of what parts show, mm
         self._nodes: dict[str, Any] = {}
@@ -109,9 +111,16 @@ class Scene(Nodes):
         self._seen = view
         self._show_ground()
         if self.handle is not None:
-            self.set(self.handle, visible=options.handle)
+            self.set(self.handle, visible=options.handle and (self.near or dragging))
             if not dragging:
                 self.pose(self.handle, view.platform)
+
+    def approach(self, near: bool) -> None:
+        """Whether somebody is about to take the handle, who would not see it otherwise."""
+        self.near = near
+        if self.handle is not None and self._seen is not None:
+            shown = self._seen.review[Options].handle and (near or self.held)
+            self.set(self.handle, visible=shown)
 
     def ground(self, what: str, points: Array | None) -> None:
         """Put the ground below something that is shown, by its points (N, 3) mm; None: it is not

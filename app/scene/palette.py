@@ -43,6 +43,7 @@ class Scheme:
         good, near, bad: text about how something stands.
         beyond: singular, or beyond a limit: surfaces, curves, bands.
         workspace, edge: solids of workspaces, and their edges.
+        others: edges of the workspace of other modes.
         cut: the cap of a solid that is cut.
         ghost, dot: the platform in another assembly mode, and one that is far.
         aspects: by the sign of the determinant, the largest first: cool where it is positive, warm
@@ -62,6 +63,7 @@ class Scheme:
     beyond: str
     workspace: str
     edge: str
+    others: str
     cut: str
     ghost: str
     dot: str
@@ -87,6 +89,7 @@ LIGHT = Scheme(
     beyond="#D55E00",
     workspace="#54677C",
     edge="#6C7F94",
+    others="#C3CDD8",
     cut="#A9B8C9",
     ghost="#3A4450",
     dot="#8A94A1",
@@ -115,6 +118,7 @@ DARK = Scheme(
     beyond="#F0803C",
     workspace="#8FA9C6",
     edge="#8299B2",
+    others="#3F4B58",
     cut="#5C6E82",
     ghost="#C3CBD5",
     dot="#8A94A1",

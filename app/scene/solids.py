@@ -65,6 +65,7 @@ class Solids:
         self._faces: dict[str, object] = {}  # which faces a mesh has
         self._shown: dict[str, tuple[object, ...]] = {}
         self._coats: dict[str, tuple[Coat, ...]] = {}
+        self._others = nodes.lines("/solids/others", palette.LIGHT.others, 1.0)
         for spec in sorted(self._specs.values(), key=_draw_order):
             name, count = f"/solids/{spec.key}", COATS if spec.limb is None else 1
             add = nodes.server.scene.add_frame
@@ -96,6 +97,14 @@ class Solids:
             self._shown[key], self._coats[key] = shown, coats
             self._put(key, solid, placement, coats, cut)
         self._fade(key, look)
+
+    def beside(self, solid: BuiltSolid | None, placement: Array) -> None:
+        """Show the edges of another solid, pale, at a place (4, 4); None: of none."""
+        lines: Array = NO_LINE[:0]
+        if solid is not None and solid.triangles:
+            lines = solid.edges @ placement[:3, :3].T + placement[:3, 3]
+        self._nodes.set(self._others, colors=colors([self._nodes.colors.others])[0])
+        self._nodes.points(self._others, lines)
 
     def hide(self, key: str) -> None:
         """Take a solid off display."""

@@ -22,6 +22,7 @@ from app.review.state import Review, Slice
 from app.review.view import View
 from app.scene import palette
 from app.scene.camera import Look
+from app.scene.pointer import Pointer
 from app.widgets.texts import aged, esc, prose
 from kinematics.errors import BohemiaError
 from kinematics.machine import Machine
@@ -83,6 +84,9 @@ class Desk(Room, Protocol):
 
     def redo(self, looks: bool = False) -> None: ...
     def cancel(self) -> None: ...
+    def point(self, pointer: Pointer) -> None:
+        """Where a person's pointer is."""
+
     def look(self, name: Look, client: Client = None) -> None:
         """Show everything from one side, in one browser or in all."""
 

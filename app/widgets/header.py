@@ -20,6 +20,7 @@ from app.review.view import Clear, Fact, Legend, Moment, Size
 from app.scene import palette
 from app.scene.camera import Look
 from app.scene.ground import ground_cell
+from app.scene.pointer import Pointer
 from app.widgets.desk import Command, Group, Sheet, put_prop
 from app.widgets.front import FRONT
 from app.widgets.icons import icon_button
@@ -53,6 +54,7 @@ class Header(Group):
         self._status = Markup(desk, lambda _, client: self._go_back(client))
         self._work = Markup(desk, lambda _, __: desk.cancel())
         self._views = Markup(desk, self._pressed)
+        Markup(desk, self._pointed).say('<div class="bo-pointer"></div>')
         self._legend = self.gui.add_html("")
         self._foot = self.gui.add_html("")
         self._clear = Clear(None, stale=False)
@@ -143,6 +145,14 @@ class Header(Group):
 
     def _draw_foot(self, commands: Iterable[Command], cell: float) -> None:
         self.say(self._foot, _foot(commands, cell))
+
+    def _pointed(self, text: str, client: Client) -> None:
+        """ "0 412 97": of the first tab, px; or "0 - -"."""
+        tab, *spot = text.split()
+        known = [float(v) for v in spot if v != "-"]
+        if len(known) in (0, 2):
+            at = (known[0], known[1]) if known else None
+            self.desk.point(Pointer(client, int(tab), at))
 
     def _pressed(self, name: str, client: Client) -> None:
         if name in self._commands:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import ParamSpec
+from typing import Generic, ParamSpec
 
 A = ParamSpec("A")
 
 
-class Once:
+class Once(Generic[A]):
     """Calls ``draw`` with arguments that are others than the last time; they are all that it may
     depend on.
     """

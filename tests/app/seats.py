@@ -115,6 +115,10 @@ class Seat:
             handle._impl.value = option
         self._tell(handle)
 
+    def paste(self, label: str, text: str) -> None:
+        """Type all numbers of a row into one of its boxes."""
+        self._press(self._in_html("input", f'{label}: [^"]*', "data-line"), f" {text}")
+
     def _put_html(self, label: str, value: float) -> None:
         """Type a number into a box that is a piece of HTML."""
         edited = self._in_html("input", f'[^"]*{re.escape(label)}', "data-edit")

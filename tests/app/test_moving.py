@@ -351,7 +351,7 @@ def test_the_ends_of_a_way_are_a_table_that_tells_units_and_what_is_not_chosen()
     start = (326.0, 73.0, 211.0, 0.1, -0.2)
     text = ends_html([("start", start), ("end", ())], review.machine.coordinates)
     assert text.count("data-edit=") == 10
-    assert 'data-edit="start.3" data-of="°" value="5.7296"' in text
-    assert 'data-edit="end.0" data-of="mm" value=""' in text
+    assert 'data-edit="start.3" data-line="start.line" data-of="°" value="5.7296"' in text
+    assert 'data-edit="end.0" data-line="end.line" data-of="mm" value=""' in text
     assert 'data-send="start"' in text
     assert 'data-send="end"' in text

@@ -57,7 +57,7 @@ def test_each_machine_runs_stops_and_is_taken_back(shared: Seat, name: str) -> N
     assert "press “To here”" in page.text()
     assert not page.seen("/trajectory/")
     home = page.review.pose
-    page.put("To", TO[name])
+    page.paste("To", TO[name])
     assert "5 samples" in page.text()
     assert page.seen("/trajectory/line")
     points = np.array(page.node("/trajectory/line").points)
@@ -156,7 +156,7 @@ def test_files(shared: Seat) -> None:
 
 def test_another_machine_leaves_nothing_of_the_last(shared: Seat) -> None:
     page = _open(shared, "five-bar")
-    page.put("To", "100, 700")
+    page.paste("To", "100, 700")
     assert page.seen("/trajectory/line")
     page.open("rps-3")
     assert page.review[Plan].on
@@ -167,7 +167,7 @@ def test_another_machine_leaves_nothing_of_the_last(shared: Seat) -> None:
 def test_a_way_with_a_law_of_its_own_runs_by_that(shared: Seat) -> None:
     page = _open(shared, "five-bar")
     page.put("Time law", "Quintic, rest to rest")
-    page.put("To", "100, 700")
+    page.paste("To", "100, 700")
     assert page.review[Plan].law == "quintic"
     page.put("It runs", "Straight line at constant velocity")
     assert page.review[Plan].law == ""
@@ -176,7 +176,7 @@ def test_a_way_with_a_law_of_its_own_runs_by_that(shared: Seat) -> None:
 
 def test_on_the_way_actuators_follow_and_what_does_not_says_so(shared: Seat) -> None:
     page = _open(shared, "five-bar")
-    page.put("To", "100, 700")
+    page.paste("To", "100, 700")
     said = "the trajectory shows the machine elsewhere"
     before = page.widget("x (mm)").value
     assert said not in page.text()

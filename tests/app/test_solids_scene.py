@@ -10,9 +10,16 @@ import numpy as np
 import pytest
 
 from app.features.singularities.state import SetControl
-from app.features.workspace.compute import Built, SolidWish, colour_key, piece_here, wishes
+from app.features.workspace.compute import (
+    Built,
+    SolidWish,
+    colour_key,
+    others_asked,
+    piece_here,
+    wishes,
+)
 from app.features.workspace.part import SolidsPart
-from app.features.workspace.state import Fade, Show
+from app.features.workspace.state import ChooseModes, Fade, Show
 from app.review.changes import SetOption, change
 from app.review.state import new_review
 from app.scene import painting, palette
@@ -232,3 +239,29 @@ def test_the_legend_tells_what_is_in_the_scene_in_its_colours(both: Any, dark: b
     assert of.beyond not in dict(colour_key(bare, solids))
     shaded, _ = change(review, SetControl("shade", "conditioning"))
     assert len(colour_key(shaded, solids)) == 1  # the measure has a scale of its own
+
+
+def test_other_modes_are_pale_edges_once_they_are_known() -> None:
+    review = new_review(load_design("rpur-table1"))
+    asked = others_asked(review)
+    assert asked is not None
+    solid = asked.question.answer(*asked.arguments)
+    assert solid.pieces[0].volume > 0.0
+    with seat("rpur-table1") as page:
+        scene: Solids = page.page.part(SolidsPart)._scene
+        at = np.eye(4)
+        at[:3, 3] = 1.0, 2.0, 3.0
+        scene.beside(solid, at)
+        node = page.node("/solids/others")
+        assert node.visible
+        np.testing.assert_allclose(node.points, solid.edges + at[:3, 3], atol=1e-3)
+        scene.beside(None, at)
+        assert not node.visible
+
+
+@pytest.mark.parametrize(
+    "what", [ChooseModes("all"), ChooseModes(("+++++",)), Show("workspace", False)]
+)
+def test_there_are_none_where_their_own_are_shown(what: Any) -> None:
+    review = new_review(load_design("rpur-table1"))
+    assert others_asked(change(review, what)[0]) is None

@@ -260,6 +260,12 @@ class Tab:
         box.fill(str(value))
         box.press("Enter")
 
+    def type_line(self, line: str, text: str) -> None:
+        """Type all numbers of a row into its first box."""
+        box = self.page.locator(f'[data-line="{line}.line"]').first
+        box.fill(text)
+        box.press("Enter")
+
     def value(self, label: str) -> float:
         return float(self.field(label).last.input_value())
 

@@ -29,7 +29,7 @@ def way(tab: Tab) -> Iterator[Tab]:
     tab.check("Show the trajectory").click()
     tab.wait_for_text(r"press “To here”")
     tab.type_into("Samples", 21)
-    tab.type_into("To", "300, 90, 230, 5, -5")
+    tab.type_line("end", "300, 90, 230, 5, -5")
     tab.wait_for_text(r"[\d.]+ mm in 1 s, quintic, 21 samples")
     yield tab
     assert before is not None
@@ -146,7 +146,7 @@ def test_the_plots_lie_over_the_foot_of_the_scene(way: Tab) -> None:
 
 
 def test_what_goes_wrong_first_is_gone_to(way: Tab) -> None:
-    way.type_into("To", "250, 120, 240, 0, 0")
+    way.type_line("end", "250, 120, 240, 0, 0")
     told = way.wait_for_text(r"Leaves the workspace at t = [\d.]+ s")
     at = float(told.split()[-2])
     way.page.get_by_role("button", name="Go there").click()

@@ -106,8 +106,8 @@ def test_arrow_keys_step_from_what_was_typed(heard: Tab) -> None:
 
 
 def test_text_counts_when_it_is_left(heard: Tab) -> None:
-    heard.open_tab("Trajectory")
-    _write(heard, "To", "300, 73, 211, 0, 0")
+    heard.open_tab("Move")
+    _write(heard, "As text", "300, 73, 211, 0, 0")
     assert _sent(heard) == []
     heard.page.keyboard.press("Enter")
     assert _sent(heard) == ["300, 73, 211, 0, 0"]

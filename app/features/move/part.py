@@ -16,11 +16,14 @@ from app.jobs.parts import Grip, Part
 from app.review.changes import Change
 from app.review.state import Review
 from app.review.view import Reach, View
+from app.scene.machine import HANDLE
 from app.scene.morph import Morph
 from app.scene.nodes import transform
+from app.scene.pointer import Pointer
 from app.widgets.desk import Sheet
 from kinematics.arrays import Array
 
+CLOSE = 1.6  # of the handle's size: a pointer that is nearer may want it
 FRAME = 0.02  # s between two pictures on the way to another solution
 
 
@@ -34,6 +37,7 @@ class MovePart(Part):
         self._grip = Grip()
         self._from: View | None = None  # where a visit was begun
         self._morph: Morph | None = None
+        self._near: dict[int, bool] = {}  # in which browsers the handle is wanted
 
     def prepare(self) -> None:
         self._grip = Grip()
@@ -49,6 +53,17 @@ class MovePart(Part):
     def show(self, sheet: Sheet) -> None:
         told = self.answers[REACH]
         self.stage.tell(Reach(told.shown or (), told.stale))
+
+    def pointed(self, pointer: Pointer) -> None:
+        """The handle is there while the first tab is open, or somebody's pointer is near it."""
+        place = self.stage.shown().platform[:3, 3]
+        reach = pointer.length(CLOSE * HANDLE * self.stage.scene.size, place)
+        near = pointer.tab <= 0 or float(pointer.distances(place[None])[0]) <= reach
+        there = {client.client_id for client in self.stage.server.get_clients().values()}
+        self._near = {who: at for who, at in self._near.items() if who in there}
+        if pointer.client is not None:
+            self._near[pointer.client.client_id] = near
+        self.stage.scene.approach(any(self._near.values()))
 
     def drag(self, phase: str, client_id: int | None, placed: Array) -> bool:
         """A hand holds the platform, (4, 4), or lets it go."""

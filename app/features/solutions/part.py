@@ -24,6 +24,7 @@ from app.review.history import QUIET_GAP
 from app.review.state import Options, Review
 from app.review.view import Legend, View
 from app.scene import palette
+from app.scene.pointer import Pointer
 from app.widgets.desk import Sheet
 from kinematics.answers.solutions import Refreshed
 from kinematics.errors import BohemiaError
@@ -31,6 +32,7 @@ from kinematics.errors import BohemiaError
 # The solutions pause so many times as long as bringing them up to date takes: seen in the scene, or
 # in the list alone.
 PAUSE_SEEN, PAUSE_LISTED = 1.0, 4.0
+UNDER = 14.0  # px: a ghost that is nearer is under the pointer
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -222,6 +224,7 @@ class SolutionsPart(Part):
         self.answers = self._explorer.answers
         self.lanes = {self._explorer.lane.name: self._explorer.lane}
         self._drawn: object = None
+        self._pointed: int | None = None
         self._from = 0.0  # the time from which they may be brought up to date again
 
     def prepare(self) -> None:
@@ -277,6 +280,17 @@ class SolutionsPart(Part):
 
     # --- drawing
 
+    def pointed(self, pointer: Pointer) -> None:
+        """The ghost under somebody's pointer is filled and named instead of the nearest one."""
+        if not self.stage.view.review[Atlas].ghosts:
+            return
+        owners, places = self._ghosts.spots
+        away = pointer.distances(places)
+        at = owners[int(away.argmin())] if len(away) and away.min() <= UNDER else None
+        if at != self._pointed:
+            self._pointed = at
+            self.redraw()
+
     @property
     def due(self) -> float | None:
         return max(self._from - time.monotonic(), 0.0) if self.late else None
@@ -297,12 +311,12 @@ class SolutionsPart(Part):
         # Who belongs to other actuators stays as it is while the hand moves: that costs nothing.
         options, current = view.review[Options], explorer.is_current(view)
         wanted = view.review[Atlas]
-        drawn = explorer.known, wanted, options.dark, explorer.trouble, current
+        drawn = explorer.known, wanted, options.dark, explorer.trouble, current, self._pointed
         if not current and explorer.known is not None and drawn == self._drawn:
             return
         self._drawn = drawn
         solutions = explorer.shown(view)
-        self._ghosts.show(view, solutions.atlas, solutions.fold)
+        self._ghosts.show(view, solutions.atlas, solutions.fold, self._pointed)
         self.stage.tell(solutions)
         of = palette.scheme(options.dark)
         entries = (of.ghost, tr("solutions.nearest_ones")), (of.dot, tr("solutions.further"))

@@ -63,12 +63,24 @@ class Ghosts:
         self._fold_edges = _Batch(nodes, "/fold/edges", cylinder(6), None, 16)
         self._label = nodes.label("/labels/fold")
         self._name = nodes.label("/labels/nearest")
+        self._spots: tuple[Sequence[int], Array] = (), np.empty((0, 3))
 
-    def show(self, view: View, atlas: Listed, fold: Ahead | None) -> None:
-        """Bring them to the solutions that pass the filter; all but the present one."""
+    @property
+    def spots(self) -> tuple[Sequence[int], Array]:
+        """The solutions that are shown, and where their dots are, (N, 3) mm."""
+        return self._spots
+
+    def show(
+        self, view: View, atlas: Listed, fold: Ahead | None, pointed: int | None = None
+    ) -> None:
+        """Bring them to the solutions that pass the filter; all but the present one.
+
+        Args:
+            pointed: which of them is filled and named; None: the nearest.
+        """
         wanted = view.review[Atlas].ghosts
         others = [n for n, row in enumerate(atlas.rows) if not row.here] if wanted else []
-        others.sort(key=lambda n: atlas.rows[n].distance)
+        others.sort(key=lambda n: (atlas.rows[n].identity != pointed, atlas.rows[n].distance))
         edges = outline([b for b in view.drawing.bodies if b.frame == "platform"])
         owners = [atlas.rows[n].identity for n in others]
         new = np.array([atlas.rows[n].new for n in others], dtype=bool)
@@ -84,6 +96,7 @@ class Ghosts:
         placements = atlas.placements[others]
         turns = np.tile([1.0, 0.0, 0.0, 0.0], (len(others), 1))
         sizes = np.full((len(others), 3), DOT * size)
+        self._spots = owners, placements[:, :3, 3]
         self._dots.show(turns, placements[:, :3, 3], sizes, colors, owners)
         placements, colors, owners = placements[:NEAREST], colors[:NEAREST], owners[:NEAREST]
         sticks = _sticks(edges, placements, np.where(new[:NEAREST], THICK, THIN) * size)

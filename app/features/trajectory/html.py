@@ -119,6 +119,7 @@ def ends_html(ends: Iterable[tuple[str, Pose]], axes: Sequence[Coordinate]) -> s
             )
             cells.append(
                 f'<td><input type="text" inputmode="decimal" data-edit="{name}.{n}" '
+                f'data-line="{name}.line" '
                 f'data-of="{page_unit(c)}" value="{short}" data-whole="{whole}" '
                 f'aria-label="{esc(f"{title}: {c.symbol} ({page_unit(c)})")}" title="{whole}"></td>'
             )

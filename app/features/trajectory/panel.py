@@ -201,7 +201,7 @@ class TrajectoryPanel(Panel):
         events = () if computed is None else computed.found.events
         self.see(there and bool(events), self._wrong)
         leaves = leaves_at(computed) if there and computed is not None else None
-        label = tr("trajectory.cut", at=leaves or 0.0)
+        label = tr("trajectory.cut_at", at=leaves or 0.0)
         self.set(self._cut, visible=leaves is not None, label=label)
         self.say(self._most, most_html(computed) if plan.on and computed else "", moved.stale)
         self.set(self._bar, content=bar_html(computed if there else None, plan.pace))

@@ -15,7 +15,7 @@ from app.features.trajectory.sketch import Sketch, sketch_figure, sketch_mark
 from app.language import menu, tr
 from app.review.state import Review
 from app.review.view import mode_noun
-from app.widgets.boxes import Typing, poses_box, units
+from app.widgets.boxes import Typing, poses_box, typed_pose, units
 from app.widgets.desk import Client, Group, Sheet
 from app.widgets.markup import Markup
 from app.widgets.texts import box, esc
@@ -23,6 +23,7 @@ from kinematics.arrays import Array
 from kinematics.errors import InputError
 
 BY_ITS_LAW = {"law": "", "duration": 0.0}
+_ENDS = {"start": "from", "end": "to"}
 
 
 class WayFolder(Group):
@@ -75,11 +76,13 @@ class WayFolder(Group):
         self.desk.send(state.step_plan("points", value), client)
 
     def _end(self, pressed: str, client: Client) -> None:
-        """An end of the straight way is the present pose, or has another number."""
+        """An end of the straight way is the present pose, has another number, or is a line."""
         end, _, typed = pressed.partition(" ")
         name, _, number = end.partition(".")
         pose: state.Pose = self.review.pose
-        if typed:
+        if number == "line":
+            pose = typed_pose(typed, self._axes, tr(f"trajectory.{_ENDS[name]}"))
+        elif typed:
             n, known = int(number), getattr(self.review[state.Plan], name) or pose
             pose = (*known[:n], self._axes[n].inner(float(typed)), *known[n + 1 :])
         self.desk.send(state.set_plan(name, pose), client)

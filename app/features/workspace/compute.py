@@ -158,6 +158,7 @@ SOLIDS: dict[Resolution, _Solid] = {
     "normal": Question("", "fine", build, REST_NORMAL, tries=2, urgent=True, kept=24),
     "fine": Question("", "fine", build, REST_FINE, tries=2, urgent=True, kept=24),
 }
+OTHERS: _Solid = Question("", "fine", build, REST_NORMAL, tries=2, kept=8)
 FIELD = Question("work.colours", "colours", field, kept=4)
 
 
@@ -194,6 +195,18 @@ def wishes(review: Review) -> tuple[SolidWish, ...]:
     )
 
 
+def others_asked(review: Review) -> Asked[BuiltSolid] | None:
+    """The question about the workspace of all modes, of which the edges stand pale beside that of
+    the present one; None where they do not.
+    """
+    solids, wanted = review.machine.solids, review[Workspace]
+    if solids is None or wanted.shown(KEY) is None or wanted.modes != "current":
+        return None
+    if len(review.machine.modes) < 2 or not solids.spec(KEY).uses_modes:
+        return None
+    return OTHERS(solids.request(KEY, review.pose, None, "preview"))
+
+
 def modes_of(review: Review, spec: SolidSpec) -> tuple[str, ...] | None:
     """The modes that a solid is of: None for all of them, or where they do not matter."""
     if spec.of_present_mode:
@@ -228,6 +241,8 @@ def colour_key(review: Review, shown: Mapping[str, BuiltSolid]) -> tuple[tuple[s
     """The colours of the solids on display that no limb has, and what each stands for."""
     of = palette.scheme(review[Options].dark)
     entries = [(of.workspace, colour_text(review))] if KEY in shown else []
+    if KEY in shown and others_asked(review) is not None:
+        entries.append((of.others, tr("workspace.other_modes")))
     parted = shown.get(ASPECTS)
     if parted is not None and not review[Control].shade:
         signs = {piece.sign for piece in parted.pieces}

@@ -29,9 +29,11 @@ from app.scene.painting import Coat
 from app.widgets.desk import Sheet
 from kinematics.arrays import Array
 from kinematics.facets.solids import RESOLUTIONS, Resolution
+from kinematics.machine import required
 
 if TYPE_CHECKING:
     from kinematics.mechanism import Design
+    from kinematics.solids.csg import BuiltSolid
 
 FAINT = 0.4  # of its opacity has a solid that is of before
 
@@ -47,6 +49,7 @@ class SolidsPart(Part):
         super().__init__(stage)
         self._painter = Painter()
         self._wishes: tuple[compute.SolidWish, ...] = ()
+        self._others: Asked[BuiltSolid] | None = None
         self._shown: dict[str, tuple[compute.Built, tuple[Coat, ...]]] = {}
         self._design: Design | None = None  # which has been seen whole
 
@@ -66,9 +69,12 @@ class SolidsPart(Part):
 
     def wished(self, view: View) -> Iterable[Asked[Any]]:
         self._wishes = compute.wishes(view.review)
+        self._others = compute.others_asked(view.review)
         for resolution in RESOLUTIONS:
             for each in self._wishes:
                 yield compute.solid_asked(each, resolution, idle=not self._begins(each, resolution))
+            if resolution == "normal" and self._others is not None:
+                yield self._others
         for built in self._built().values():
             field = self._painter.asked(view.review, built.wish, built.solid)
             if field is not None:
@@ -138,6 +144,7 @@ class SolidsPart(Part):
                 self._shown.pop(spec.key, None)
             if spec.key not in self._shown:
                 self._scene.hide(spec.key)
+        self._show_others(review, bare=others or cut is not None)
         placed = {k: (last.solid, last.wish.placement) for k, (last, _) in self._shown.items()}
         self._scene.name(placed)
         self.stage.scene.ground("solids", self.points)
@@ -151,6 +158,15 @@ class SolidsPart(Part):
         self._tell_size(review, built.get(KEY), old.get(KEY))
         solids = {key: last.solid for key, (last, _) in self._shown.items()}
         self.stage.tell(Legend("workspace", compute.colour_key(review, solids)))
+
+    def _show_others(self, review: Review, *, bare: bool) -> None:
+        """The edges of the workspace of all modes, once a hand rests and nothing else is shown."""
+        solid = None if self._others is None or bare else self.answers.kept(self._others)
+        if solid is None:
+            self._scene.beside(None, np.eye(4))
+        else:
+            place = required(review.machine.solids, "solids").placement(KEY, review.pose)
+            self._scene.beside(solid, place)
 
     def _tell_size(
         self, review: Review, built: compute.Built | None, old: compute.Built | None

@@ -42,6 +42,12 @@ if (!window.editing) {
   });
   window.addEventListener("change", ({ target }) => {
     if (!target.matches || !target.matches("[data-edit]")) return;
+    const { line } = target.dataset, many = target.value.trim().split(/[,;\s]+/);
+    const row = line ? document.querySelectorAll(`[data-line="${line}"]`).length : 0;
+    if (row > 1 && many.length === row && many.every((one) => /^[-+−]?\.?\d/.test(one))) {
+      window.pressing(target, `${line} ${target.value.trim()}`); /* of the whole row */
+      return;
+    }
     const value = window.bohemiaNumber(target, target.dataset.of);
     if (!isFinite(value)) { target.value = target.defaultValue; return; }
     window.pressing(target, `${target.dataset.edit} ${value}`);

@@ -1,0 +1,59 @@
+"""Where a person points at in the scene, and what is near that. Lengths in px unless said."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import viser.transforms as tf
+
+from kinematics.arrays import Array
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Pointer:
+    """A person's pointer.
+
+    Attributes:
+        client: whose it is.
+        tab: which of the tabs is open, from 0.
+        spot: from the upper left of the scene; None while the pointer is elsewhere.
+    """
+
+    client: Any
+    tab: int
+    spot: tuple[float, float] | None
+
+    def distances(self, points: Array) -> Array:
+        """How far points (N, 3) mm are from it on the screen, (N,); ∞ for what is not seen."""
+        if self.spot is None or self.client is None:
+            return np.full(len(points), np.inf)
+        camera = self.client.camera
+        there, depth = on_screen(camera, points)
+        away = np.hypot(*(there - self.spot).T)
+        return np.where(depth > 0.0, away, np.inf)
+
+    def length(self, mm: float, at: Array) -> float:
+        """How long ``mm`` at a point (3,) are on the screen; 0 while that is not seen."""
+        if self.client is None:
+            return 0.0
+        depth = float(on_screen(self.client.camera, at[None])[1][0])
+        return mm * _scale(self.client.camera) / depth if depth > 0.0 else 0.0
+
+
+def on_screen(camera: Any, points: Array) -> tuple[Array, Array]:
+    """Where points (N, 3) mm are in a camera's picture, (N, 2), and how far before it, (N,) mm.
+
+    The camera looks along its z, its y is down (`viser.CameraHandle`).
+    """
+    turn = tf.SO3(np.asarray(camera.wxyz)).as_matrix()
+    x, y, depth = ((points - np.asarray(camera.position)) @ turn).T
+    scale = _scale(camera) / np.where(np.abs(depth) < 1e-9, 1e-9, depth)
+    middle = 0.5 * np.array([camera.image_width, camera.image_height])
+    return np.stack([x * scale, y * scale], axis=1) + middle, depth
+
+
+def _scale(camera: Any) -> float:
+    return 0.5 * float(camera.image_height) / math.tan(0.5 * float(camera.fov))
