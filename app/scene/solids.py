@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.scene import painting, palette
 from app.scene.camera import axes_of, toward_of
@@ -100,7 +101,7 @@ class Solids:
 
     def beside(self, solid: BuiltSolid | None, placement: Array) -> None:
         """Show the edges of another solid, pale, at a place (4, 4); None: of none."""
-        lines: Array = NO_LINE[:0]
+        lines: NDArray[Any] = NO_LINE[:0]
         if solid is not None and solid.triangles:
             lines = solid.edges @ placement[:3, :3].T + placement[:3, 3]
         self._nodes.set(self._others, colors=colors([self._nodes.colors.others])[0])

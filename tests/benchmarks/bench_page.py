@@ -1,4 +1,5 @@
-"""From a slider's event to the new solid on the wire; memory over many updates; the first solid.
+"""From a slider's event, of φ and of θ, to the new solid on the wire; memory over many updates; the
+first solid.
 
 Run apart (`make bench`). Times are this machine's; what is compared is measured in one run.
 """
@@ -38,11 +39,11 @@ class Watched(Page):
     def __init__(self, server: viser.ViserServer, name: str) -> None:
         super().__init__(server, new_review(load_design(name)), "bench", None)
         self.sent: queue.Queue[tuple[Built, str, float]] = queue.Queue()
-        self.handed: dict[float, float] = {}  # by φ, when the machine was taken for sending
+        self.handed: dict[tuple[float, ...], float] = {}  # when the machine was taken for sending
 
     def _hand_over(self) -> None:
         super()._hand_over()
-        self.handed.setdefault(self.view.review.pose[3], time.perf_counter())
+        self.handed.setdefault(self.view.review.pose[3:], time.perf_counter())
 
     def tell(self, news: object, view: View | None = None) -> None:
         super().tell(news, view)
@@ -51,11 +52,11 @@ class Watched(Page):
             for built in news.built.values():
                 self.sent.put((built, built.resolution, now))
 
-    def wait(self, resolution: str, phi: float) -> tuple[float, Built]:
-        """When the solid of this orientation and resolution was sent."""
+    def wait(self, resolution: str, angle: float, axis: int = 3) -> tuple[float, Built]:
+        """When the solid at this φ (or θ, axis 4) and of this resolution was sent."""
         while True:
             built, got, when = self.sent.get(timeout=60)
-            if got == resolution and built.wish.what[2] == phi:
+            if got == resolution and built.wish.what[axis - 1] == angle:
                 return when, built
 
 
@@ -136,15 +137,17 @@ def main() -> None:
         page.wait("fine", page._history.present.pose[3])
         for modes, off in (("current", 1e-7), ("all", 2e-7)):
             page.send(ChooseModes(modes))
-            machine, preview = [], []
-            for n in range(MOVES):
-                phi = -0.3 + 0.003 * n + off
-                begun = time.perf_counter()
-                page.send(Move(3, phi))
-                preview.append(page.wait("preview", phi)[0] - begun)
-                machine.append(page.handed[phi] - begun)
-            figures(f"{name}, {modes}: event to machine", machine)
-            figures(f"{name}, {modes}: event to preview solid", preview)
+            for axis, symbol in ((3, "φ"), (4, "θ")):
+                machine, preview = [], []
+                for n in range(MOVES):
+                    angle = -0.2 + 0.002 * n + off
+                    begun = time.perf_counter()
+                    page.send(Move(axis, angle))
+                    preview.append(page.wait("preview", angle, axis)[0] - begun)
+                    machine.append(page.handed[page.review.pose[3:]] - begun)
+                figures(f"{name}, {modes}, {symbol}: event to machine", machine)
+                figures(f"{name}, {modes}, {symbol}: to preview solid", preview)
+            page.send(Move(4, 0.0))
         for resolution, delay in (("normal", 0.15), ("fine", 0.7)):
             times = []
             for n in range(20 if resolution == "normal" else 10):
