@@ -30,7 +30,7 @@ from app.review.changes import Change
 from app.review.history import History
 from app.review.keeping import Keeper
 from app.review.state import Options, Review
-from app.scene.camera import Look, look
+from app.scene.camera import Aims, Look, look
 from app.scene.machine import Scene
 from app.scene.pointer import Pointer
 from app.widgets.desk import Client, Command, Desk, Group, Hands, Panel, Sheet, safely
@@ -81,6 +81,7 @@ class Page:
         self._panels: list[Group] = []  # the header first
         self._kind = ""
         self._framed: object = None
+        self._aims: Aims = {}
         self._dark: bool | None = None
         self._stopping = threading.Event()
         self._parts = [kind(self) for kind in each("part", Part)]
@@ -389,7 +390,7 @@ class Page:
         """Show all that there is, from one side or as at first."""
         more = [points for part in self._parts if (points := part.points) is not None]
         covered = max(part.covered for part in self._parts)
-        look(self.server, self._view, more, name, client, covered)
+        look(self.server, self._view, more, name, client, covered, self._aims)
 
 
 def _superseded(item: _Asked, later: Sequence[Any]) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Sequence
 from typing import Any, Literal
 
@@ -38,6 +39,9 @@ _TOWARD = {
     },
 }
 UP = {False: (0.0, 0.0, 1.0), True: (0.0, 1.0, 0.0)}
+REPORTED = 1.0  # s in which a browser reports where it was made to look
+Aims = dict[int, tuple[float, Array]]
+"""By client: when it was made to look from somewhere, and from where (3,)."""
 MOST_COVERED = 0.6  # of the picture; the machine has the rest at the least
 ASPECT = 1.0  # of a picture that is not known yet
 
@@ -49,10 +53,12 @@ def look(
     name: Look | None = None,
     client: viser.ClientHandle | None = None,
     covered: float = 0.0,
+    aims: Aims | None = None,
 ) -> None:
     """Show the machine whole, and ``more`` points (N, 3), mm.
 
     Args:
+        aims: from where each browser was made to look last; brought up to date.
         covered: px at the foot of the scene over which something lies.
         name: from where; None is as the machine is shown at first.
         client: in this browser; None in every one and in those to come.
@@ -74,7 +80,9 @@ def look(
         aim(server.initial_camera, ASPECT, toward_of(planar), parallel)
     for each in server.get_clients().values() if client is None else (client,):
         kept = name == "fit"
-        toward = _seen_from(each.camera) if kept else toward_of(planar, name)
+        toward = _seen_from(each, aims) if kept else toward_of(planar, name)
+        if aims is not None:
+            aims[each.client_id] = time.monotonic(), toward
         narrow = parallel or name in ("plan", "front", "side")
         if kept:
             narrow |= each.camera.fov < 0.5 * (NARROW + FIELD_OF_VIEW)
@@ -90,8 +98,16 @@ def toward_of(planar: bool, name: Look | None = None) -> Array:
     return toward
 
 
-def _seen_from(camera: Any) -> Array:
-    """From where a person looks, as a vector."""
+def _seen_from(client: Any, aims: Aims | None) -> Array:
+    """From where a person looks, as a vector.
+
+    What a browser reports in the moment after its camera was set is still from before: of one that
+    has just come it is viser's own view, from behind.
+    """
+    known = None if aims is None else aims.get(client.client_id)
+    if known is not None and time.monotonic() - known[0] < REPORTED:
+        return known[1]
+    camera = client.camera
     seen: Array = np.asarray(camera.position) - np.asarray(camera.look_at)
     return seen
 

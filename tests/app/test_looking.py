@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import math
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +15,7 @@ from app.review.changes import SetOption, change
 from app.review.state import is_planar, new_review
 from app.review.view import View, view
 from app.scene import labels as naming
-from app.scene.camera import FIELD_OF_VIEW, FILLED, NARROW, axes_of, frame, toward_of
+from app.scene.camera import FIELD_OF_VIEW, FILLED, NARROW, Aims, axes_of, frame, look, toward_of
 from app.scene.ground import base_floor, footprint, ground_cell, scale_of
 from app.scene.machine import HANDLE
 from kinematics.designs.files import load_design
@@ -83,6 +86,33 @@ def test_a_planar_machine_opens_in_plan_and_others_from_the_front_right_above() 
             page.page.fit_view()
             page.settle()
             assert camera.fov == pytest.approx(NARROW)
+
+
+def test_a_fit_right_after_a_browser_has_come_keeps_the_view_that_it_was_given() -> None:
+    aims: Aims = {}
+    seen = _view("rpur-table1")
+    camera = SimpleNamespace(
+        position=np.array([3.0, 3.0, 3.0]), look_at=np.zeros(3), fov=1.3, aspect=1.4, image_height=9
+    )
+    client = SimpleNamespace(client_id=5, camera=camera, atomic=contextlib.nullcontext)
+    server: Any = SimpleNamespace(get_clients=lambda: {5: client}, initial_camera=camera)
+
+    def toward() -> np.ndarray:
+        away = camera.position - camera.look_at
+        return np.asarray(away / np.linalg.norm(away))
+
+    look(server, seen, (), None, client, aims=aims)
+    first = toward()
+    # viser's own view, reported late by the browser
+    camera.position, camera.look_at = np.array([3.0, 3.0, 3.0]), np.zeros(3)
+    look(server, seen, (), "fit", client, aims=aims)
+    assert toward() == pytest.approx(first)
+    # A person who has turned it since keeps what they see.
+    aims[5] = aims[5][0] - 2.0, aims[5][1]
+    camera.position = camera.look_at + np.array([-100.0, 50.0, 70.0])
+    turned = toward()
+    look(server, seen, (), "fit", client, aims=aims)
+    assert toward() == pytest.approx(turned)
 
 
 @pytest.mark.parametrize("name", MACHINES)
