@@ -181,3 +181,25 @@ def test_every_text_of_the_panel_can_be_read(tab: Tab, dark: bool) -> None:
     if dark:
         tab.open_tab("Review")
         tab.check("Dark page").click()
+
+
+def test_the_server_hears_which_tab_is_open_and_where_the_pointer_is(tab: Tab) -> None:
+    told = """() => document.querySelector(".bo-pointer").closest(".bo-live").parentElement
+        .nextElementSibling.querySelector("input").value.split(" ").slice(0, 3)"""
+
+    def is_told(*words: str) -> None:
+        tab.wait(lambda: tab.page.evaluate(told) == list(words), f"{words} told")
+
+    tab.page.mouse.move(300, 200)
+    is_told("0", "300", "200")
+    tab.open_tab("Design")
+    is_told("5", "-", "-")
+    tab.page.mouse.move(120, 410)
+    is_told("5", "120", "410")
+    tab.page.mouse.down()  # somebody turns the view
+    tab.page.mouse.move(140, 430)
+    tab.page.wait_for_timeout(300)
+    is_told("5", "120", "410")
+    tab.page.mouse.up()
+    tab.open_tab("Move")
+    is_told("0", "-", "-")
