@@ -36,6 +36,7 @@ COMMANDS = {
     "singularity": "singularities.command:singularity",
     "micr": "singularities.micr_command:micr",
     "trajectory": "trajectory.command:trajectory",
+    "compare": "compare.command:compare",
 }
 """Where each command stands in `app.features`; the first is meant where none is named."""
 SERVE = next(iter(COMMANDS))

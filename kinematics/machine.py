@@ -27,10 +27,11 @@ from kinematics.mechanism import D, Design, DesignField
 
 if TYPE_CHECKING:  # loaded when they are asked for
     from kinematics.answers.trajectories import Limits, Path, Trajectory
+    from kinematics.facets.comparison import Comparison
     from kinematics.facets.configurations import Configuration
     from kinematics.facets.spaces import Space
 
-__all__ = ["Machine", "machine_of", "required"]
+__all__ = ["Machine", "machine_of", "required", "spaces"]
 
 
 class Machine(Faceted[D]):
@@ -202,6 +203,33 @@ class Machine(Faceted[D]):
             found = None
         return Space(self, Pose(values, self.coordinates), found, follows)
 
+    def compare(
+        self,
+        *others: Machine[Any],
+        modes: str | Sequence[str] | None = None,
+        relative: float = 1e-6,
+        **held: float | None,
+    ) -> Comparison:
+        """Its workspace and those of one to three others over one another, at one orientation.
+
+        Args:
+            others: whose base frames are put on its own.
+            modes, held: see `spaces`.
+            relative: how exact, as a fraction of each volume, where sections are exact.
+
+        Raises:
+            InputError: the workspaces are of different coordinates, or a machine has no such mode.
+
+        Example:
+            >>> import kinematics as kin
+            >>> found = kin.open("five-bar").compare(kin.open("five-bar"), modes="+-")
+            >>> abs(found.common.value - found.sizes[0].value) < 1e-6, found.only[0].value
+            (True, 0.0)
+        """
+        from kinematics.facets.comparison import Comparison
+
+        return Comparison(spaces((self, *others), modes, **held), relative)
+
     # --- on its way
 
     def follow(
@@ -316,6 +344,37 @@ class Machine(Faceted[D]):
             value = nan if value is None else value
             found[turned[key] if degrees else known[key]] = np.radians(value) if degrees else value
         return found
+
+
+def spaces(
+    machines: Sequence[Machine[Any]],
+    modes: str | Sequence[str] | None = None,
+    **held: float | None,
+) -> tuple[Space[Any], ...]:
+    """The workspaces of several machines, asked for the same.
+
+    Args:
+        modes: as of `Machine.workspace`, of all machines of the first one's kind. Where a workspace
+            is of one mode at a time, None is the home mode of the first.
+        held: likewise; what a machine has not is left out. Where one angle follows from the others
+            and none is None, the last one does.
+
+    Raises:
+        InputError: the first machine has no such coordinate, or a machine has no such mode.
+    """
+    first = machines[0]
+    if modes is None and any(spec.of_present_mode for spec in first.solid_specs[:1]):
+        modes = first.home.mode
+    made = []
+    for machine in machines:
+        known = {name for axis in machine.coordinates for name in (axis.key, axis.json_key)}
+        own = {key: value for key, value in held.items() if key in known or machine is first}
+        last = machine.dependent and machine.coordinates[machine.dependent[-1]].key
+        if last and None not in own.values():
+            own = {key: value for key, value in own.items() if key.partition("_")[0] != last}
+            own[last] = None
+        made.append(machine.workspace(modes if machine.kind == first.kind else None, **own))
+    return tuple(made)
 
 
 def machine_of(design: D) -> Machine[D]:

@@ -12,6 +12,7 @@ from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.facets.facet import Facet
 from kinematics.mechanism import D
+from kinematics.plane.arcs import Arcs
 
 
 class RegionsFacet(Facet[D]):
@@ -38,6 +39,12 @@ class RegionsFacet(Facet[D]):
                 f"there are no regions {key!r}; known are {', '.join(map(repr, known))}"
             )
         return self.found(key, pose, modes)
+
+    def arcs(self, pose: Sequence[float], modes: tuple[str, ...] | None) -> Arcs | None:
+        """Every arc that may bound the workspace, more do no harm; None where it is not known by
+        arcs.
+        """
+        return None
 
     @abstractmethod
     def found(

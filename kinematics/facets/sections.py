@@ -44,6 +44,20 @@ class SectionsFacet(Facet[D]):
         """The volume to a fraction of itself; without its pieces in a fifth of the time."""
 
     @abstractmethod
+    def common(
+        self,
+        pose: Sequence[float],
+        modes: Modes,
+        others: Sequence[tuple[SectionsFacet[D], Modes]],
+        *,
+        relative: float = 1e-6,
+    ) -> Volume:
+        """Of what this workspace and those of other designs have in common, as `volume`.
+
+        At one orientation, with the base frames on one another.
+        """
+
+    @abstractmethod
     def ball(
         self, pose: Sequence[float], modes: Modes, center: Sequence[float] | None = None
     ) -> Sphere | None:

@@ -127,9 +127,11 @@ class SolidsFacet(Facet[D]):
     build: ClassVar[Any]
     """build(request) → BuiltSolid: static, as it needs nothing but the request."""
 
-    def point(self, key: str, pose: Sequence[float], mode: str) -> Array:
-        """Where a pose is in a solid as placed, (3,) mm: the place of O′, unless overridden."""
-        return np.asarray(self.mechanism.transform(pose, mode)[:3, 3])
+    def point(self, key: str, pose: ArrayLike, mode: str) -> Array:
+        """Where poses (..., P) are in a solid as placed, (..., 3) mm: the place of O′, unless
+        overridden.
+        """
+        return np.asarray(self.mechanism.transform(pose, mode)[..., :3, 3])
 
     def poses(self, key: str, pose: Sequence[float], mode: str, points: ArrayLike) -> Array:
         """The poses (N, P) that points (N, 3) mm of a solid as placed stand for, all else held.

@@ -118,6 +118,19 @@ class Solid:
         )
         return cls(Manifold(mesh), {source: tuple(tags)})
 
+    @classmethod
+    def of(cls, built: BuiltSolid, vertices: ArrayLike | None = None) -> Solid:
+        """A finished solid again, to be cut; its smooth patches stay apart.
+
+        Args:
+            vertices: (V, 3) where those of its mesh are to be; None: where they are.
+        """
+        mesh, shaded = built.mesh, built.shaded
+        patch = meshes.face_shells(len(shaded.vertices), shaded.faces)
+        count = int(patch.max(initial=-1)) + 1
+        places = mesh.vertices if vertices is None else vertices
+        return cls.from_mesh(places, mesh.faces, patch=patch, tags=range(count) or (None,))
+
     # --- operations
 
     @staticmethod

@@ -12,6 +12,7 @@ from kinematics.mechanisms.five_bar import workspace
 from kinematics.mechanisms.five_bar.aspects import aspects
 from kinematics.mechanisms.five_bar.design import FiveBarDesign
 from kinematics.mechanisms.five_bar.inverse import MODES
+from kinematics.plane.arcs import Arcs
 from kinematics.plane.regions import point_inside, section_of
 
 
@@ -28,6 +29,9 @@ class Regions(RegionsFacet[FiveBarDesign]):
         ),
         RegionSpec("aspects", "Aspects", ("x", "y"), uses_modes=True, joint="θ"),
     )
+
+    def arcs(self, pose: Sequence[float], modes: tuple[str, ...] | None) -> Arcs:
+        return workspace.made_of(self.design, MODES if modes is None else modes)
 
     def found(
         self, key: str, pose: Sequence[float], modes: tuple[str, ...] | None

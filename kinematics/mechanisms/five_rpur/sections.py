@@ -82,20 +82,20 @@ class Sections(SectionsFacet[FiveRPURDesign]):
             between: only what lies between these two x', mm.
         """
         cutter = Cutter(self.design, float(pose[3]), float(pose[4]), modes)
-        found = integrate(cutter, relative, between)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            centroid = np.array([found.first, *found.moments[1:3]]) / found.moments[0]
-        centroid[1:] += cutter.origin
-        return Volume(
-            value=float(found.moments[0]),
-            error=found.error,
-            centroid=rotation_y(float(pose[4])) @ centroid,
-            pieces=pieces_of(cutter, found) if pieces else (),
-            at=found.at,
-            area=found.area,
-            events=changes(cutter, found) if pieces else np.empty(0),
-            sections=found.sections,
-        )
+        return _volume(cutter, float(pose[4]), relative, pieces=pieces, between=between)
+
+    def common(
+        self,
+        pose: Sequence[float],
+        modes: Modes,
+        others: Sequence[tuple[SectionsFacet[FiveRPURDesign], Modes]],
+        *,
+        relative: float = 1e-6,
+    ) -> Volume:
+        """The limbs of all machines bound the same sections together."""
+        beside = [(facet.design, its) for facet, its in others]
+        cutter = Cutter(self.design, float(pose[3]), float(pose[4]), modes, beside)
+        return _volume(cutter, float(pose[4]), relative)
 
     def ball(
         self, pose: Sequence[float], modes: Modes = None, center: Sequence[float] | None = None
@@ -241,6 +241,31 @@ def integrate(
         area=area.copy(),
         weights=found.weights,
         marks=found.marks,
+        sections=found.sections,
+    )
+
+
+def _volume(
+    cutter: Cutter,
+    theta: float,
+    relative: float,
+    *,
+    pieces: bool = True,
+    between: tuple[float, float] | None = None,
+) -> Volume:
+    """See `Sections.volume`."""
+    found = integrate(cutter, relative, between)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        centroid = np.array([found.first, *found.moments[1:3]]) / found.moments[0]
+    centroid[1:] += cutter.origin
+    return Volume(
+        value=float(found.moments[0]),
+        error=found.error,
+        centroid=rotation_y(theta) @ centroid,
+        pieces=pieces_of(cutter, found) if pieces else (),
+        at=found.at,
+        area=found.area,
+        events=changes(cutter, found) if pieces else np.empty(0),
         sections=found.sections,
     )
 

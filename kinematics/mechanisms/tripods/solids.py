@@ -44,7 +44,7 @@ class Solids(SolidsFacet[TripodDesign]):
         sizes = (self.design.base_radius, self.design.platform_radius, self.design.stroke)
         return (spec.key, *sizes, *(modes or ()))
 
-    def point(self, key: str, pose: Sequence[float], mode: str) -> Array:
+    def point(self, key: str, pose: ArrayLike, mode: str) -> Array:
         return chart.to_chart(self.design, np.asarray(pose, dtype=float))
 
     def poses(self, key: str, pose: Sequence[float], mode: str, points: ArrayLike) -> Array:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from kinematics.arrays import Array, Ints
 from kinematics.mechanisms.five_rpur.slicing.sweep import (
     FINE,
+    HALVES,
     LINK,
     SLACK,
     TOUCH,
@@ -184,9 +185,9 @@ def _cells(
     order = np.argsort(heights, axis=1, kind="stable")
     rows = np.arange(len(section))[:, None]
     heights = heights[rows, order]
-    bits = (1 << (asked >> 2)).astype(np.int32)
+    bits = 1 << (asked >> 2)
     state = np.bitwise_xor.accumulate(np.where(present, bits, 0)[rows, order], axis=1)
-    inside = table[state]
+    inside = holds(table, state)
     before = np.zeros_like(inside)
     before[:, 1:] = inside[:, :-1]
     slab, enters = np.nonzero(inside & ~before)
@@ -265,18 +266,26 @@ def _matter(
     low, high = low[:, :, None], high[:, :, None]
     held = (d <= high + slack) & (d >= low - slack)
     near = held & ((d > high - slack) | ((low > 0.0) & (d < low + slack)))
-    bits = (1 << np.arange(2 * n)).astype(np.int32)
+    bits = 1 << np.arange(2 * n)
     held, near = held.reshape(-1, 2 * n), near.reshape(-1, 2 * n)
     state, free = held @ bits, near @ bits
     many = near.sum(axis=1)
     first = free & -free
     second = free ^ first
-    both, none = table[state], table[state ^ free]
-    no_first, no_second = table[state ^ first], table[state ^ second]
+    both, none = holds(table, state), holds(table, state ^ free)
+    no_first, no_second = holds(table, state ^ first), holds(table, state ^ second)
     by_first = (both != no_first) | (no_second != none)
     by_second = (both != no_second) | (no_first != none)
     reached = closes & held.reshape(-1, n, 2).any(axis=2).all(axis=1)
     return np.asarray(reached & ((many > 2) | ((many == 2) & by_first & by_second)))
+
+
+def holds(table: Bools, state: Ints) -> Bools:
+    """Which states are inside of all machines, see `sweep.holds`."""
+    found = table[0, state & ((1 << HALVES) - 1)]
+    for machine in range(1, len(table)):
+        found = found & table[machine, state >> (HALVES * machine) & ((1 << HALVES) - 1)]
+    return np.asarray(found)
 
 
 # --- what cells are part of ----------------------------------------------------------------------

@@ -17,7 +17,7 @@ from kinematics.mechanisms.five_rpur.design import LIMBS, FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.inverse import chosen
 from kinematics.mechanisms.five_rpur.offsets import SAME_NUMBERS, aligned_offsets
 from kinematics.mechanisms.five_rpur.slicing import acceleration
-from kinematics.mechanisms.five_rpur.slicing.batches import curve_heights
+from kinematics.mechanisms.five_rpur.slicing.batches import curve_heights, holds
 from kinematics.mechanisms.five_rpur.slicing.sweep import MOST_RUNS
 from kinematics.mechanisms.five_rpur.slicing.tracing import Runs, volumes
 
@@ -71,10 +71,17 @@ class Outline:
 class Cutter:
     """The sections of a workspace at one orientation, for a set of working modes.
 
+    Or of what the workspaces of several machines have in common: their limbs are n = 5 M together,
+    whatever is said of five below.
+
+    Args:
+        design, modes: a machine and its working modes, None: all of them.
+        others: further machines, each with its own.
+
     Attributes:
-        limbs: (6, 5) rows w'_x, w'_y, w'_z (eq. 27), l, ρ_min, ρ_max.
-        signs: (5, 2) whether any wanted mode has limb i in + and in −.
-        table: (1024,) whether a point is inside that lies in the halves whose bits are set.
+        limbs: (6, n) rows w'_x, w'_y, w'_z (eq. 27), l, ρ_min, ρ_max.
+        signs: (n, 2) whether any wanted mode has limb i in + and in −.
+        table: (M, 1024) whether a point is inside that lies in the halves whose bits are set.
         size: mm, a length of the machine.
         origin: (2,) y', z' about which moments are taken.
         range: x' outside of which there is nothing; equal ends if there is nothing at all.
@@ -86,18 +93,27 @@ class Cutter:
         phi: float,
         theta: float,
         modes: Iterable[str] | None,
+        others: Iterable[tuple[FiveRPURDesign, Iterable[str] | None]] = (),
     ) -> None:
-        offsets = aligned_offsets(design, phi, theta, SAME_NUMBERS)
-        self.limbs = np.array([*offsets.T, design.link, *design.stroke.T])
-        wanted = chosen(design, modes)
-        self.signs, self.table = _halves(None if wanted is None else frozenset(wanted))
+        limbs, signs, tables = [], [], []
+        for one, of in ((design, modes), *others):
+            offsets = aligned_offsets(one, phi, theta, SAME_NUMBERS)
+            limbs.append(np.array([*offsets.T, one.link, *one.stroke.T]))
+            wanted = chosen(one, of)
+            halves = _halves(None if wanted is None else frozenset(wanted))
+            signs.append(halves[0])
+            tables.append(halves[1])
+        self.limbs = np.concatenate(limbs, axis=1)
+        self.signs, self.table = np.concatenate(signs), np.stack(tables)
         wx, wy, wz, link, _, high = self.limbs
         self.size = float((link + high).max())
         self.origin = np.array([wy.mean(), wz.mean()])
         first, last = float((wx - high).max()), float((wx + high).min())
         low_y, high_y = float((wy - link).max()), float((wy + link).min())
         low_z, high_z = float((wz - high - link).max()), float((wz + high + link).min())
-        none = first >= last or low_y >= high_y or low_z >= high_z or not self.signs.any()
+        none = (
+            first >= last or low_y >= high_y or low_z >= high_z or not self.table.any(axis=1).all()
+        )
         self.range = (first, first) if none else (first, last)
 
     def heights(self, x: Array) -> tuple[Array, Array]:
@@ -166,7 +182,8 @@ class Cutter:
 
     def outline(self, x: float) -> Outline:
         """The boundary of the section at x, and its moments."""
-        low, high, moments = np.empty(LIMBS), np.empty(LIMBS), np.empty(6)
+        n = self.limbs.shape[1]
+        low, high, moments = np.empty(n), np.empty(n), np.empty(6)
         room = _MOST_EDGES
         edges, ends, turns = np.empty((room, 4), np.int64), np.empty((room, 2)), np.empty(room)
         machine = self.limbs, self.signs, self.table, self.size
@@ -233,11 +250,12 @@ class Cutter:
         slack = 1e-7 * self.size
         low, high = runs.lows[section, :, None], runs.highs[section, :, None]
         held = (np.abs(dz) >= low - slack) & (np.abs(dz) <= high + slack)
-        bits = 1 << np.arange(2 * LIMBS)
-        state = held.reshape(-1, 2 * LIMBS) @ bits
+        n = self.limbs.shape[1]
+        bits = 1 << np.arange(2 * n)
+        state = held.reshape(-1, 2 * n) @ bits
         # Some wanted mode must hold the point with the limb in this sign.
-        other = bits.reshape(LIMBS, 2)[:, ::-1]
-        held &= self.table[state[:, None, None] & ~other]
+        other = bits.reshape(n, 2)[:, ::-1]
+        held &= holds(self.table, state[:, None, None] & ~other)
         return (
             np.where(held, rho, np.inf).min(axis=(0, 2), initial=np.inf),
             np.where(held, rho, -np.inf).max(axis=(0, 2), initial=-np.inf),

@@ -118,7 +118,7 @@ def measured(
         low, high: (n,) S(ρ_min) and S(ρ_max) of every limb; all of them reach x.
         limbs: (6, n) w'_x, w'_y, w'_z, l, ρ_min, ρ_max.
         signs: (n, 2) which signs are asked for at all.
-        table: (4^n,) which states are inside.
+        table: (M, 4^5) which states are inside of each machine, see `sweep.holds`.
         ends: (2,) where all limbs can close, from `bounds_of`.
         size: mm, a length of the machine.
         origin: (2,) about which moments are taken.

@@ -10,7 +10,8 @@ there: whichever of them comes first, what lies between them has no area. Length
 
 Numbering: curve c = 8 limb + 4 (σ < 0) + k, k = 0 … 3 for d = −S_max, −S_min, +S_min, +S_max;
 circle q = 4 limb + k. Bit 2 limb + (σ < 0) of a state says that a point lies in that limb's
-half B^σ, and ``table[state]`` that it then lies in the workspace.
+half B^σ, and `holds` whether it then lies in the workspace: of one machine, or in those of several
+that are asked for what they have in common, five limbs each.
 """
 
 from __future__ import annotations
@@ -30,6 +31,9 @@ FINE = 1e-9  # of the size: two lengths that differ by less may be the same
 SLACK = 1e-6  # of the size: crossings that miss the region by less are looked at all the same
 TOUCH = 1e-12  # of the square of a distance: by how much it may be wrong
 
+HALVES = 10
+"""Bits of a state that one machine takes."""
+
 # Rows of the limbs' numbers.
 WX, WY, WZ, LINK, LOW, HIGH = range(6)
 
@@ -48,6 +52,14 @@ def heights(x: float, limbs: Array, low: Array, high: Array) -> bool:
         high[i] = math.sqrt((long - apart) * (long + apart)) if apart <= long else -1.0
         all_reach = all_reach and apart <= long
     return all_reach
+
+
+def holds(table: Bools, state: int) -> bool:
+    """Whether a point is inside of all machines, a row of ``table`` (M, 4^5) each."""
+    for machine in range(table.shape[0]):
+        if not table[machine, (state >> (HALVES * machine)) & ((1 << HALVES) - 1)]:
+            return False
+    return True
 
 
 def bounds_of(limbs: Array, out: Array) -> tuple[int, int]:
@@ -113,8 +125,8 @@ def matters(
         return False
     first = free & -free
     second = free ^ first
-    both, none = table[state], table[state ^ free]
-    no_first, no_second = table[state ^ first], table[state ^ second]
+    both, none = holds(table, state), holds(table, state ^ free)
+    no_first, no_second = holds(table, state ^ first), holds(table, state ^ second)
     by_first = both != no_first or no_second != none
     by_second = both != no_second or no_first != none
     return bool(by_first and by_second)
@@ -222,7 +234,7 @@ def sweep(
         limbs: (6, n) w'_x, w'_y, w'_z, l, ρ_min, ρ_max.
         low, high: (n,) S(ρ_min) and S(ρ_max).
         signs: (n, 2) which signs are asked for at all.
-        table: (4^n,) which states are inside.
+        table: (M, 4^5) which states are inside of each machine, see `holds`.
         ends: (2,) where all limbs can close, from `bounds_of`.
         size: mm, a length of the machine.
         room: `rooms`, in which the answer is left: the crossings; ``runs`` (R, 4) of lower curve,
@@ -297,7 +309,7 @@ def sweep(
         for p in range(total):
             c = curves[p]
             state ^= 1 << (c >> 2)
-            if table[state] != inside:
+            if holds(table, state) != inside:
                 inside = not inside
                 z = heights_of[c]
                 if inside:

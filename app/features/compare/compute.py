@@ -1,0 +1,201 @@
+"""What is computed of designs side by side: the same for the page, the command and the report."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from kinematics.answers.solutions import Posture
+from kinematics.arrays import Array
+from kinematics.designs.differences import Difference, differences
+from kinematics.errors import BohemiaError, InputError
+from kinematics.facets.comparison import Comparison, Size
+from kinematics.facets.figures import Figure, best, figures
+from kinematics.machine import Machine, machine_of, spaces
+from kinematics.mechanism import Design
+
+if TYPE_CHECKING:
+    from kinematics.answers.sections import Section, SectionSpec
+    from kinematics.facets.comparison import Parts
+    from kinematics.facets.solids import Resolution
+    from kinematics.facets.spaces import Space
+
+LETTERS = "ABCD"
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """Two to four designs, asked for the same.
+
+    Attributes:
+        designs: the first one's base frame and coordinates are those of all.
+        held: angles of the first one by key, rad; None: what follows from the others.
+        modes: of the workspaces; None: all together.
+        pose: (P,) of the first one, mm and rad, which is asked of all.
+        mode: in which it is.
+    """
+
+    designs: tuple[Design, ...]
+    held: tuple[tuple[str, float | None], ...]
+    modes: tuple[str, ...] | None
+    pose: tuple[float, ...]
+    mode: str
+
+    @property
+    def machines(self) -> tuple[Machine[Any], ...]:
+        return tuple(machine_of(design) for design in self.designs)
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What one design answers to the pose: its posture, or ``why`` it has none."""
+
+    posture: Posture | None
+    why: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A figure of merit of all designs: NaN where one has it not; ``best`` by their numbers."""
+
+    title: str
+    unit: str
+    values: tuple[float, ...]
+    errors: tuple[float, ...]
+    best: tuple[int, ...]
+    key: str
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Curve:
+    """Areas (N,), mm², of a workspace's sections at places (N,) along the normal, mm."""
+
+    at: Array
+    area: Array
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Compared:
+    """Designs side by side.
+
+    Attributes:
+        unit: of the sizes, "mm³" or "mm²".
+        sizes, common, only: of the workspaces over one another; none and ``why`` where they are of
+            different coordinates.
+        exact: they are those of the true workspaces, and not of meshes.
+        curves: of each design, where its sections are exact.
+    """
+
+    request: Request
+    unit: str
+    sizes: tuple[Size, ...]
+    common: Size | None
+    only: tuple[Size, ...]
+    exact: bool
+    why: str
+    differences: tuple[Difference, ...]
+    rows: tuple[Row, ...]
+    asked: tuple[Asked, ...]
+    curves: tuple[Curve | None, ...]
+
+
+def compare(request: Request, relative: float = 1e-6) -> Compared:
+    """Everything that a comparison shows in numbers.
+
+    Raises:
+        InputError: a machine has no such mode.
+    """
+    machines, its_spaces = request.machines, _spaces(request)
+    why, found, common = "", None, None
+    sizes: tuple[Size, ...] = ()
+    only: tuple[Size, ...] = ()
+    try:
+        found = Comparison(its_spaces, relative)
+        sizes, common, only = found.sizes, found.common, found.only
+    except InputError as error:
+        why = str(error)
+    asked = tuple(_asked(machine, request) for machine in machines)
+    pairs = zip(its_spaces, asked, strict=True)
+    return Compared(
+        request=request,
+        unit="mm³" if found is None else found.unit,
+        sizes=sizes,
+        common=common,
+        only=only,
+        exact=found is not None and found.exact,
+        why=why,
+        differences=differences([machine.mechanism for machine in machines]),
+        rows=tuple(_rows([figures(space, one.posture) for space, one in pairs])),
+        asked=asked,
+        curves=tuple(map(_curve, its_spaces)),
+    )
+
+
+def parts(request: Request, resolution: Resolution) -> Parts:
+    """The solids that the workspaces share, and that each alone reaches, with their edges.
+
+    Raises:
+        InputError: the workspaces are of different coordinates, or plane.
+    """
+    found = Comparison(_spaces(request)).parts(resolution)
+    for solid in (found.common, *found.only):
+        if solid.triangles:
+            _ = solid.edges
+    return found
+
+
+def regions(request: Request) -> tuple[SectionSpec, Section, tuple[Section, ...]]:
+    """Of plane workspaces how they are drawn, what they share, and what each alone reaches.
+
+    Raises:
+        InputError: the workspaces are of different coordinates, or solids.
+    """
+    every, alone = Comparison(_spaces(request)).sections
+    return request.machines[0].region_specs[0].plane, every, alone
+
+
+# --- inside
+
+
+def _spaces(request: Request) -> tuple[Space[Any], ...]:
+    return spaces(request.machines, request.modes, **dict(request.held))
+
+
+def _rows(every: Sequence[tuple[Figure, ...]]) -> Iterator[Row]:
+    """Figures that at least two designs have in the same unit, in the order of the first."""
+    nan = float("nan")
+    keys = dict.fromkeys((figure.key, figure.unit) for own in every for figure in own)
+    for key, unit in keys:
+        found = [next((f for f in own if (f.key, f.unit) == (key, unit)), None) for own in every]
+        known = [figure for figure in found if figure is not None]
+        if len(known) < 2:
+            continue
+        values = [nan if figure is None else figure.value for figure in found]
+        yield Row(
+            known[0].title,
+            unit,
+            tuple(values),
+            tuple(nan if figure is None else figure.error for figure in found),
+            tuple(best(values, known[0].better)),
+            key,
+        )
+
+
+def _asked(machine: Machine[Any], request: Request) -> Asked:
+    first = request.machines[0]
+    if [axis.key for axis in machine.coordinates] != [axis.key for axis in first.coordinates]:
+        return Asked(None, f"a {machine.title} has other coordinates")
+    if request.mode not in machine.modes:
+        return Asked(None, f"it has no {machine.mode_noun} {request.mode}")
+    try:
+        return Asked(machine.posture(request.pose, request.mode))
+    except BohemiaError as error:
+        return Asked(None, str(error))
+
+
+def _curve(space: Space[Any]) -> Curve | None:
+    if space.machine.sections is None:
+        return None
+    volume = space.volume(1e-4)
+    return Curve(volume.at, volume.area)
