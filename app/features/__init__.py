@@ -21,6 +21,7 @@ FEATURES = (
     "map",
     "trajectory",
     "design",
+    "compare",
     "review",
 )
 

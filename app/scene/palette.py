@@ -51,7 +51,7 @@ class Scheme:
         silhouette: around the bodies of the machine.
         cell, section: the lines of the ground, and every fifth.
         below: the light from the ground.
-        counterpart: a machine that is compared with.
+        counterpart: a machine that is compared with; ``beside`` are further ones.
     """
 
     panel: str
@@ -77,6 +77,7 @@ class Scheme:
     section: str
     below: str
     counterpart: str
+    beside: tuple[str, str]
 
 
 LIGHT = Scheme(
@@ -107,6 +108,7 @@ LIGHT = Scheme(
     section="#D0D5DC",
     below="#BEC4CE",
     counterpart="#A0522D",
+    beside=("#5B3E96", "#00695C"),
 )
 DARK = Scheme(
     panel="#1B1F24",
@@ -136,6 +138,7 @@ DARK = Scheme(
     section="#383F48",
     below="#59626D",
     counterpart="#D98A5F",
+    beside=("#B79CF0", "#5CC8B4"),
 )
 
 

@@ -4,8 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from app.features.compare.state import Beside
+from app.features.workspace.compute import REST_FINE, REST_NORMAL
+from app.features.workspace.state import solver_modes
+from app.jobs.answers import Question
+from app.review.state import Review
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
 from kinematics.designs.differences import Difference, differences
@@ -22,6 +31,7 @@ if TYPE_CHECKING:
     from kinematics.facets.spaces import Space
 
 LETTERS = "ABCD"
+STEP = 4.0  # mm, the longest chord of an arc in the scene
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,6 +142,17 @@ def compare(request: Request, relative: float = 1e-6) -> Compared:
     )
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class Drawn:
+    """A part as the scene shows it: ``vertices`` (V, 3), ``faces`` (F, 3), sharp edges or the rim
+    as ``lines`` (E, 2, 3), mm in the base frame.
+    """
+
+    vertices: NDArray[np.float32]
+    faces: NDArray[np.uint32]
+    lines: NDArray[np.float32]
+
+
 def parts(request: Request, resolution: Resolution) -> Parts:
     """The solids that the workspaces share, and that each alone reaches, with their edges.
 
@@ -155,7 +176,66 @@ def regions(request: Request) -> tuple[SectionSpec, Section, tuple[Section, ...]
     return request.machines[0].region_specs[0].plane, every, alone
 
 
+def drawn(request: Request, resolution: Resolution) -> tuple[Drawn, ...]:
+    """What the scene shows of the workspaces: what all share first, then what each alone reaches.
+
+    Raises:
+        InputError: the workspaces are of different coordinates.
+    """
+    from kinematics.solids.csg import flat_mesh
+
+    first = request.machines[0]
+    if first.regions is None or first.solid_specs:
+        found = parts(request, resolution)
+        return tuple(
+            Drawn(
+                built.shaded.vertices,
+                built.shaded.faces.astype(np.uint32),
+                built.edges if built.triangles else np.empty((0, 2, 3), np.float32),
+            )
+            for built in (found.common, *found.only)
+        )
+    _, every, alone = regions(request)
+    frame = first.regions.frame(request.pose)
+    answer = []
+    for section in (every, *alone):
+        loops = [section.polyline(n, STEP) for n in range(section.loops)]
+        flat, faces = flat_mesh(loops)
+        rims = [np.stack([loop, np.roll(loop, -1, axis=0)], axis=1) for loop in loops]
+        lines = np.concatenate(rims) if rims else np.empty((0, 2, 2))
+        answer.append(Drawn(_placed(flat, frame), faces.astype(np.uint32), _placed(lines, frame)))
+    return tuple(answer)
+
+
+def request_of(review: Review) -> Request | None:
+    """What the review compares; None where nothing stands beside it."""
+    designs, machine = review[Beside].designs, review.machine
+    if not designs:
+        return None
+    turned = [n for n, axis in enumerate(machine.coordinates) if axis.unit == "rad"]
+    if not machine.region_specs and any(spec.of_present_mode for spec in machine.solid_specs[:1]):
+        turned = []  # of all orientations
+    last = machine.dependent[-1:]
+    held = tuple(
+        (machine.coordinates[n].key, None if n in last else review.pose[n]) for n in turned
+    )
+    return Request((review.design, *designs), held, solver_modes(review), review.pose, review.mode)
+
+
+COMPARED: Question[Compared] = Question("the comparison", "compare", compare, REST_NORMAL, kept=16)
+# Coarse first; the normal solids of a pair may take seconds.
+DRAWN: dict[Resolution, Question[tuple[Drawn, ...]]] = {
+    "preview": Question("the parts", "parts", partial(drawn, resolution="preview")),
+    "normal": Question("the parts, finer", "parts", partial(drawn, resolution="normal"), REST_FINE),
+}
+
+
 # --- inside
+
+
+def _placed(flat: Array, frame: Array) -> NDArray[np.float32]:
+    """Points (..., 2) of a plane in the base frame."""
+    return np.asarray(flat @ frame[:3, :2].T + frame[:3, 3], dtype=np.float32)
 
 
 def _spaces(request: Request) -> tuple[Space[Any], ...]:

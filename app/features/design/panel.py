@@ -63,9 +63,7 @@ class DesignPanel(Panel):
 
     def _open(self, file: Any, client: Client) -> None:
         try:
-            text = _text(file.content, file.name)
-            stem = file.name.rsplit("/", 1)[-1].removesuffix(".toml")[:60] or "design"
-            design = read_design(text, origin=file.name, name=stem)
+            design = design_of_file(file)
         except InputError as error:
             self._complain(str(error))
             raise
@@ -79,6 +77,17 @@ class DesignPanel(Panel):
 
     def _save(self, client: Client) -> None:
         self.desk.download(design_file(self.review.design), client)
+
+
+def design_of_file(file: Any) -> Design:
+    """The design in a file that a person chose.
+
+    Raises:
+        InputError: it is none; one sentence.
+    """
+    text = _text(file.content, file.name)
+    stem = file.name.rsplit("/", 1)[-1].removesuffix(".toml")[:60] or "design"
+    return read_design(text, origin=file.name, name=stem)
 
 
 def _text(content: bytes, name: str) -> str:

@@ -1,0 +1,120 @@
+"""Designs side by side on the page: compared when the hand rests, parts coarse first."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from app.features.compare import compute
+from app.features.compare.html import colors
+from app.features.compare.scene import Overlaid
+from app.features.compare.state import MACHINES, PARTS, Beside
+from app.features.review.files import ExportedFile, sanitized
+from app.jobs.answers import Asked
+from app.jobs.parts import Client, Part
+from app.jobs.process import apart
+from app.language import tr
+from app.review.state import Options, Review
+from app.review.view import Legend, View
+from app.scene import palette
+from app.widgets.desk import Sheet
+from kinematics.answers.drawings import Drawing
+from kinematics.arrays import Array
+from kinematics.errors import BohemiaError
+from kinematics.machine import machine_of
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Told:
+    """The comparison as the panel shows it; ``stale`` while another is computed."""
+
+    found: compute.Compared | None
+    stale: bool
+    trouble: str
+
+
+class ComparePart(Part):
+    """Keeps the comparison true to the review and to the designs beside it."""
+
+    LANES = ("compare", "parts")
+    DRAWN_LAST = True
+
+    def prepare(self) -> None:
+        self._scene = Overlaid(self.stage.scene)
+
+    def wished(self, view: View) -> Iterable[Asked[Any]]:
+        request = compute.request_of(view.review)
+        if request is None:
+            return
+        if view.review[Beside].shown == PARTS and not self._apart:
+            for question in compute.DRAWN.values():
+                yield question(request)
+        yield compute.COMPARED(request)
+
+    @property
+    def _apart(self) -> bool:
+        """Whether the workspaces are known not to lie over one another."""
+        found = self.answers[compute.COMPARED].now
+        return found is not None and found.common is None
+
+    def show(self, sheet: Sheet) -> None:
+        review = sheet.view.review
+        beside, told = review[Beside], self.answers[compute.COMPARED]
+        self.stage.tell(Told(told.shown if beside.designs else None, told.stale, told.trouble))
+        fine, rough = (self.answers[compute.DRAWN[r]] for r in ("normal", "preview"))
+        shown = fine.now or rough.now or rough.shown
+        on = bool(beside.designs) and beside.shown == PARTS and not self._apart
+        faint = fine.now is None and self.aged(rough)
+        self._scene.parts(shown if on and shown else (), faint=faint)
+        machines = beside.designs if beside.shown == MACHINES else ()
+        self._scene.machines([_drawn(review, design) for design in machines])
+        self.stage.tell(Legend("compare", tuple(_key(review, on))))
+
+    def save(self, kind: str, client: Client) -> None:  # type: ignore[override]
+        """Save solids and tables in one archive."""
+        found = self.answers[compute.COMPARED].now
+        make = lambda found: apart(archive, found)  # noqa: E731
+        super().save(found, make, client, tr("compare.nothing_to_save"))
+
+
+def archive(found: compute.Compared) -> ExportedFile:
+    """Solids and tables of a comparison in one file, in whatever process this is called."""
+    from app.features.compare.files import contents
+
+    held = io.BytesIO()
+    with zipfile.ZipFile(held, "w", zipfile.ZIP_DEFLATED) as pack:
+        for name, data in contents(found):
+            pack.writestr(name, data)
+    names = "_".join(sanitized(design.name) for design in found.request.designs)
+    return ExportedFile(f"compare_{names}.zip", held.getvalue())
+
+
+def _drawn(review: Review, design: Any) -> tuple[Drawing, Array] | None:
+    """A machine at the present pose, with its platform's place; None where it has no such pose."""
+    machine, mode = machine_of(design), review.mode
+    keys = [[axis.key for axis in each.coordinates] for each in (machine, review.machine)]
+    if keys[0] != keys[1] or mode not in machine.modes:
+        return None
+    try:
+        posture = machine.posture(review.pose, mode)
+        return machine.drawing(posture), np.asarray(machine.transform(review.pose, mode))
+    except BohemiaError:
+        return None
+
+
+def _key(review: Review, parts: bool) -> Iterator[tuple[str, str]]:
+    """What the colours in the scene stand for."""
+    beside = review[Beside]
+    if not beside.designs or not (parts or beside.shown == MACHINES):
+        return
+    of = palette.scheme(review[Options].dark)
+    letters = compute.LETTERS[: 1 + len(beside.designs)]
+    if parts:
+        yield of.ghost, tr("compare.shared")
+    for letter, color in list(zip(letters, colors(of), strict=False))[0 if parts else 1 :]:
+        yield color, tr("compare.alone" if parts else "compare.machine", letter=letter)

@@ -1,0 +1,93 @@
+"""The designs that stand beside the present one, and what of the comparison the scene shows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, ClassVar, Self
+
+from app.language import tr
+from app.review import content as session
+from app.review.changes import Change, SetOne, Taken
+from app.review.state import Review, Slice
+from kinematics.designs.files import read_design, write_design
+from kinematics.errors import InputError
+from kinematics.mechanism import Design
+
+MOST = 3
+"""Designs beside the present one."""
+PARTS, MACHINES, NOTHING = SHOWN = ("parts", "machines", "nothing")
+
+
+@dataclass(frozen=True)
+class Beside(Slice):
+    """Designs beside the present one; ``shown`` is one of `SHOWN`."""
+
+    filed_as: ClassVar[str] = "compare"
+    LOOKS: ClassVar[frozenset[str]] = frozenset(("shown",))
+    designs: tuple[Design, ...] = ()
+    shown: str = PARTS
+
+    def checked(self, review: Review) -> Self:
+        session.listed(self.shown, SHOWN, "the comparison shows")
+        if len(self.designs) > MOST:
+            raise InputError(tr("compare.too_many", n=MOST))
+        return self
+
+    def write(self, name: str, review: Review) -> Any:
+        if name == "designs":
+            return [{"name": d.name, "design": write_design(d)} for d in self.designs]
+        return self.shown
+
+    @classmethod
+    def taken(cls, name: str, value: Any, review: Review, what: str) -> Any:
+        if name != "designs":
+            return value
+        if not isinstance(value, list) or len(value) > MOST:
+            raise InputError(f"{what} is not a list of at most {MOST} designs")
+        return tuple(_design(entry, f"{what} {n}") for n, entry in enumerate(value, start=1))
+
+
+def _design(entry: object, what: str) -> Design:
+    given = entry if isinstance(entry, Mapping) else {}
+    text, name = given.get("design"), given.get("name")
+    if not isinstance(text, str) or not isinstance(name, str):
+        raise InputError(f"{what} needs its name and its design")
+    return read_design(text, origin=what, name=name)
+
+
+@dataclass(frozen=True)
+class PutBeside(Change):
+    """Compare the present design with another one, too."""
+
+    design: Design
+
+    def title(self, before: Review, after: Review) -> str:
+        return tr("compare.put", name=self.design.name)
+
+    def apply(self, review: Review) -> Taken:
+        beside = review[Beside]
+        wanted = replace(beside, designs=(*beside.designs, self.design))
+        return review.having(wanted.checked(review)), ""
+
+
+@dataclass(frozen=True)
+class TakeAway(Change):
+    """Compare no longer with one of the designs, by its number from 0."""
+
+    number: int
+
+    def title(self, before: Review, after: Review) -> str:
+        return tr("compare.taken", name=before[Beside].designs[self.number].name)
+
+    def apply(self, review: Review) -> Taken:
+        beside = review[Beside]
+        if not 0 <= self.number < len(beside.designs):
+            raise InputError(tr("compare.none_there"))
+        kept = (*beside.designs[: self.number], *beside.designs[self.number + 1 :])
+        return review.having(replace(beside, designs=kept)), ""
+
+
+SetBeside = partial(SetOne, Beside)
+"""Set what the scene shows."""
