@@ -154,16 +154,12 @@ class Drawn:
 
 
 def parts(request: Request, resolution: Resolution) -> Parts:
-    """The solids that the workspaces share, and that each alone reaches, with their edges.
+    """The solids that the workspaces share, and that each alone reaches.
 
     Raises:
         InputError: the workspaces are of different coordinates, or plane.
     """
-    found = Comparison(_spaces(request)).parts(resolution)
-    for solid in (found.common, *found.only):
-        if solid.triangles:
-            _ = solid.edges
-    return found
+    return Comparison(_spaces(request)).parts(resolution)
 
 
 def regions(request: Request) -> tuple[SectionSpec, Section, tuple[Section, ...]]:
@@ -186,7 +182,7 @@ def drawn(request: Request, resolution: Resolution) -> tuple[Drawn, ...]:
 
     first = request.machines[0]
     if first.regions is None or first.solid_specs:
-        found = parts(request, resolution)
+        found = Comparison(_spaces(request)).parts(resolution, judged=False)
         return tuple(
             Drawn(
                 built.shaded.vertices,
@@ -222,11 +218,11 @@ def request_of(review: Review) -> Request | None:
     return Request((review.design, *designs), held, solver_modes(review), review.pose, review.mode)
 
 
-COMPARED: Question[Compared] = Question("the comparison", "compare", compare, REST_NORMAL, kept=16)
+COMPARED: Question[Compared] = Question("work.compare", "compare", compare, REST_NORMAL, kept=16)
 # Coarse first; the normal solids of a pair may take seconds.
 DRAWN: dict[Resolution, Question[tuple[Drawn, ...]]] = {
-    "preview": Question("the parts", "parts", partial(drawn, resolution="preview")),
-    "normal": Question("the parts, finer", "parts", partial(drawn, resolution="normal"), REST_FINE),
+    "preview": Question("work.parts", "parts", partial(drawn, resolution="preview")),
+    "normal": Question("work.parts", "parts", partial(drawn, resolution="normal"), REST_FINE),
 }
 
 

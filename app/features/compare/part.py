@@ -16,8 +16,9 @@ from app.features.compare.scene import Overlaid
 from app.features.compare.state import MACHINES, PARTS, Beside
 from app.features.review.files import ExportedFile, sanitized
 from app.jobs.answers import Asked
+from app.jobs.lane import Lane
 from app.jobs.parts import Client, Part
-from app.jobs.process import apart
+from app.jobs.process import apart, load_finer_solids
 from app.language import tr
 from app.review.state import Options, Review
 from app.review.view import Legend, View
@@ -43,6 +44,9 @@ class ComparePart(Part):
 
     LANES = ("compare", "parts")
     DRAWN_LAST = True
+
+    def lane(self, name: str) -> Lane:
+        return Lane(name, self.stage.put, prepare=load_finer_solids)
 
     def prepare(self) -> None:
         self._scene = Overlaid(self.stage.scene)

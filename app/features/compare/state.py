@@ -29,6 +29,11 @@ class Beside(Slice):
     designs: tuple[Design, ...] = ()
     shown: str = PARTS
 
+    @property
+    def over(self) -> bool:
+        """Whether parts of workspaces lie where the present one's solid does."""
+        return bool(self.designs) and self.shown == PARTS
+
     def checked(self, review: Review) -> Self:
         session.listed(self.shown, SHOWN, "the comparison shows")
         if len(self.designs) > MOST:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from app.features.compare.state import Beside
 from app.features.review.files import build_file, solid_name
 from app.features.section.state import clipping
 from app.features.workspace import compute
@@ -113,7 +114,7 @@ class SolidsPart(Part):
         review, built, old = sheet.view.review, self._built(), {}
         cut = clipping(review)
         limbs = {w.spec.limb for w in self._wishes} - {None}
-        others = bool(limbs) or ASPECTS in built
+        others = bool(limbs) or ASPECTS in built or bool(review[Beside].over)
         for each in self._wishes:
             key, faint = each.spec.key, 1.0
             if key in built:
