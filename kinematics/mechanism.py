@@ -137,7 +137,7 @@ class Mechanism(ABC, Generic[D]):
     modes: tuple[Mode, ...]
     mode_noun: str
     snap: ClassVar[float] = 1e-9
-    wrench_names: ClassVar[tuple[WrenchName, ...]]
+    wrench_names: tuple[WrenchName, ...]
     facets: ClassVar[Mapping[str, type[Any]]]
 
     def __init_subclass__(cls) -> None:

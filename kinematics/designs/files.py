@@ -109,10 +109,13 @@ def write_design(design: Design) -> str:
     Lengths are in mm, whatever unit they were read in, and the file says so.
     """
     table = mechanism_class(design.mechanism)(design).design_table()
-    plain = [(k, v) for k, v in table.items() if not _is_table_array(v)]
+    plain = [(k, v) for k, v in table.items() if not _is_table_array(v) and not _is_table(v)]
     blocks = ["\n".join(f"{_key(k)} = {_value(v)}" for k, v in plain)]
     blocks[0] = blocks[0].replace("\n", "  # lengths in mm, angles in degrees\n", 1)
     for key, value in table.items():
+        if _is_table(value):
+            lines = [f"{_key(k)} = {_value(v)}" for k, v in value.items()]
+            blocks.append("\n".join([f"[{_key(key)}]", *lines]))
         if _is_table_array(value):
             for entry in value:
                 lines = [f"{_key(k)} = {_value(v)}" for k, v in entry.items()]
@@ -356,6 +359,10 @@ def _shown(value: object) -> str:
     return "a list" if isinstance(value, list | tuple) else "something else"
 
 
+def _is_table(value: object) -> bool:
+    return isinstance(value, Mapping)
+
+
 def _is_table_array(value: object) -> bool:
     return isinstance(value, list | tuple) and bool(value) and isinstance(value[0], Mapping)
 
@@ -372,4 +379,6 @@ def _value(value: object) -> str:
         return "true" if value else "false"
     if isinstance(value, float | int):
         return repr(value)
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{_key(k)} = {_value(v)}" for k, v in value.items()) + " }"
     return "[" + ", ".join(_value(v) for v in cast(Sequence[object], value)) + "]"

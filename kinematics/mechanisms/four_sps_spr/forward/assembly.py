@@ -10,12 +10,13 @@ from kinematics.answers.solutions import ForwardSolutions, SelfMotion
 from kinematics.arrays import Array
 from kinematics.facets.forward import ForwardFacet, Found
 from kinematics.homotopy.assembly_sets import NEAR, accounted
+from kinematics.homotopy.forms import normal_form
 from kinematics.homotopy.solving import Roots
 from kinematics.homotopy.tracking import Complex
 from kinematics.mechanism import mechanism_of
 from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
 from kinematics.mechanisms.four_sps_spr.following import Following, state_of, unknowns_of
-from kinematics.mechanisms.four_sps_spr.forward.equations import Frame, normal_form, to_transforms
+from kinematics.mechanisms.four_sps_spr.forward.equations import Frame, to_transforms
 from kinematics.mechanisms.four_sps_spr.forward.roots import GENERAL_COUNT, own_start_set, roots_at
 from kinematics.mechanisms.four_sps_spr.inverse import transform
 from kinematics.mechanisms.four_sps_spr.states import State, pose_of, poses_of

@@ -14,8 +14,7 @@ import numpy as np
 
 from kinematics.homotopy.monodromy import Report, completed, counted, random_complex, run
 from kinematics.mechanisms.four_sps_spr.design import LIMBS, SPR
-from kinematics.mechanisms.four_sps_spr.forward import equations
-from kinematics.mechanisms.four_sps_spr.forward.equations import Parameters, on_patch, placed
+from kinematics.mechanisms.four_sps_spr.forward.equations import CLOSURE, Parameters
 from kinematics.mechanisms.four_sps_spr.forward.roots import FILE, GENERAL_COUNT, StartSet
 
 _PATIENCE = 10  # loops without anything new, after which the set is taken to be whole
@@ -30,7 +29,7 @@ def completed_set(
         planar: base and platform points in planes, the axis in that of the platform.
     """
     return completed(
-        equations,
+        CLOSURE,
         _seed(rng, planar),
         lambda: _random_machine(rng, planar),
         lambda _, idle: idle >= _PATIENCE,
@@ -43,8 +42,8 @@ def _seed(rng: np.random.Generator, planar: bool) -> StartSet:
     g = _random_machine(rng, planar)
     x, y = random_complex(rng, 4, 1), random_complex(rng, 4, 1)
     y = y - x * (x * y).sum() / (x * x).sum()
-    u = on_patch(np.concatenate([x, y]))
-    pose = placed(u)[:, 0]
+    u = CLOSURE.on_patch(np.concatenate([x, y]))
+    pose = CLOSURE.placed(u)[:, 0]
     r, p = pose[:9].reshape(3, 3), pose[9:]
     base, platform, axis = (np.array(v, dtype=complex) for v in (g.base, g.platform, g.axis))
     normal = r @ axis

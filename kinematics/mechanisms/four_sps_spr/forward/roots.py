@@ -28,7 +28,7 @@ FILE = "four_sps_spr-general.npz"
 _QUICK = Control(first=0.1)
 
 StartSet = solving.StartSet[Parameters]
-_own: OwnStartSets[Parameters] = OwnStartSets(equations, 64, _QUICK)
+_own: OwnStartSets[Parameters] = OwnStartSets(equations.CLOSURE, 64, _QUICK)
 
 
 @cache
@@ -54,7 +54,7 @@ def _make_own(design: FourSPSSPRDesign) -> StartSet:
     turns = np.exp(1j * np.array([0.9, -1.3, 0.5, 1.7, -0.7]))
     size = 1.0 + float(np.mean((np.asarray(target.base).real ** 2).sum(axis=-1)))
     target = target._replace(squares=size * np.array([1.1, 0.8, 1.3, 0.9, 1.0]) * turns)
-    return made(equations, general_set(), target, _QUICK)
+    return made(equations.CLOSURE, general_set(), target, _QUICK)
 
 
 def roots_at(design: FourSPSSPRDesign, joints: Array) -> list[Roots]:

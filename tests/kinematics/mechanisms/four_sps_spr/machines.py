@@ -7,10 +7,10 @@ from hypothesis import strategies as st
 
 from kinematics.designs.files import load_design
 from kinematics.errors import InputError
+from kinematics.homotopy.study import placed
 from kinematics.machine import machine_of
 from kinematics.mechanisms.four_sps_spr.constraint import complete_pose
 from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign, Limb
-from kinematics.mechanisms.four_sps_spr.forward.equations import placed
 from tests.kinematics.references import read
 
 

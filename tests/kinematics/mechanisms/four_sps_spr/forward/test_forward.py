@@ -10,16 +10,14 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from kinematics.errors import InputError
+from kinematics.homotopy.study import placed
 from kinematics.machine import machine_of
 from kinematics.mechanisms.four_sps_spr import inverse
 from kinematics.mechanisms.four_sps_spr.forward import monodromy
 from kinematics.mechanisms.four_sps_spr.forward.equations import (
+    CLOSURE,
     Frame,
-    conjugate,
-    on_patch,
     parameters,
-    placed,
-    polish,
     to_transforms,
 )
 from kinematics.mechanisms.four_sps_spr.forward.roots import (
@@ -97,7 +95,7 @@ def test_the_set_is_closed_under_conjugation_and_regular() -> None:
     (roots,) = roots_at(design, inverse.leg_lengths(design, poses(design, 1)))
     assert roots.complete
     assert (roots.multiplicity == 1).all()
-    apart = distances(conjugate(roots.values), roots.values)
+    apart = distances(CLOSURE.conjugate(roots.values), roots.values)
     assert apart.min(axis=1).max() < 1e-9
     assert len(set(apart.argmin(axis=1).tolist())) == GENERAL_COUNT
     between = distances(roots.values, roots.values) + np.eye(GENERAL_COUNT)
@@ -212,7 +210,7 @@ def from_transforms(frame: Frame, r: np.ndarray, p: np.ndarray) -> np.ndarray:
     a = 0.5 * ((p + r @ frame.platform - frame.base) / frame.unit).T
     # The product of the quaternions (0, a) and x.
     y = np.concatenate([-(a * x[1:]).sum(axis=0)[None], x[0] * a + np.cross(a.T, x[1:].T).T])
-    return on_patch(np.concatenate([x, y]).astype(complex))
+    return CLOSURE.on_patch(np.concatenate([x, y]).astype(complex))
 
 
 @pytest.mark.parametrize("design", [preset(), general()])
@@ -220,7 +218,9 @@ def test_real_poses_satisfy_the_equations(design) -> None:
     there = poses(design, 10, seed=3, tilt=3.0)
     frame = Frame.of(design)
     u = from_transforms(frame, inverse.rotation(there), there[:, :3])
-    settled, error = polish(parameters(design, inverse.leg_lengths(design, there)), u, rounds=1)
+    settled, error = CLOSURE.polish(
+        parameters(design, inverse.leg_lengths(design, there)), u, rounds=1
+    )
     assert error.max() < 1e-11
     r, p = to_transforms(frame, settled)
     assert r == pytest.approx(inverse.rotation(there), abs=1e-10)
@@ -229,7 +229,7 @@ def test_real_poses_satisfy_the_equations(design) -> None:
 
 def test_the_start_set_is_all_of_a_machine_that_nothing_is_special_about() -> None:
     stored = general_set()
-    settled, error = polish(stored.parameters, stored.roots)
+    settled, error = CLOSURE.polish(stored.parameters, stored.roots)
     assert stored.roots.shape == (8, GENERAL_COUNT)
     assert error.max() < 1e-12
     apart = distances(settled, settled) + np.eye(GENERAL_COUNT)
