@@ -61,6 +61,7 @@ bench: $(VENV)/installed-tools
 start-solutions: $(VENV)/installed
 	@$(BIN)/python -m kinematics.mechanisms.five_rpur.forward.monodromy assets/start_solutions
 	@$(BIN)/python -m kinematics.mechanisms.four_sps_spr.forward.monodromy assets/start_solutions
+	@$(BIN)/python -m kinematics.mechanisms.parallel.forward.monodromy assets/start_solutions
 
 clean:
 	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .mutants \

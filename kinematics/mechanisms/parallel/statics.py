@@ -13,30 +13,33 @@ from kinematics.answers.bounds import SUBSCRIPTS
 from kinematics.answers.motion import Wrenches, WrenchName
 from kinematics.arrays import Array
 from kinematics.mechanisms.parallel.assembly import Assembly
-from kinematics.mechanisms.parallel.bonds import COUNTS
 from kinematics.mechanisms.parallel.drives import Numbers
 
-_STILL = ("planar", "point")
-"""Bonds whose wrenches are the same in every posture, and are not named."""
+_LETTERS = {
+    "normal axes": ("M",),
+    "universal": ("M",),
+    "parallelogram": ("M", "M′"),
+    "planar": ("C", "M", "M′"),
+    "point": ("C", "C′", "C″"),
+}
+"""Forces and couples of bonds that are not one force."""
 
 
 def names(machine: Assembly) -> tuple[WrenchName, ...]:
-    """Of the wrenches that are named, actuators first."""
+    """Of all six, actuators first."""
     found = [
         WrenchName("actuation", n + 1, f"{'τ' if limb.turns else 'F'}{SUBSCRIPTS[n]}")
         for n, limb in enumerate(machine.limbs)
     ]
-    if machine.by_limb:
-        for one in machine.bonds.each:
-            if one.limb.bond in _STILL:
-                continue
-            limb = one.limbs[0] + 1 if len(one.limbs) == 1 else None
-            mark = SUBSCRIPTS[one.limbs[0]] if limb else ""
-            letter = "M" if one.limb.bond in ("normal axes", "universal", "parallelogram") else "C"
-            count = COUNTS[one.limb.bond]
-            found += [
-                WrenchName("constraint", limb, f"{letter}{mark}{'′' * k}") for k in range(count)
-            ]
+    if not machine.by_limb:
+        flat = machine.mobility.group == "planar"
+        symbols = ("C", "M", "M′") if flat else ("M", "M′", "M″")
+        return (*found, *(WrenchName("constraint", None, symbol) for symbol in symbols))
+    for one in machine.bonds.each:
+        limb = one.limbs[0] + 1 if len(one.limbs) == 1 else None
+        mark = SUBSCRIPTS[one.limbs[0]] if limb else ""
+        letters = _LETTERS.get(one.limb.bond, ("C",))
+        found += [WrenchName("constraint", limb, f"{letter}{mark}") for letter in letters]
     return tuple(found)
 
 
