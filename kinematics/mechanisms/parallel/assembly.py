@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from kinematics.errors import InputError
 from kinematics.mechanisms.parallel import mobility as motions
 from kinematics.mechanisms.parallel.bonds import COUNTS, Bonds
 from kinematics.mechanisms.parallel.chains import chain
-from kinematics.mechanisms.parallel.chart import Chart
+from kinematics.mechanisms.parallel.chart import Chart, linear
 from kinematics.mechanisms.parallel.design import ParallelDesign
 from kinematics.mechanisms.parallel.drives import Drives
 from kinematics.mechanisms.parallel.limb_types import TYPES
@@ -51,7 +51,7 @@ class Assembly:
 
     @cached_property
     def chart(self) -> Chart:
-        free, fixed = motions.chosen(self.mobility)
+        free, fixed = motions.chosen(self.mobility, partial(linear, self.bonds))
         if self.design.coordinates:
             free = tuple(motions.NAMES.index(key) for key in self.design.coordinates)
             fixed = tuple(n for n in fixed if n not in free)

@@ -23,6 +23,9 @@ from kinematics.mechanisms.parallel.mobility import angles_of, angular_axes
 PSI = 5
 _ROUNDS = 25
 _CLOSES = 1e-9  # of the size, what Newton's method may leave
+_TRIES, _MOST = 80, 6  # random places, and modes that are told apart, where nothing is closed
+_SAME = 1e-6
+_SEVERAL = ("base plane", "platform plane", "normal axes", "universal")
 _LINEAR = ("base plane", "platform plane", "normal axes")
 
 
@@ -51,19 +54,40 @@ class Chart:
     @cached_property
     def closed_form(self) -> bool:
         """Whether they follow in closed form."""
-        kinds = [one.limb.bond for one in self.bonds.each]
-        if not self.following or len(kinds) != len(self.following):
-            return False
-        if any(kind not in _LINEAR for kind in kinds) or {3, 4} & set(self.following):
-            return False
-        if PSI in self.following and "platform plane" in kinds:
-            return "base plane" not in kinds and (0 in self.following) == (1 in self.following)
-        return True
+        return bool(self.following) and linear(self.bonds, self.following)
 
     @property
     def operations(self) -> int:
         """How many operation modes are told apart."""
-        return 2 if self.closed_form and PSI in self.following else 1
+        if self.closed_form or not self.following:
+            return 2 if PSI in self.following else 1
+        return len(self._seeds)
+
+    @cached_property
+    def _seeds(self) -> Array:
+        """(K, F) what follows at the reference, the reference's own first.
+
+        As far as Newton's method finds them from random places.
+        """
+        own = self.reference[list(self.following)]
+        if any(one.limb.bond not in _SEVERAL for one in self.bonds.each):
+            return own[None]
+        rng = np.random.default_rng(8)
+        full = np.tile(self.reference, (_TRIES, 1))
+        for n in self.following:
+            spread = self.length * rng.normal(size=_TRIES)
+            turned = rng.uniform(-np.pi, np.pi, size=_TRIES)
+            full[:, n] = self.reference[n] + spread if n < 3 else turned
+        there, room = self._searched(full)
+        six = self.six(np.asarray(placed(there[room > 0.0])))
+        away = np.abs(six - self.reference)[:, self.free]
+        away = np.where(np.array(self.free) < 3, away / self.length, np.abs(np.sin(0.5 * away)))
+        found = [own]
+        for one in six[away.max(axis=1, initial=0.0) < _SAME][:, self.following]:
+            apart = np.where(np.array(self.following) < 3, 1.0 / self.length, 1.0)
+            if all(np.abs((one - other) * apart).max() > _SAME for other in found):
+                found.append(one)
+        return np.array(found[:_MOST])
 
     # --- from poses to placements
 
@@ -84,6 +108,8 @@ class Chart:
             sign = np.where(np.asarray(operation) == 1, self._first, -self._first)
             real, room = self._closed(real, sign)
         else:
+            which = np.clip(np.asarray(operation), 1, len(self._seeds)) - 1
+            real[..., self.following] = self._seeds[which]
             real, room = self._searched(real)
         if not np.iscomplexobj(given):
             return real, room
@@ -216,6 +242,18 @@ class Chart:
         psi = [float(self._closed(self.reference, np.array(s))[0][PSI]) for s in (1.0, -1.0)]
         plus, minus = (abs(np.sin(0.5 * (one - self.reference[PSI]))) for one in psi)
         return 1.0 if plus <= minus else -1.0
+
+
+def linear(bonds: Bonds, following: tuple[int, ...]) -> bool:
+    """Whether coordinates follow from bonds that are linear in places and in cos ψ, sin ψ."""
+    kinds = [one.limb.bond for one in bonds.each]
+    if len(kinds) != len(following) or any(kind not in _LINEAR for kind in kinds):
+        return not following
+    if {3, 4} & set(following):
+        return False
+    if PSI in following and "platform plane" in kinds:
+        return "base plane" not in kinds and (0 in following) == (1 in following)
+    return True
 
 
 def _left(matrix: Array) -> Array:

@@ -6,6 +6,7 @@ So postures about it count, reached by random steps along what is free and close
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -22,6 +23,7 @@ _SAMPLES = 8
 _STEP = (0.1, 0.15)  # rad, or parts of the characteristic length
 _RANK = 1e-7
 _STILL = 1e-9  # of rates: a coordinate that does not change
+_SEARCHED = 0.5  # what coordinates lose from which others do not follow in closed form
 _LEAST = 0.05  # of the least singular value of the rates of coordinates
 
 
@@ -159,8 +161,14 @@ def rates(found: Mobility) -> Array:
     return np.concatenate([twists[:, :3], turned @ twists[:, 3:]], axis=1)
 
 
-def chosen(found: Mobility) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """The coordinates that tell a pose, and those that never change."""
+def chosen(
+    found: Mobility, solved: Callable[[tuple[int, ...]], bool] = lambda _: True
+) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """The coordinates that tell a pose, and those that never change.
+
+    Args:
+        solved: whether the others follow in closed form from some: that is preferred.
+    """
     by = rates(found)
     constant = tuple(np.flatnonzero((np.abs(by) < _STILL).all(axis=(0, 2))).tolist())
     best: tuple[float, tuple[int, ...]] | None = None
@@ -171,6 +179,8 @@ def chosen(found: Mobility) -> tuple[tuple[int, ...], tuple[int, ...]]:
         score = (least if least >= _LEAST else least - 1.0) - 0.3 * float(
             _PREFERENCE[list(some)].sum()
         )
+        if not solved(tuple(n for n in range(6) if n not in (*some, *constant))):
+            score -= _SEARCHED
         if best is None or score > best[0] + 1e-9:
             best = score, some
     assert best is not None

@@ -15,7 +15,12 @@ from kinematics.errors import DesignError
 from kinematics.lengths import UNITS, from_mm, in_mm, unit_of
 from kinematics.mechanism import mechanism_class
 
-NAMES = [preset.name for preset in presets()]
+NAMES = [
+    preset.name
+    for preset in presets()
+    if (schema := mechanism_class(preset.mechanism).schema).keys or schema.limb_keys
+]
+"""Of kinds whose lengths are known by their keys."""
 
 
 def _in(unit: str, name: str) -> str:

@@ -8,7 +8,7 @@ complex centres of the spheres that its actuators move; from there only these mo
 from __future__ import annotations
 
 from collections.abc import Hashable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache, lru_cache, partial
 
 import numpy as np
@@ -62,8 +62,7 @@ def general_set(of: Signature) -> StartSet[Limbs]:
     """The stored set."""
     file = stored(asset_folder("start_solutions") / file_name(of))
     roots = np.ascontiguousarray(file.pop("roots"), dtype=complex)
-    whole = bool(file.pop("complete"))
-    return StartSet(Limbs(**file), roots, whole)
+    return StartSet(Limbs(**file), roots)
 
 
 def has_set(of: Signature) -> bool:
@@ -155,8 +154,7 @@ def _make_own(design: ParallelDesign, of: Signature) -> StartSet[Limbs]:
     size = 1.0 + float(np.mean((np.asarray(target.base).real ** 2).sum(axis=-1)))
     squares = size * np.array([1.1, 0.8, 1.3, 0.9, 1.0, 1.2])[: len(base)] * turns
     goal = target._replace(base=base, squares=squares)
-    found = made(equations(of), general_set(of), goal, _QUICK)
-    return replace(found, complete=found.complete and general_set(of).complete)
+    return made(equations(of), general_set(of), goal, _QUICK)
 
 
 def _one(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from typing import Any
 
 import numpy as np
@@ -244,6 +245,24 @@ def test_lengths_may_be_in_another_unit() -> None:
     assert m.home.joints[0] == pytest.approx(np.hypot(np.hypot(200.0, 50.0), 400.0))
     again = kin.read(kin.write(m))
     assert again.design == m.design
+
+
+@pytest.mark.parametrize("name", [p.name for p in kin.presets() if p.mechanism == "parallel"])
+def test_every_length_of_a_sample_is_read_in_its_unit(name: str) -> None:
+    m = kin.open(name)
+    table = deepcopy(m.table)
+    for field in m.fields:
+        if field.unit == "mm":
+            *way, last = field.path
+            place: Any = table
+            for step in way:
+                place = place[step]
+            place[last] = place[last] / 10.0
+    again = m.mechanism.read_design({**table, "units": "cm"}, origin="", name=name)
+    mechanism = type(m.mechanism)(again)
+    assert [axis.unit for axis in mechanism.coordinates] == [axis.unit for axis in m.coordinates]
+    for one, two in zip(mechanism.design_fields(), m.fields, strict=True):
+        assert one.value == pytest.approx(two.value, rel=1e-14)
 
 
 def test_the_number_of_modes_is_that_of_the_branches() -> None:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 import kinematics as kin
-from kinematics.homotopy.solving import cluster
-from kinematics.mechanisms.parallel.forward import monodromy, study
+from kinematics.homotopy.solving import cluster, solve
+from kinematics.mechanisms.parallel.forward import monodromy, searching, study, trace
+from kinematics.mechanisms.parallel.limbs import turned
 from tests.kinematics.mechanisms.parallel.machines import (
     apart,
     case,
@@ -120,8 +122,6 @@ def test_delta() -> None:
 @pytest.mark.parametrize("preset", ["upu-3", "rus-6", "gough", "prs-3"])
 def test_closed_forms_and_paths_agree_with_a_search(preset: str) -> None:
     """Newton's method from many places finds no solution that is not in the set."""
-    from kinematics.mechanisms.parallel.forward import searching
-
     m = kin.open(preset)
     rng = np.random.default_rng(5)
     joints = np.array(m.home.joints) + 1e-2 * rng.normal(size=len(m.joints)) * [
@@ -162,24 +162,22 @@ def test_stored_sets_are_solutions_that_differ(of: study.Signature) -> None:
     settled, error = closure.polish(stored.parameters, stored.roots)
     assert error.max() < 1e-11
     assert len(np.unique(cluster(closure, settled))) == stored.roots.shape[1]
-    count = monodromy.COUNTS[of]
-    assert stored.complete == (count is not None)
-    assert count is None or stored.roots.shape[1] == count
+    assert stored.roots.shape[1] == monodromy.COUNTS[of]
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(600)
 @pytest.mark.parametrize("of", list(monodromy.COUNTS))
-def test_a_set_made_from_one_solution_is_as_large(of: study.Signature) -> None:
-    found = monodromy.completed_set(of, np.random.default_rng(11))
-    assert found.roots.shape[1] == study.general_set(of).roots.shape[1]
+def test_a_trace_proves_that_none_is_missing(of: study.Signature) -> None:
+    stored, closure = study.general_set(of), study.equations(of)
+    root, _ = closure.polish(stored.parameters, stored.roots[:, :1])
+    found = trace.traced(closure, stored.parameters, root, np.random.default_rng(3))
+    assert found.whole
+    assert found.finite == monodromy.COUNTS[of]
 
 
 def test_loops_in_the_lengths_alone_are_never_called_complete() -> None:
     """Part of a start set: what is missing shows, as conjugates are."""
-    from dataclasses import replace
-
-    from kinematics.homotopy.solving import solve
-
     of = (6, 0, 0)
     m = ups(case("random6ups_21"))
     whole = study.general_set(of)
@@ -189,3 +187,55 @@ def test_loops_in_the_lengths_alone_are_never_called_complete() -> None:
     (found,) = solve(study.equations(of), short, target, real=True)
     assert found.count < 40
     assert not found.complete
+
+
+# --- limb types mixed ----------------------------------------------------------------------
+
+
+def mixed(kinds: str, seed: int) -> kin.Machine[Any]:
+    """A random machine of some limbs, about a circle."""
+    rng = np.random.default_rng(seed)
+    types = kinds.split()
+
+    def about(vector: Any, n: int, by: float) -> list[float]:
+        turn = turned(np.array([0.0, 0.0, 1.0]), 2.0 * np.pi * n / len(types))
+        found = turn @ np.array(vector, dtype=float) + rng.uniform(-by, by, 3)
+        return [float(v) for v in found]
+
+    limbs = []
+    for n, kind in enumerate(types):
+        limb: dict[str, Any] = {"type": kind, "base": about((250, 0, 0), n, 12.0)}
+        limb["platform"] = about((120, 20, 0), n, 12.0)
+        axis = about((0, 1, 0), n, 0.15)
+        if kind in ("UPS", "RPS", "SPR"):
+            limb["stroke"] = [100, 900]
+        if kind in ("RPS", "PRS", "RUS"):
+            limb["axis"] = axis
+        if kind == "SPR":
+            limb["platform_axis"] = axis
+        if kind in ("PUS", "PRS"):
+            limb |= {"slide": [0, 0, 1], "rod": 430, "mode": "-"}
+        if kind == "RUS":
+            limb |= {"zero": [0, 0, 1], "crank": 200, "rod": 350}
+        limbs.append(limb)
+    return machine(limbs, [5.0, 3.0, 300.0], turn=[3.0, -4.0, 5.0])
+
+
+@pytest.mark.parametrize(
+    ("kinds", "count"),
+    [
+        ("UPS RUS PUS UPS RUS PUS", 40),
+        ("UPS RUS PUS UPS RPS", 40),
+        ("UPS PUS RPS PRS", 32),
+        ("UPS RUS RPS SPR", 24),
+        ("RPS PRS SPR", 16),
+    ],
+)
+def test_limb_types_may_be_mixed(kinds: str, count: int) -> None:
+    m = mixed(kinds, 4)
+    found = m.forward(m.home.joints)
+    assert (found.complex_count, found.complete) == (count, True), found.evidence
+    there = placements(found, m)
+    (searched,) = searching.solve(m.mechanism.machine, np.array([m.home.joints]))  # type: ignore[attr-defined]
+    assert apart(there, searched.placements) < 1e-6 * m.length
+    assert apart(there, m.transform(m.home.pose, m.home.mode)[None]) < 1e-6 * m.length
