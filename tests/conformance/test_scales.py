@@ -161,8 +161,9 @@ def test_commands_say_the_same_of_any_size(
             ["fk", design, joints],
             ["singularity", design, pose, *mode],
             ["statics", design, pose, *mode, "--load=1,0,0,0,0,0"],
-            ["workspace", design, "--resolution=preview"],
         ]
+        if m.solids is not None or m.regions is not None:
+            commands.append(["workspace", design, "--resolution=preview"])
         if m.sections is not None:
             commands.append(["volume", design])
         said = []
