@@ -110,8 +110,11 @@ class Compared:
     curves: tuple[Curve | None, ...]
 
 
-def compare(request: Request, relative: float = 1e-6) -> Compared:
+def compare(request: Request, relative: float = 1e-6, *, measured: bool = True) -> Compared:
     """Everything that a comparison shows in numbers.
+
+    Args:
+        measured: also the figures of merit, which take longest.
 
     Raises:
         InputError: a machine has no such mode.
@@ -125,8 +128,6 @@ def compare(request: Request, relative: float = 1e-6) -> Compared:
         sizes, common, only = found.sizes, found.common, found.only
     except InputError as error:
         why = str(error)
-    asked = tuple(_asked(machine, request) for machine in machines)
-    pairs = zip(its_spaces, asked, strict=True)
     return Compared(
         request=request,
         unit="mm³" if found is None else found.unit,
@@ -136,10 +137,16 @@ def compare(request: Request, relative: float = 1e-6) -> Compared:
         exact=found is not None and found.exact,
         why=why,
         differences=differences([machine.mechanism for machine in machines]),
-        rows=tuple(_rows([figures(space, one.posture) for space, one in pairs])),
-        asked=asked,
+        rows=measures(request) if measured else (),
+        asked=tuple(_asked(machine, request) for machine in machines),
         curves=tuple(map(_curve, its_spaces)),
     )
+
+
+def measures(request: Request) -> tuple[Row, ...]:
+    """The figures of merit of all designs."""
+    pairs = zip(_spaces(request), request.machines, strict=True)
+    return tuple(_rows([figures(s, _asked(m, request).posture) for s, m in pairs]))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -218,7 +225,12 @@ def request_of(review: Review) -> Request | None:
     return Request((review.design, *designs), held, solver_modes(review), review.pose, review.mode)
 
 
-COMPARED: Question[Compared] = Question("work.compare", "compare", compare, REST_NORMAL, kept=16)
+COMPARED: Question[Compared] = Question(
+    "work.compare", "compare", partial(compare, measured=False), REST_NORMAL, kept=16
+)
+MEASURED: Question[tuple[Row, ...]] = Question(
+    "work.measures", "compare", measures, REST_FINE, kept=16
+)
 # Coarse first; the normal solids of a pair may take seconds.
 DRAWN: dict[Resolution, Question[tuple[Drawn, ...]]] = {
     "preview": Question("work.parts", "parts", partial(drawn, resolution="preview")),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from app.features.compare.compute import LETTERS, Asked, Compared
+from app.features.compare.compute import LETTERS, Asked, Compared, Row
 from app.language import tr
 from app.review.units import area_text, minus, pose_text, tenths, volume_text
 from app.scene.palette import Scheme
@@ -58,11 +58,10 @@ def _share(common: Size, size: Size) -> str:
     return f"{100.0 * common.value / size.value:.1f} %" if size.value > 0.0 else "–"
 
 
-def measures_html(found: Compared) -> str:
+def measures_html(measured: Sequence[Row], letters: str) -> str:
     """A row for each figure of merit, the best one strong and marked."""
-    letters = LETTERS[: len(found.request.designs)]
     rows = []
-    for row in found.rows:
+    for row in measured:
         cells = [
             f"<b>{_value(v, row.unit)} ◂</b>" if n in row.best else _value(v, row.unit)
             for n, v in enumerate(row.values)

@@ -6,7 +6,7 @@ from functools import partial
 from typing import Any
 
 from app.features.compare import html
-from app.features.compare.compute import Compared
+from app.features.compare.compute import LETTERS, Compared
 from app.features.compare.part import ComparePart, Told
 from app.features.compare.plot import areas_figure
 from app.features.compare.state import MOST, Beside, PutBeside, SetBeside, TakeAway
@@ -46,7 +46,7 @@ class ComparePanel(Panel):
         with self.folder("compare.pose") as self._posed:
             self._pose = gui.add_html("")
         self._save = self.saving(("ZIP",), self.desk.part(ComparePart).save)
-        self._told = Told(None, False, "")
+        self._told = Told(None, False, "", None, False)
         explain(gui, review.machine.text("design"), tr("compare.help"))
 
     def draw(self, sheet: Sheet) -> None:
@@ -75,7 +75,11 @@ class ComparePanel(Panel):
         self.say(
             self._answer, red(told.trouble) if told.trouble else html.answer_html(found), stale
         )
-        self.say(self._measures, html.measures_html(found), stale)
+        if told.rows is None:
+            self.say(self._measures, box(esc(tr("compare.measuring"))))
+        else:
+            letters = LETTERS[: len(found.request.designs)]
+            self.say(self._measures, html.measures_html(told.rows, letters), told.old_rows)
         self.say(self._differences, html.differences_html(found), stale)
         self.say(self._pose, html.pose_html(found), stale)
         self._areas.draw(_areas(found), partial(areas_figure, found, of), stale=stale)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import zipfile
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -37,6 +37,8 @@ class Told:
     found: compute.Compared | None
     stale: bool
     trouble: str
+    rows: tuple[compute.Row, ...] | None
+    old_rows: bool
 
 
 class ComparePart(Part):
@@ -59,6 +61,7 @@ class ComparePart(Part):
             for question in compute.DRAWN.values():
                 yield question(request)
         yield compute.COMPARED(request)
+        yield compute.MEASURED(request)
 
     @property
     def _apart(self) -> bool:
@@ -69,21 +72,24 @@ class ComparePart(Part):
     def show(self, sheet: Sheet) -> None:
         review = sheet.view.review
         beside, told = review[Beside], self.answers[compute.COMPARED]
-        self.stage.tell(Told(told.shown if beside.designs else None, told.stale, told.trouble))
+        shown, measured = told.shown if beside.designs else None, self.answers[compute.MEASURED]
+        rows, old = (measured.shown, measured.stale) if shown is not None else (None, False)
+        self.stage.tell(Told(shown, told.stale, told.trouble, rows, old))
         fine, rough = (self.answers[compute.DRAWN[r]] for r in ("normal", "preview"))
-        shown = fine.now or rough.now or rough.shown
+        parts = fine.now or rough.now or rough.shown
         on = bool(beside.designs) and beside.shown == PARTS and not self._apart
         faint = fine.now is None and self.aged(rough)
-        self._scene.parts(shown if on and shown else (), faint=faint)
+        self._scene.parts(parts if on and parts else (), faint=faint)
         machines = beside.designs if beside.shown == MACHINES else ()
         self._scene.machines([_drawn(review, design) for design in machines])
         self.stage.tell(Legend("compare", tuple(_key(review, on))))
 
     def save(self, kind: str, client: Client) -> None:  # type: ignore[override]
         """Save solids and tables in one archive."""
-        found = self.answers[compute.COMPARED].now
-        make = lambda found: apart(archive, found)  # noqa: E731
-        super().save(found, make, client, tr("compare.nothing_to_save"))
+        found, rows = self.answers[compute.COMPARED].now, self.answers[compute.MEASURED].now
+        whole = None if found is None or rows is None else replace(found, rows=rows)
+        make = lambda whole: apart(archive, whole)  # noqa: E731
+        super().save(whole, make, client, tr("compare.nothing_to_save"))
 
 
 def archive(found: compute.Compared) -> ExportedFile:
