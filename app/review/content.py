@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
+from app.language import tr
+from kinematics.designs.files import read_design, write_design
 from kinematics.errors import InputError
 from kinematics.machine import Machine
-from kinematics.mechanism import Coordinate
+from kinematics.mechanism import Coordinate, Design
 
 
 def typed(content: dict[str, Any], key: str, kind: type, origin: str) -> Any:
@@ -54,6 +56,24 @@ def listed(value: object, known: Iterable[object], what: str) -> None:
     names = tuple(known)
     if value not in names:
         raise InputError(f"{what} {', '.join(str(n) for n in names if n)}, not {value!r}")
+
+
+def design_entry(design: Design) -> dict[str, str]:
+    """A further design as a session has it, beside the one that is reviewed."""
+    return {"name": design.name, "design": write_design(design)}
+
+
+def design_of(entry: object, what: str) -> Design:
+    """A design from such an entry.
+
+    Raises:
+        InputError: it is none; the sentence begins with ``what``.
+    """
+    given = entry if isinstance(entry, Mapping) else {}
+    text, name = given.get("design"), given.get("name")
+    if not isinstance(text, str) or not isinstance(name, str):
+        raise InputError(tr("design.no_design", what=what))
+    return read_design(text, origin=what, name=name)
 
 
 def key_of(c: Coordinate) -> str:

@@ -13,10 +13,11 @@ import pytest
 
 from app.features.compare.compute import compare, request_of
 from app.features.compare.state import Beside, PutBeside, SetBeside
+from app.features.design.state import Milestones
 from app.review import session
 from app.review.changes import change
 from app.review.state import new_review
-from kinematics.designs.files import load_design
+from kinematics.designs.files import load_design, read_design
 from kinematics.errors import InputError
 from tests.app import seats
 from tests.app.seats import Seat, seat
@@ -93,3 +94,29 @@ def test_what_is_asked_follows_the_review() -> None:
     assert found.common.value == pytest.approx(found.sizes[0].value, rel=1e-3)
     assert not found.differences
     assert [one.posture is not None and one.posture.reachable for one in found.asked] == [True] * 2
+
+
+def test_milestones_are_kept_compared_restored_and_saved(page: Seat) -> None:
+    page.put("Name", "before longer links")
+    page.press("Keep this state")
+    before = page.review.design
+    page.put("Limb 1: proximal r₁ (mm)", 500.0)
+    page.put("Name", "longer")
+    page.press("Keep this state")
+    assert [m.name for m in page.review[Milestones].kept] == ["before longer links", "longer"]
+    text = session.to_text(page.review)
+    assert session.from_text(text, origin="x")[Milestones] == page.review[Milestones]
+    page.press("Compare with before longer links")
+    assert page.review[Beside].designs == (before,)
+    page.press("Save longer as a design file")
+    file = page.files[-1]
+    assert file.name == "longer.toml"
+    saved = read_design(file.data.decode(), origin=file.name, name="longer")
+    assert saved.source.startswith("edited from five-bar")
+    page.press("Restore before longer links")
+    assert page.review.design == before
+    page.press("Forget longer")
+    assert [m.name for m in page.review[Milestones].kept] == ["before longer links"]
+    page.put("Name", "  ")
+    page.press("Keep this state")
+    assert page.told[-1] == "a milestone needs a name"

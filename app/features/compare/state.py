@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar, Self
@@ -11,7 +10,6 @@ from app.language import tr
 from app.review import content as session
 from app.review.changes import Change, SetOne, Taken
 from app.review.state import Review, Slice
-from kinematics.designs.files import read_design, write_design
 from kinematics.errors import InputError
 from kinematics.mechanism import Design
 
@@ -42,7 +40,7 @@ class Beside(Slice):
 
     def write(self, name: str, review: Review) -> Any:
         if name == "designs":
-            return [{"name": d.name, "design": write_design(d)} for d in self.designs]
+            return [session.design_entry(design) for design in self.designs]
         return self.shown
 
     @classmethod
@@ -51,15 +49,9 @@ class Beside(Slice):
             return value
         if not isinstance(value, list) or len(value) > MOST:
             raise InputError(f"{what} is not a list of at most {MOST} designs")
-        return tuple(_design(entry, f"{what} {n}") for n, entry in enumerate(value, start=1))
-
-
-def _design(entry: object, what: str) -> Design:
-    given = entry if isinstance(entry, Mapping) else {}
-    text, name = given.get("design"), given.get("name")
-    if not isinstance(text, str) or not isinstance(name, str):
-        raise InputError(f"{what} needs its name and its design")
-    return read_design(text, origin=what, name=name)
+        return tuple(
+            session.design_of(each, f"{what} {n}") for n, each in enumerate(value, start=1)
+        )
 
 
 @dataclass(frozen=True)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
 
+from app.features.design.state import Milestone
 from app.language import tr
 from app.review.units import minus
 from app.scene import palette
-from app.widgets.texts import box, chip, edged, esc, faint, tone
+from app.widgets.texts import box, chip, edged, esc, faint, table, tone
 from kinematics.answers.solutions import Finding
 from kinematics.machine import machine_of
 from kinematics.mechanism import Design, DesignField
@@ -51,6 +52,21 @@ def numbers_html(fields: Iterable[DesignField]) -> str:
     parts = [_limbs(limbs)] if limbs else []
     parts += [_listed(group, fields) for group, fields in others.items()]
     return "".join(parts)
+
+
+def milestones_html(kept: Sequence[Milestone], design: Design) -> str:
+    """A row for each milestone, the present state marked, with what can be done with it."""
+    rows, looks = [], []
+    for n, milestone in enumerate(kept):
+        presses = "".join(
+            f'<button type="button" data-send="{what} {n}" '
+            f'aria-label="{esc(tr(f"design.{what}_named", name=milestone.name))}">'
+            f"{esc(tr(f'design.{what}'))}</button>"
+            for what in ("compare", "restore", "write", "drop")
+        )
+        rows.append((esc(milestone.name), presses))
+        looks.append("aria-current" if milestone.design == design else "")
+    return table(rows, ("", "text-align:right;white-space:nowrap"), looks=looks)
 
 
 def shown(field: DesignField) -> float:

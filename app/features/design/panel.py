@@ -2,14 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import viser
 
+from app.features.compare.state import PutBeside
 from app.features.design import html
-from app.features.design.state import EditDesign, UseDesign
-from app.features.review.files import design_file
+from app.features.design.state import (
+    DropMilestone,
+    EditDesign,
+    GoBackTo,
+    KeepMilestone,
+    Milestone,
+    Milestones,
+    UseDesign,
+)
+from app.features.review.files import design_file, sanitized
 from app.language import tr
+from app.review.changes import Change
 from app.review.state import Review
 from app.widgets.desk import Client, Panel, Sheet, explain
 from app.widgets.markup import Markup
@@ -19,6 +31,12 @@ from kinematics.designs.files import MAX_BYTES, load_design, presets, read_desig
 from kinematics.errors import InputError
 from kinematics.machine import machine_of
 from kinematics.mechanism import Design
+
+_DOES: dict[str, Callable[[Milestone], Change]] = {
+    "compare": lambda milestone: PutBeside(milestone.design),
+    "restore": GoBackTo,
+    "drop": lambda milestone: DropMilestone(milestone.name),
+}
 
 
 class DesignPanel(Panel):
@@ -38,6 +56,10 @@ class DesignPanel(Panel):
         self.button("design.save", self._save, icon=viser.Icon.DOWNLOAD)
         with self.folder("design.dimensions"):
             self._numbers = Markup(self.desk, self._edit)
+        with self.folder("design.milestones", open=bool(review[Milestones].kept)):
+            self._name = gui.add_text(tr("design.name"), "", hint=tr("design.name_hint"))
+            self.button("design.keep", self._keep)
+            self._milestones = Markup(self.desk, self._milestone)
         explain(gui, review.machine.text("design"), tr("design.help"))
         self._changed = Once(self._tell)
 
@@ -45,6 +67,8 @@ class DesignPanel(Panel):
         super().draw(sheet)
         self.put(self._choice, _chosen(self.review))
         self._changed(self.review.design)
+        kept = self.review[Milestones].kept
+        self._milestones.say(html.milestones_html(kept, self.review.design) if kept else "")
 
     def _tell(self, design: Design) -> None:
         self.say(self._about, html.about_html(design))
@@ -56,6 +80,21 @@ class DesignPanel(Panel):
         if field is not None:
             edits = ((field.path, html.inner(field, float(value))),)
             self.desk.send(EditDesign(edits), client)
+
+    def _keep(self, client: Client) -> None:
+        self.desk.send(KeepMilestone(self._name.value), client)
+
+    def _milestone(self, pressed: str, client: Client) -> None:
+        word, _, number = pressed.partition(" ")
+        kept = self.review[Milestones].kept
+        if not int(number) < len(kept):
+            return
+        chosen = kept[int(number)]
+        if word == "write":
+            file = design_file(chosen.design)
+            self.desk.download(replace(file, name=f"{sanitized(chosen.name)}.toml"), client)
+        else:
+            self.desk.send(_DOES[word](chosen), client)
 
     def _choose(self, name: str, client: Client) -> None:
         if name != tr("design.own"):
