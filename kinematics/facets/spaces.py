@@ -213,6 +213,7 @@ class Space(Generic[D]):
             flat = np.pad(flat, ((0, 0), (0, 1)))
         if flat.shape[1] != 3:
             raise InputError(f"a point has 3 coordinates, got {flat.shape[1]}")
+        facet = self.machine.solids
         try:
             facet, spec = self._solids("workspace")
             poses = facet.poses(spec.key, self.pose, self._present[0], flat)
@@ -226,7 +227,9 @@ class Space(Generic[D]):
             for n, key in enumerate(keys):
                 if key in ("x", "y", "z"):
                     poses[:, n] = flat[:, "xyz".index(key)]
-        held = np.isfinite(poses).all(axis=1) & (flat[:, 2] == 0.0 if "z" not in keys else True)
+        held = np.isfinite(poses).all(axis=1)
+        if facet is None and "z" not in keys:
+            held &= flat[:, 2] == 0.0
         chosen = self._present if self._of_one else self.modes
         inside = np.zeros(len(flat), dtype=bool)
         inside[held] = self.machine.inverse.inside(poses[held], chosen)

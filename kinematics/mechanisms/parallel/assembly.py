@@ -64,6 +64,12 @@ class Assembly:
         return read_only([limb.branch for limb in self.limbs])
 
     @property
+    def drawn(self) -> bool:
+        """Three coordinates of the pose are places in a solid, and what follows has closed form."""
+        chart = self.chart
+        return len(chart.free) >= 3 and (chart.closed_form or not chart.following)
+
+    @property
     def by_limb(self) -> bool:
         """The bonds' own wrenches are as many as are needed; otherwise constant ones are."""
         return self.bonds.count == 6 - self.mobility.free

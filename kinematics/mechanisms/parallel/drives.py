@@ -145,7 +145,7 @@ class Drives:
             if drive in ("crank", "direction"):
                 one, two, k = self.circle(placement, g)
                 h = one * one + two * two
-                root = _root(h - k * k)
+                root = self.root(h - k * k)
                 cos = (k * one - s * two * root) / h
                 sin = (k * two + s * one * root) / h
                 arm = cos[..., None] * self.z[g] + sin[..., None] * self.y[g]
@@ -154,7 +154,7 @@ class Drives:
             elif drive == "slider":
                 d = at[..., g, :] - self.a[g]
                 way = dot(d, self.w[g])
-                root = _root(self.l[g] ** 2 - (dot(d, d) - way * way))
+                root = self.root(self.l[g] ** 2 - (dot(d, d) - way * way))
                 e[..., g, :] = self.a[g] + (way + s * root)[..., None] * self.w[g]
             elif drive == "offset leg":
                 m = self.m[g] @ placement[..., :3, :3].swapaxes(-1, -2)
@@ -163,13 +163,13 @@ class Drives:
                 foot = at[..., g, :] + away[..., None] * flat
                 line = np.cross(self.n[g], m)
                 line = line / size(line)[..., None]
-                root = _root(self.l[g] ** 2 - away * away * dot(flat, flat))
+                root = self.root(self.l[g] ** 2 - away * away * dot(flat, flat))
                 e[..., g, :] = foot + (s * root)[..., None] * line
             elif drive == "elbow":
                 d = at[..., g, :] - self.a[g]
                 r, rod = self.r[g], self.l[g]
                 c = (dot(d, d) - r * r - rod * rod) / (2.0 * r * rod)
-                root = _root(1.0 - c * c)
+                root = self.root(1.0 - c * c)
             else:
                 continue
             roots[..., g] = root
@@ -194,16 +194,16 @@ class Drives:
                     q[..., g] = size(d)
                 elif drive == "slider":
                     way = dot(d, self.w[g])
-                    q[..., g] = way + s * _root(self.l[g] ** 2 - (dot(d, d) - way * way))
+                    q[..., g] = way + s * self.root(self.l[g] ** 2 - (dot(d, d) - way * way))
                 elif drive in ("crank", "direction"):
                     one, two, k = self.circle(placement, g)
                     h = np.hypot(one, two)
-                    angle = np.arctan2(_root(h * h - k * k), k)
+                    angle = np.arctan2(self.root(h * h - k * k), k)
                     q[..., g] = self.near(np.arctan2(two, one) + s * angle, g)
                 elif drive == "elbow":
                     r, rod = self.r[g], self.l[g]
                     c = (dot(d, d) - r * r - rod * rod) / (2.0 * r * rod)
-                    q[..., g] = self.near(s * np.arctan2(_root(1.0 - c * c), c), g)
+                    q[..., g] = self.near(s * np.arctan2(self.root(1.0 - c * c), c), g)
                 else:
                     e, _ = self.arms(placement, signs)
                     q[..., g] = size(e[..., g, :] - self.a[g])
@@ -348,8 +348,14 @@ class Drives:
                 point[..., g, :] = placement[..., None, :3, 3] + 0.0 * turn
         return Push(force, couple, gain, point)
 
+    def root(self, square: Numbers) -> Numbers:
+        """The root; NaN where the real part is negative."""
+        with np.errstate(invalid="ignore"):
+            return np.asarray(np.where(square.real < 0.0, np.nan, np.sqrt(square + 0.0)))
 
-def _root(square: Numbers) -> Numbers:
-    """The root; NaN where the real part is negative, but for rounding."""
-    with np.errstate(invalid="ignore"):
-        return np.asarray(np.where(square.real < 0.0, np.nan, np.sqrt(square + 0.0)))
+
+class Stretched(Drives):
+    """The same with limbs that cannot close as they are at the end of their reach."""
+
+    def root(self, square: Numbers) -> Numbers:
+        return np.asarray(np.sqrt(np.maximum(square, 0.0)))

@@ -42,6 +42,7 @@ class Parallel(Mechanism[ParallelDesign]):
         __package__,
         following="following:Following",
         forward="forward.assembly:Forward",
+        solids="solids:Solids",
     )
 
     def __init__(self, design: ParallelDesign) -> None:
@@ -51,6 +52,10 @@ class Parallel(Mechanism[ParallelDesign]):
         self.modes = _modes(self.machine)
         self.mode_noun = noun(self.modes)
         self.wrench_names = statics.names(self.machine)
+
+    def facet(self, topic: str) -> Any:
+        """No solids where nothing could be drawn."""
+        return None if topic == "solids" and not self.machine.drawn else super().facet(topic)
 
     @property
     def bounds(self) -> tuple[Bound, ...]:

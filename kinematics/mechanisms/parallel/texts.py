@@ -18,6 +18,11 @@ Study's quadric, and every path from a generic machine of the same limbs is foll
 move in a plane, translate or turn about a point have their own closed systems. How many complex
 solutions there are, and whether they are known to be all, is told with them.
 """,
+    "workspace": """
+Where three coordinates of the pose can be while the others stay: places first, then angles drawn
+as lengths, one radian as long as the characteristic length. Every margin of a limb (an end of a
+range, its reach, a cone) bounds it by a surface of its own.
+""",
     "singularities": """
 With its actuator locked each limb exerts a wrench, mostly a force along its rod, and some limbs a
 constraint wrench whatever their actuator does. **Parallel** singularities are where all six are
