@@ -37,6 +37,7 @@ COMMANDS = {
     "micr": "singularities.micr_command:micr",
     "trajectory": "trajectory.command:trajectory",
     "compare": "compare.command:compare",
+    "paper": "paper.command:paper",
 }
 """Where each command stands in `app.features`; the first is meant where none is named."""
 SERVE = next(iter(COMMANDS))
