@@ -38,9 +38,11 @@ def sketch(item: Item) -> Files:
         panel.plot(*np.stack([b, p]).T, color=LIMBS[n], linewidth=2.2)
         for point, text in ((a, f"A{n + 1}"), (b, f"B{n + 1}")):
             panel.plot(*point, "o", color=INK)
-            panel.annotate(text, point, (8, 4), textcoords="offset points", color=INK)
+            panel.annotate(
+                text, tuple(point.tolist()), (8, 4), textcoords="offset points", color=INK
+            )
     panel.plot(*p, "o", color=INK)
-    panel.annotate("P", p, (8, 4), textcoords="offset points", color=INK)
+    panel.annotate("P", tuple(p.tolist()), (8, 4), textcoords="offset points", color=INK)
     panel.plot([-24, 24], [0, 0], color=LIGHT.steel, linewidth=2)
     named(panel, "x (cm)", "y (cm)", "mode +−, r₁ = r₂ = 48 cm, r₃ = 24 cm")
     return pictures(item, page)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +16,9 @@ from app.scene.palette import INK
 from kinematics.arrays import Array
 from kinematics.solids.files import encode
 from kinematics.solids.meshes import SolidMesh
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _OPEN = View(cut=((0.0, -1.0, 0.0), 0.0))
 """What lies before y = 0 is left out."""
@@ -83,23 +87,13 @@ def _drawn(item: Item, mesh: SolidMesh, view: View, told: str) -> Files:
     return pictures(item, page)
 
 
-def _directions(panel: object, span: tuple[float, ...], frame: Array) -> None:
-    """x, y, z in the lower left corner, 100 mm long each."""
-    from matplotlib.axes import Axes
-
-    assert isinstance(panel, Axes)
+def _directions(panel: Axes, span: tuple[float, ...], frame: Array) -> None:
+    """x, y, z in the lower left corner, of one length each."""
     size = 0.09 * max(span[1] - span[0], span[3] - span[2])
     start = np.array([span[0] + 1.2 * size, span[2] + 1.2 * size])
     for axis, name in enumerate("xyz"):
-        end = start + size * frame[:2, axis]
-        panel.annotate(
-            "", end, start, arrowprops={"arrowstyle": "-|>", "color": INK, "linewidth": 1.0}
-        )
-        panel.text(
-            *(start + 1.25 * size * frame[:2, axis]),
-            name,
-            fontsize=9,
-            color=INK,
-            ha="center",
-            va="center",
-        )
+        way = size * frame[:2, axis]
+        (x, y), (u, v) = (start + way).tolist(), (start + 1.25 * way).tolist()
+        arrow = {"arrowstyle": "-|>", "color": INK, "linewidth": 1.0}
+        panel.annotate("", (x, y), (float(start[0]), float(start[1])), arrowprops=arrow)
+        panel.text(u, v, name, fontsize=9, color=INK, ha="center", va="center")
