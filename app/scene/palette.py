@@ -1,7 +1,7 @@
 """Colours that mean one thing everywhere: scene, tables, plots, legend.
 
-Limbs in five Okabe–Ito colours that colour-blind people can tell apart; red-orange for singular
-and for beyond a limit, nothing else; the workspace a quiet blue-grey.
+Limbs in five Okabe–Ito colours and a sixth that colour-blind people can tell apart; red-orange for
+singular and for beyond a limit, nothing else; the workspace a quiet blue-grey.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def linear(code: str) -> Rgb:
     return r, g, b
 
 
-LIMBS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9")
+LIMBS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#900CE9")
 NEAR = "#F0E442"  # close to the end of a stroke
 
 

@@ -77,7 +77,7 @@ def test_the_tabs_are_those_that_the_machine_has_a_use_for(opened: Open, name: s
     design = page.review.design
     more = {"Section": machine_of(design).section_spec, "Map": machine_of(design).map_spec}
     views = [t for t, has in more.items() if has is not None]
-    wanted = [*COMMON, *(["Solid", *views] if views else [])]
+    wanted = [*COMMON, "Design", "Compare", *(["Solid", *views] if views else [])]
     assert sorted(page.tabs) == sorted(wanted)
     assert set(_coordinates(page.review)) <= page.labels()
     assert "Reachable" in page.text()
@@ -383,7 +383,7 @@ def test_side_by_side_with_its_counterpart(opened: Open, name: str) -> None:
     beside = page.page.view.beside
     assert beside is not None
     assert beside.posture.pose == page.review.pose
-    assert {row.limb % 5 for row in beside.joints} == {1, 2, 3}
+    assert {row.limb % len(palette.LIMBS) for row in beside.joints} == {1, 2, 3}
     assert [palette.limb_color(row.limb) for row in beside.joints] == list(palette.LIMBS[:3])
     controlled = page.page.part(ControlPart).controlled()
     assert controlled.beside is not None

@@ -14,6 +14,7 @@ from app.features.singularities.state import Control
 from app.jobs.answers import Question
 from app.review.state import Review
 from app.review.view import Beside, joint_rows
+from app.scene.palette import LIMBS
 from kinematics.answers.circles import OrientationCircle, Profile
 from kinematics.answers.clearances import Clearance, Remedy
 from kinematics.answers.drawings import Body
@@ -30,7 +31,7 @@ from kinematics.mechanism import Design
 SLACK = 0.02  # of a stroke: facets of a solid lie a little beside its true surface
 
 
-OTHER = 5 * 4  # limbs of a counterpart are counted from here; its colours are the same again
+OTHER = 4 * len(LIMBS)  # limbs of a counterpart are counted from here, in the same colours
 APART = 3.4  # of the machine's size: how far it stands away
 
 
