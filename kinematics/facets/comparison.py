@@ -183,6 +183,9 @@ class Comparison:
         """How the workspaces are put over one another."""
         machines = [space.machine for space in self.spaces]
         kinds = {machine.kind for machine in machines}
+        for machine in machines:
+            if machine.solids is None and machine.regions is None:
+                raise InputError(f"the workspace of {machine.design.name} is not known as a solid")
         plane = [_is_plane(space) for space in self.spaces]
         if all(plane) and len(kinds) == 1:
             facets = [required(machine.regions, "plane workspace") for machine in machines]

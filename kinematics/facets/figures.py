@@ -62,6 +62,8 @@ def _sizes(space: Space[Any], mode: str) -> Iterator[Figure]:
                 "largest_aspect", f"Largest aspect{own}", part.area, part.area_error, "mm²", "high"
             )
         return
+    if machine.solids is None:
+        return
     volume = space.volume(pieces=True)
     yield Figure("volume", f"Workspace{told}", volume.value, volume.error, "mm³", "high")
     if len(volume.pieces) > 1:

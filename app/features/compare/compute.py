@@ -257,7 +257,7 @@ def _rows(every: Sequence[tuple[Figure, ...]]) -> Iterator[Row]:
     for key, unit in keys:
         found = [next((f for f in own if (f.key, f.unit) == (key, unit)), None) for own in every]
         known = [figure for figure in found if figure is not None]
-        if len(known) < 2:
+        if len(known) < 2 or all(figure.value != figure.value for figure in known):
             continue
         values = [nan if figure is None else figure.value for figure in found]
         yield Row(
