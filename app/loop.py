@@ -186,7 +186,7 @@ class Page:
     def run(self) -> None:
         """Serve the review until `stop`."""
         # Who comes has a picture of another shape, and may have missed what was fitted since.
-        self.server.on_client_connect(lambda who: self._inbox.put(partial(self._look, None, who)))
+        self.server.on_client_connect(self._came)
         # Threads hand over to each other within a frame: the lanes must not wait for a drawing.
         sys.setswitchinterval(0.0005)
         for part in self._parts:
@@ -205,6 +205,17 @@ class Page:
             self._turn(items)
         for part in self._parts:
             part.stop()
+
+    def _came(self, who: viser.ClientHandle) -> None:
+        """A browser has come; its picture takes its shape only when the panels are there."""
+        self._inbox.put(partial(self._look, None, who))
+
+        async def changed(camera: viser.CameraHandle) -> None:
+            aim = self._aims.get(who.client_id)
+            if aim is not None and aim.outgrown(camera):
+                self._inbox.put(partial(self._look, "fit", who))
+
+        who.camera.on_update(changed)
 
     def stop(self) -> None:
         """End `run`; the session is saved on the way out."""

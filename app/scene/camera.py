@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -39,11 +40,33 @@ _TOWARD = {
     },
 }
 UP = {False: (0.0, 0.0, 1.0), True: (0.0, 1.0, 0.0)}
+STILL = 1e-3  # of the camera's distance: it stands where it was put
+RESHAPED = 0.02  # of a picture's shape: it has another one
 REPORTED = 1.0  # s in which a browser reports where it was made to look
-Aims = dict[int, tuple[float, Array]]
-"""By client: when it was made to look from somewhere, and from where (3,)."""
 MOST_COVERED = 0.6  # of the picture; the machine has the rest at the least
 ASPECT = 1.0  # of a picture that is not known yet
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Aim:
+    """What a browser was made to look at last: when, from where (3,), with the camera at a position
+    (3,) mm, in a picture of a shape.
+    """
+
+    at: float
+    toward: Array
+    position: Array
+    aspect: float
+
+    def outgrown(self, camera: Any) -> bool:
+        """Whether the picture has another shape now, and nobody has turned it since."""
+        away = np.linalg.norm(np.asarray(camera.position) - self.position)
+        still = float(away) <= STILL * float(np.linalg.norm(self.position))
+        return still and abs(camera.aspect / self.aspect - 1.0) > RESHAPED
+
+
+Aims = dict[int, Aim]
+"""By client."""
 
 
 def look(
@@ -81,15 +104,17 @@ def look(
     for each in server.get_clients().values() if client is None else (client,):
         kept = name == "fit"
         toward = _seen_from(each, aims) if kept else toward_of(planar, name)
-        if aims is not None:
-            aims[each.client_id] = time.monotonic(), toward
         narrow = parallel or name in ("plan", "front", "side")
         if kept:
             narrow |= each.camera.fov < 0.5 * (NARROW + FIELD_OF_VIEW)
         with each.atomic():
             each.camera.up_direction = UP[planar]
             foot = min(covered / max(each.camera.image_height, 1), MOST_COVERED)
-            aim(each.camera, each.camera.aspect, toward, narrow, foot)
+            aspect = each.camera.aspect
+            aim(each.camera, aspect, toward, narrow, foot)
+        if aims is not None:
+            at = np.asarray(each.camera.position)
+            aims[each.client_id] = Aim(time.monotonic(), toward, at, aspect)
 
 
 def toward_of(planar: bool, name: Look | None = None) -> Array:
@@ -105,8 +130,8 @@ def _seen_from(client: Any, aims: Aims | None) -> Array:
     has just come it is viser's own view, from behind.
     """
     known = None if aims is None else aims.get(client.client_id)
-    if known is not None and time.monotonic() - known[0] < REPORTED:
-        return known[1]
+    if known is not None and time.monotonic() - known.at < REPORTED:
+        return known.toward
     camera = client.camera
     seen: Array = np.asarray(camera.position) - np.asarray(camera.look_at)
     return seen

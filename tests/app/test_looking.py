@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -15,7 +16,18 @@ from app.review.changes import SetOption, change
 from app.review.state import is_planar, new_review
 from app.review.view import View, view
 from app.scene import labels as naming
-from app.scene.camera import FIELD_OF_VIEW, FILLED, NARROW, Aims, axes_of, frame, look, toward_of
+from app.scene.camera import (
+    FIELD_OF_VIEW,
+    FILLED,
+    ISOMETRIC,
+    NARROW,
+    Aim,
+    Aims,
+    axes_of,
+    frame,
+    look,
+    toward_of,
+)
 from app.scene.ground import base_floor, footprint, ground_cell, scale_of
 from app.scene.machine import HANDLE
 from kinematics.designs.files import load_design
@@ -108,11 +120,23 @@ def test_a_fit_right_after_a_browser_has_come_keeps_the_view_that_it_was_given()
     look(server, seen, (), "fit", client, aims=aims)
     assert toward() == pytest.approx(first)
     # A person who has turned it since keeps what they see.
-    aims[5] = aims[5][0] - 2.0, aims[5][1]
+    aims[5] = replace(aims[5], at=aims[5].at - 2.0)
     camera.position = camera.look_at + np.array([-100.0, 50.0, 70.0])
     turned = toward()
     look(server, seen, (), "fit", client, aims=aims)
     assert toward() == pytest.approx(turned)
+
+
+def test_a_picture_of_another_shape_is_outgrown_until_somebody_turns_it() -> None:
+    aim = Aim(0.0, ISOMETRIC, np.array([900.0, -1300.0, 800.0]), 1.4)
+    for position, aspect, outgrown in (
+        (aim.position, 1.41, False),
+        (aim.position, 0.75, True),
+        (aim.position + 0.5, 0.75, True),
+        (1.02 * aim.position, 0.75, False),
+    ):
+        camera = SimpleNamespace(position=position, aspect=aspect)
+        assert aim.outgrown(camera) == outgrown
 
 
 @pytest.mark.parametrize("name", MACHINES)
