@@ -106,7 +106,7 @@ def test_an_export_reloads_watertight_with_the_stated_volume(tab: Tab, tmp_path:
     _wait_for_solid(tab)
     text = tab.wait_for_text(r"mesh: fine, \d+ triangles, [\d.]+ ± [\d.]+ dm³")
     stated = 1e6 * float(text.split()[4])
-    tab.open_tab("Review")
+    tab.unfold("Save a solid")
     with tab.page.expect_download(timeout=60_000) as started:
         tab.page.get_by_role("button", name="Save", exact=True).click()
     name = started.value.suggested_filename

@@ -7,22 +7,17 @@ from typing import Any
 
 import viser
 
-from app.features.review.files import FORMATS, ExportedFile, sanitized
+from app.features.review.files import ExportedFile, sanitized
 from app.features.review.part import ReviewPart
-from app.features.workspace.compute import Solids, SolidWish
-from app.features.workspace.part import SolidsPart
 from app.language import tr
 from app.review import session
 from app.review.changes import Restore
 from app.review.state import Options, Review
 from app.review.units import sentence
-from app.terminal.tables import LOCUS
 from app.widgets.desk import Client, Group, Panel, Sheet, explain
 from app.widgets.texts import box, esc, quiet
 from kinematics.errors import InputError
-from kinematics.facets.solids import RESOLUTIONS
 
-PIECES = 12  # of one solid that can be saved alone
 OPTIONS = ("machine", "handle", "labels", "frames", "axes", "grid", "scale", "parallel", "dark")
 KEYS = {"machine": "M", "labels": "L", "axes": "E"}
 """Of the options that have one."""
@@ -79,13 +74,6 @@ class ReviewPanel(Panel):
         gui, desk, icon = self.gui, self.desk, viser.Icon
         part = desk.part(ReviewPart)
         self.groups.append(StepsFolder(desk, self.sheet))
-        with self.folder("review.solids"):
-            self._solid = gui.add_dropdown(tr("review.solid"), (tr("review.no_solid"),))
-            self._format = gui.add_dropdown(tr("review.format"), tuple(f.upper() for f in FORMATS))
-            self._resolution = gui.add_dropdown(
-                tr("review.resolution"), RESOLUTIONS, initial_value="fine"
-            )
-            self._save = self.button("review.save", self._export, icon=icon.DOWNLOAD)
         with self.folder("review.files"):
             self.button("review.session", self._session, icon=icon.DOWNLOAD)
             self.key("save", "ctrl+S", self._session)
@@ -100,25 +88,6 @@ class ReviewPanel(Panel):
             self.groups.append(LooksFolder(desk, self.sheet))
         gui.add_html(box(f"{tr('review.address')} <b>{esc(desk.address)}</b>"))
         explain(gui, tr("review.help"))
-        self._keys: dict[str, tuple[str, str]] = {}  # the solid's, and which part of it
-
-    def told(self, sheet: Sheet, news: Any) -> None:
-        if not isinstance(news, Solids):
-            return
-        self._keys = {wish.spec.title: (wish.spec.key, "") for wish in news.wishes}
-        for wish in news.wishes:
-            self._keys |= _parts(wish, news)
-        self.offer(self._solid, self._keys, tr("review.no_solid"))
-        self.set(self._save, disabled=not self._keys)
-
-    def _export(self, client: Client) -> None:
-        chosen = self._keys.get(self._solid.value)
-        if chosen is None:
-            raise InputError(tr("review.show_a_solid"))
-        key, part = chosen
-        kind, resolution = self._format.value.lower(), self._resolution.value
-        solids = self.desk.part(SolidsPart)
-        self.desk.ask(solids.save_solid, key, kind, resolution, part, client)
 
     def _session(self, client: Client) -> None:
         text = session.to_text(self.review)
@@ -131,17 +100,3 @@ class ReviewPanel(Panel):
             raise InputError(tr("review.too_large", file=file.name, most=most))
         text = file.content.decode("utf-8", errors="replace")
         self.desk.send(Restore(session.from_text(text, origin=file.name)), client)
-
-
-def _parts(wish: SolidWish, solids: Solids) -> dict[str, tuple[str, str]]:
-    """Each piece of a solid that singularities part, and where they do."""
-    key = wish.spec.key
-    built = solids.built.get(key)
-    if built is None or built.solid.piece_of is None:
-        return {}
-    surface = {tr("review.locus"): (key, LOCUS)}
-    parts = surface if built.solid.on_locus is not None else {}
-    return parts | {
-        tr("review.aspect", n=n + 1): (key, str(n + 1))
-        for n in range(min(len(built.solid.pieces), PIECES))
-    }

@@ -5,23 +5,29 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
+import viser
+
+from app.features.review.files import FORMATS
 from app.features.section.compute import Sections
 from app.features.section.part import SectionPart
 from app.features.workspace import html
-from app.features.workspace.compute import Laying, Solids
-from app.features.workspace.part import RegionsPart
+from app.features.workspace.compute import Laying, Solids, SolidWish
+from app.features.workspace.part import RegionsPart, SolidsPart
 from app.features.workspace.state import ASPECTS, ChooseModes, Fade, Flat, Show, Workspace
 from app.language import menu, tr
 from app.review.changes import Change
 from app.review.state import Review
+from app.terminal.tables import LOCUS
 from app.widgets.boxes import ModesMenu
 from app.widgets.desk import Client, Group, Panel, Sheet, explain
 from app.widgets.markup import Markup
 from kinematics.answers.modes import matching
-from kinematics.facets.solids import SolidSpec
+from kinematics.errors import InputError
+from kinematics.facets.solids import RESOLUTIONS, SolidSpec
 from kinematics.machine import Machine
 
 KINDS = ("SVG", "DXF", "CSV")
+PIECES = 12  # of one solid that can be saved alone
 
 
 class WorkspacePanel(Panel):
@@ -60,6 +66,8 @@ class WorkspacePanel(Panel):
         if alone:
             with self.folder("workspace.look", open=len(alone) > 1):
                 self._look(alone)
+        if specs:
+            self.groups.append(SaveFolder(desk, sheet))
         self.toggle(("workspace", "W"), partial(_shown, "workspace"), partial(Show, "workspace"))
         explain(gui, machine.text("workspace"), tr("workspace.help"))
         self._solids = Solids((), {}, {}, None)
@@ -165,6 +173,39 @@ class UsableFolder(Group):
             self.set(self._go, visible=news.ball is not None)
 
 
+class SaveFolder(Group):
+    """Solids on display, and parts of them, as files."""
+
+    def build(self, review: Review) -> None:
+        gui = self.gui
+        with self.folder("review.solids", open=False):
+            self._solid = gui.add_dropdown(tr("review.solid"), (tr("review.no_solid"),))
+            self._format = gui.add_dropdown(tr("review.format"), tuple(f.upper() for f in FORMATS))
+            self._resolution = gui.add_dropdown(
+                tr("review.resolution"), RESOLUTIONS, initial_value="fine"
+            )
+            self._save = self.button("review.save", self._export, icon=viser.Icon.DOWNLOAD)
+        self._keys: dict[str, tuple[str, str]] = {}  # the solid's, and which part of it
+
+    def told(self, sheet: Sheet, news: Any) -> None:
+        if not isinstance(news, Solids):
+            return
+        self._keys = {wish.spec.title: (wish.spec.key, "") for wish in news.wishes}
+        for wish in news.wishes:
+            self._keys |= _parts(wish, news)
+        self.offer(self._solid, self._keys, tr("review.no_solid"))
+        self.set(self._save, disabled=not self._keys)
+
+    def _export(self, client: Client) -> None:
+        chosen = self._keys.get(self._solid.value)
+        if chosen is None:
+            raise InputError(tr("review.show_a_solid"))
+        key, part = chosen
+        kind, resolution = self._format.value.lower(), self._resolution.value
+        solids = self.desk.part(SolidsPart)
+        self.desk.ask(solids.save_solid, key, kind, resolution, part, client)
+
+
 class RegionsFolder(Group):
     """A switch, the choice of regions, and what is on display."""
 
@@ -182,6 +223,20 @@ class RegionsFolder(Group):
     def told(self, sheet: Sheet, news: Any) -> None:
         if isinstance(news, Laying):
             self.say(self._report, html.regions_html(news), news.stale)
+
+
+def _parts(wish: SolidWish, solids: Solids) -> dict[str, tuple[str, str]]:
+    """Each piece of a solid that singularities part, and where they do."""
+    key = wish.spec.key
+    built = solids.built.get(key)
+    if built is None or built.solid.piece_of is None:
+        return {}
+    surface = {tr("review.locus"): (key, LOCUS)}
+    parts = surface if built.solid.on_locus is not None else {}
+    return parts | {
+        tr("review.aspect", n=n + 1): (key, str(n + 1))
+        for n in range(min(len(built.solid.pieces), PIECES))
+    }
 
 
 def _shown(key: str, review: Review) -> bool:
