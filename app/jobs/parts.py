@@ -181,6 +181,11 @@ class Part:
         return 0.0
 
     @property
+    def covered_left(self) -> float:
+        """px at the left of the scene over which it shows something."""
+        return 0.0
+
+    @property
     def points(self) -> Array | None:
         """Points (N, 3) mm of what it shows that are to be seen all; None as a rule."""
         return None

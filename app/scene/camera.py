@@ -75,14 +75,14 @@ def look(
     more: Sequence[Array],
     name: Look | None = None,
     client: viser.ClientHandle | None = None,
-    covered: float = 0.0,
+    covered: tuple[float, float] = (0.0, 0.0),
     aims: Aims | None = None,
 ) -> None:
     """Show the machine whole, and ``more`` points (N, 3), mm.
 
     Args:
         aims: from where each browser was made to look last; brought up to date.
-        covered: px at the foot of the scene over which something lies.
+        covered: px at the foot and at the left of the scene over which something lies.
         name: from where; None is as the machine is shown at first.
         client: in this browser; None in every one and in those to come.
     """
@@ -90,9 +90,17 @@ def look(
     points = np.concatenate([machine_points(view.drawing), *more])
     parallel = view.review[Options].parallel
 
-    def aim(camera: Any, aspect: float, toward: Array, narrow: bool, foot: float = 0.0) -> None:
+    def aim(
+        camera: Any,
+        aspect: float,
+        toward: Array,
+        narrow: bool,
+        free: tuple[float, float] = (0.0, 0.0),
+    ) -> None:
         fov = NARROW if narrow else FIELD_OF_VIEW
-        position, target = frame(points, toward, fov, aspect, flat=planar, foot=foot)
+        position, target = frame(
+            points, toward, fov, aspect, flat=planar, foot=free[0], left=free[1]
+        )
         camera.fov = fov
         camera.near = size / 100.0
         camera.far = 80.0 * size + 2.0 * float(np.linalg.norm(position - target))
@@ -109,9 +117,13 @@ def look(
             narrow |= each.camera.fov < 0.5 * (NARROW + FIELD_OF_VIEW)
         with each.atomic():
             each.camera.up_direction = UP[planar]
-            foot = min(covered / max(each.camera.image_height, 1), MOST_COVERED)
+            size = each.camera.image_height, each.camera.image_width
+            foot, left = (
+                min(px / max(whole, 1), MOST_COVERED)
+                for px, whole in zip(covered, size, strict=True)
+            )
             aspect = each.camera.aspect
-            aim(each.camera, aspect, toward, narrow, foot)
+            aim(each.camera, aspect, toward, narrow, (foot, left))
         if aims is not None:
             at = np.asarray(each.camera.position)
             aims[each.client_id] = Aim(time.monotonic(), toward, at, aspect)
@@ -156,6 +168,7 @@ def frame(
     *,
     flat: bool = False,
     foot: float = 0.0,
+    left: float = 0.0,
 ) -> tuple[Array, Array]:
     """Camera position and target (3,) from which points (N, 3) fill `FILLED` of the picture.
 
@@ -163,21 +176,23 @@ def frame(
         toward: (3,) where from.
         fov: rad, vertical.
         aspect: width by height of the picture.
-        foot: the share of the picture, from below, that is left free.
+        foot, left: the shares of the picture, from below and from the left, that are left free.
     """
     right, up, back = axes_of(toward, flat=flat)
     depth = points @ back
     tall = FILLED * math.tan(0.5 * fov)
     place, away = [], []
-    for axis, half in ((right, tall * max(aspect, 0.2)), (up, tall * (1.0 - foot))):
+    wide = tall * max(aspect, 0.2)
+    for axis, half in ((right, wide * (1.0 - left)), (up, tall * (1.0 - foot))):
         # |p·a − c·a| ≤ half (c·back − p·back) for every point p, of the camera c.
         above, below = (float((half * depth + s * (points @ axis)).max()) for s in (1.0, -1.0))
         place.append(0.5 * (above - below))
         away.append(0.5 * (above + below) / half)
     middle = 0.5 * float(depth.min() + depth.max())
     distance = max(*away, float(depth.max()) + 1e-6)
-    lowered = foot * math.tan(0.5 * fov) * (distance - middle)
-    flat_place = place[0] * right + (place[1] - lowered) * up
+    whole = math.tan(0.5 * fov) * (distance - middle)
+    aside, lowered = left * whole * max(aspect, 0.2), foot * whole
+    flat_place = (place[0] - aside) * right + (place[1] - lowered) * up
     return flat_place + distance * back, flat_place + middle * back
 
 

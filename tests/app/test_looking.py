@@ -77,6 +77,20 @@ def test_what_lies_over_the_foot_of_the_picture_hides_nothing() -> None:
         assert y.max() < 1.0
 
 
+def test_what_lies_over_the_left_of_the_picture_hides_nothing() -> None:
+    points = np.random.default_rng(4).uniform(-1.0, 1.0, (60, 3)) * [300.0, 150.0, 200.0] + 40.0
+    toward = toward_of(False, "isometric")
+    for aspect, left, foot in itertools.product((0.6, 1.0, 1.8), (0.2, 0.45), (0.0, 0.3)):
+        position, target = frame(points, toward, FIELD_OF_VIEW, aspect, foot=foot, left=left)
+        away = position - target
+        assert away / np.linalg.norm(away) == pytest.approx(toward / np.linalg.norm(toward))
+        x, y = (_seen(points, position, toward, flat=False) / math.tan(0.5 * FIELD_OF_VIEW)).T
+        assert aspect * (2.0 * left - 1.0) < x.min()
+        assert x.max() < aspect
+        assert 2.0 * foot - 1.0 < y.min()
+        assert y.max() < 1.0
+
+
 def test_in_plan_x_is_to_the_right_and_y_up() -> None:
     for flat in (False, True):
         right, up, _ = axes_of(toward_of(flat, "plan"), flat=flat)

@@ -6,6 +6,7 @@ import math
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
+from itertools import groupby
 
 from app.features.design.state import Milestone
 from app.language import tr
@@ -86,7 +87,7 @@ def key(field: DesignField) -> str:
 
 def _limbs(groups: dict[str, list[DesignField]]) -> str:
     first = next(iter(groups.values()))
-    heads = "".join(f"<th>{'<br>'.join(map(esc, f.label.split()))}</th>" for f in first)
+    heads = _heads([f.label.split(maxsplit=1) for f in first])
     rows = []
     for group, fields in groups.items():
         n = int(group.removeprefix(LIMB))
@@ -95,9 +96,19 @@ def _limbs(groups: dict[str, list[DesignField]]) -> str:
     units = {"mm" if f.unit == "mm" else "°" for f in first if f.unit}
     told = faint(tr("design.units", units=", ".join(sorted(units))))
     return (
-        f'<table class="bo-table bo-design"><tr><th>limb</th>{heads}</tr>{"".join(rows)}</table>'
+        f'<table class="bo-table bo-design">{heads}{"".join(rows)}</table>'
         f'<div class="bo-says">{told}</div>'
     )
+
+
+def _heads(labels: list[list[str]]) -> str:
+    """Two rows of heads: what neighbours share stands over all of them, "base" over x, y, z."""
+    above, below = [], []
+    for first, same in groupby(labels, key=lambda words: words[0]):
+        words = list(same)
+        above.append(f"<th colspan={len(words)}>{esc(first)}</th>")
+        below += [f"<th>{esc(rest[-1] if len(rest) > 1 else '')}</th>" for rest in words]
+    return f"<tr><th>limb</th>{''.join(above)}</tr><tr><th></th>{''.join(below)}</tr>"
 
 
 def _listed(group: str, fields: list[DesignField]) -> str:

@@ -18,7 +18,7 @@ from app.features.section.html import (
 )
 from app.features.section.part import SectionPart
 from app.features.section.plot import section_figure
-from app.features.section.state import Cut, MoveCut, SetCut, point_in_section
+from app.features.section.state import DRAWN, Cut, MoveCut, SetCut, point_in_section
 from app.language import tr
 from app.review.state import Review
 from app.widgets.axes import nearest
@@ -30,7 +30,7 @@ from kinematics.answers.sections import Volume
 from kinematics.machine import Machine
 
 KINDS = ("SVG", "DXF", "CSV")
-WINDOW = 384, 505  # px of the drawing over the scene; workspaces are higher than wide
+WINDOW = DRAWN, 505  # px of the drawing over the scene; workspaces are higher than wide
 
 
 class SectionPanel(Panel):

@@ -13,7 +13,7 @@ from app.features.review.files import ExportedFile, solid_name
 from app.features.section import compute
 from app.features.section.files import section_bytes
 from app.features.section.scene import Inside, Plane
-from app.features.section.state import Cut, MoveCut
+from app.features.section.state import DRAWN, Cut, MoveCut
 from app.features.workspace.state import modes_text
 from app.jobs.answers import Asked
 from app.jobs.parts import Client, Grip, Part, Stage
@@ -60,6 +60,14 @@ class SectionPart(Part):
         with suppress(BohemiaError, EOFError, OSError):  # it is only slower without
             self._preparing.run(None, compute.prepare, kind)
         self._preparing.kill()
+
+    @property
+    def covered_left(self) -> float:
+        return DRAWN if _drawn(self.stage.view.review) else 0.0
+
+    def applied(self, change: Change, before: Review, note: str) -> None:
+        if _drawn(self.stage.review) != _drawn(before):
+            self.stage.fit_view()  # another part of the scene is free then
 
     # --- what is wanted
 
@@ -220,3 +228,8 @@ def section_file(drawn: compute.Drawn, kind: str) -> ExportedFile:
     title = of.design.title or of.design.name
     data = section_bytes(drawn.section, spec, kind, title=title)
     return ExportedFile(f"{name}.{kind}", data)
+
+
+def _drawn(review: Review) -> bool:
+    """Whether the section's drawing lies over the scene."""
+    return review[Cut].on and review.machine.section_spec is not None

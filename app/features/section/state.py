@@ -16,6 +16,7 @@ from kinematics.arrays import Array
 from kinematics.errors import InputError
 from kinematics.mechanism import Coordinate
 
+DRAWN = 384  # px over which the drawing lies at the left of the scene
 FAR = 1e4  # mm; a plane may stand this far off, where it cuts nothing
 
 
