@@ -400,8 +400,9 @@ class Page:
     def _look(self, name: Look | None = None, client: viser.ClientHandle | None = None) -> None:
         """Show all that there is, from one side or as at first."""
         more = [points for part in self._parts if (points := part.points) is not None]
-        covered = [max(over) for over in zip(*((p.covered, p.covered_left) for p in self._parts))]
-        look(self.server, self._view, more, name, client, (covered[0], covered[1]), self._aims)
+        foot = max(part.covered for part in self._parts)
+        left = max(part.covered_left for part in self._parts)
+        look(self.server, self._view, more, name, client, (foot, left), self._aims)
 
 
 def _superseded(item: _Asked, later: Sequence[Any]) -> bool:

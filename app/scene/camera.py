@@ -117,10 +117,10 @@ def look(
             narrow |= each.camera.fov < 0.5 * (NARROW + FIELD_OF_VIEW)
         with each.atomic():
             each.camera.up_direction = UP[planar]
-            size = each.camera.image_height, each.camera.image_width
+            picture = each.camera.image_height, each.camera.image_width
             foot, left = (
                 min(px / max(whole, 1), MOST_COVERED)
-                for px, whole in zip(covered, size, strict=True)
+                for px, whole in zip(covered, picture, strict=True)
             )
             aspect = each.camera.aspect
             aim(each.camera, aspect, toward, narrow, (foot, left))
@@ -179,20 +179,19 @@ def frame(
         foot, left: the shares of the picture, from below and from the left, that are left free.
     """
     right, up, back = axes_of(toward, flat=flat)
-    depth = points @ back
-    tall = FILLED * math.tan(0.5 * fov)
-    place, away = [], []
-    wide = tall * max(aspect, 0.2)
-    for axis, half in ((right, wide * (1.0 - left)), (up, tall * (1.0 - foot))):
-        # |p·a − c·a| ≤ half (c·back − p·back) for every point p, of the camera c.
-        above, below = (float((half * depth + s * (points @ axis)).max()) for s in (1.0, -1.0))
-        place.append(0.5 * (above - below))
-        away.append(0.5 * (above + below) / half)
-    middle = 0.5 * float(depth.min() + depth.max())
-    distance = max(*away, float(depth.max()) + 1e-6)
-    whole = math.tan(0.5 * fov) * (distance - middle)
-    aside, lowered = left * whole * max(aspect, 0.2), foot * whole
-    flat_place = (place[0] - aside) * right + (place[1] - lowered) * up
+    depth, tall = points @ back, math.tan(0.5 * fov)
+    ends, away = [], [float(depth.max()) + 1e-6]
+    for axis, half, taken in ((right, tall * max(aspect, 0.2), left), (up, tall, foot)):
+        # low ≤ (p·a − c·a) / (c·back − p·back) ≤ high for every point p, of the camera c.
+        low, high = (half * (taken + side * FILLED * (1.0 - taken)) for side in (-1.0, 1.0))
+        least = float((points @ axis + low * depth).min())
+        most = float((points @ axis + high * depth).max())
+        ends.append((axis, least + most, low + high))
+        away.append((most - least) / (high - low))
+    distance, middle = max(away), 0.5 * float(depth.min() + depth.max())
+    flat_place = sum(
+        (0.5 * (both - tilt * distance) * axis for axis, both, tilt in ends), np.zeros(3)
+    )
     return flat_place + distance * back, flat_place + middle * back
 
 

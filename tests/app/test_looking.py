@@ -118,7 +118,12 @@ def test_a_fit_right_after_a_browser_has_come_keeps_the_view_that_it_was_given()
     aims: Aims = {}
     seen = _view("rpur-table1")
     camera = SimpleNamespace(
-        position=np.array([3.0, 3.0, 3.0]), look_at=np.zeros(3), fov=1.3, aspect=1.4, image_height=9
+        position=np.array([3.0, 3.0, 3.0]),
+        look_at=np.zeros(3),
+        fov=1.3,
+        aspect=1.4,
+        image_height=5,
+        image_width=7,
     )
     client = SimpleNamespace(client_id=5, camera=camera, atomic=contextlib.nullcontext)
     server: Any = SimpleNamespace(get_clients=lambda: {5: client}, initial_camera=camera)

@@ -19,6 +19,7 @@ from app.jobs.answers import Asked
 from app.jobs.parts import Client, Grip, Part, Stage
 from app.jobs.process import Process, give_way
 from app.language import tr
+from app.review.changes import Change
 from app.review.state import Review
 from app.review.units import minus, volume_text
 from app.review.view import Fact, Size, View, reaching_mode
