@@ -237,11 +237,15 @@ def _piece_at(solid: BuiltSolid, point: tuple[float, ...]) -> int | None:
     return solid.piece_at(point)
 
 
-def colour_key(review: Review, shown: Mapping[str, BuiltSolid]) -> tuple[tuple[str, str], ...]:
-    """The colours of the solids on display that no limb has, and what each stands for."""
+def colour_key(
+    review: Review, shown: Mapping[str, BuiltSolid], *, others: bool = False
+) -> tuple[tuple[str, str], ...]:
+    """The colours of the solids on display that no limb has, and what each stands for; with those
+    of ``others``, the edges of other modes.
+    """
     of = palette.scheme(review[Options].dark)
     entries = [(of.workspace, colour_text(review))] if KEY in shown else []
-    if KEY in shown and others_asked(review) is not None:
+    if others:
         entries.append((of.others, tr("workspace.other_modes")))
     parted = shown.get(ASPECTS)
     if parted is not None and not review[Control].shade:

@@ -145,7 +145,7 @@ class SolidsPart(Part):
                 self._shown.pop(spec.key, None)
             if spec.key not in self._shown:
                 self._scene.hide(spec.key)
-        self._show_others(review, bare=others or cut is not None)
+        beside = self._show_others(review, bare=others or cut is not None)
         placed = {k: (last.solid, last.wish.placement) for k, (last, _) in self._shown.items()}
         self._scene.name(placed)
         self.stage.scene.ground("solids", self.points)
@@ -158,16 +158,19 @@ class SolidsPart(Part):
         self.stage.tell(compute.Solids(self._wishes, built, old, scale))
         self._tell_size(review, built.get(KEY), old.get(KEY))
         solids = {key: last.solid for key, (last, _) in self._shown.items()}
-        self.stage.tell(Legend("workspace", compute.colour_key(review, solids)))
+        self.stage.tell(Legend("workspace", compute.colour_key(review, solids, others=beside)))
 
-    def _show_others(self, review: Review, *, bare: bool) -> None:
-        """The edges of the workspace of all modes, once a hand rests and nothing else is shown."""
+    def _show_others(self, review: Review, *, bare: bool) -> bool:
+        """The edges of the workspace of all modes, once a hand rests and nothing else is shown;
+        whether they are.
+        """
         solid = None if self._others is None or bare else self.answers.kept(self._others)
         if solid is None:
             self._scene.beside(None, np.eye(4))
         else:
             place = required(review.machine.solids, "solids").placement(KEY, review.pose)
             self._scene.beside(solid, place)
+        return solid is not None
 
     def _tell_size(
         self, review: Review, built: compute.Built | None, old: compute.Built | None
