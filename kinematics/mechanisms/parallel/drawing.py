@@ -57,7 +57,8 @@ def drawing(mechanism: Parallel, posture: Posture) -> Drawing:
         points += letters(n + 1, A=limb.a, B=ends[n])
         tips.append(limb.b)
         feet.append(_foot(limb))
-    base = _base(np.array(feet), size, bars)
+    flat = machine.mobility.group == "planar"
+    base = _base(np.array(feet), size, bars, machine.limbs[0].normal if flat else None)
     return Drawing(
         bars=tuple(bars),
         bodies=(
@@ -88,8 +89,17 @@ def _foot(limb: Limb) -> Array:
     return limb.a
 
 
-def _base(feet: Array, size: float, bars: list[Bar]) -> Body:
-    """A plate through the limbs' feet where these are flat; else a round one below them."""
+def _base(feet: Array, size: float, bars: list[Bar], normal: Array | None) -> Body:
+    """A plate through the limbs' feet where these are flat; else a round one below them.
+
+    Args:
+        normal: of a machine that moves in a plane, which stands on its plate.
+    """
+    if normal is not None:
+        under = feet - 0.09 * size * normal
+        for n, (foot, at) in enumerate(zip(under, feet, strict=True), 1):
+            bars.append(Bar(f"limb{n}/pedestal", spot(foot), spot(at), 0.03 * size, "base"))
+        return Body("base", corners(under), 0.016 * size, "base", "base")
     around = feet - feet.mean(axis=0)
     if np.linalg.svd(around, compute_uv=False)[-1] <= _FLAT * size or len(feet) < 3:
         return Body("base", corners(feet), 0.016 * size, "base", "base")
