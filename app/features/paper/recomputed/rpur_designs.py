@@ -16,7 +16,6 @@ from app.features.paper.judging import (
     counts,
     drawn,
     error,
-    missing,
 )
 from app.features.paper.recomputed.postures import machine, postures, with_limbs
 from app.features.paper.recomputed.rpur_examples import (
@@ -208,9 +207,16 @@ def eq_10(item: Item) -> Outcome:
 def c_1(item: Item) -> Outcome:
     name = "rpur-table1" if item.paper == J else "rpur-table1-icee"
     found = solved(name, (320.0, 360.0, 345.0, 305.0, 375.0))
-    return missing(
-        Quantity("complex solutions of the paper's general 5-RPUR", float(found.complex_count)),
-        Quantity("real ones at ρ = 320, 360, 345, 305, 375 mm", float(len(found))),
+    stewart = machine("gough-dietmaier")
+    other = stewart.forward(stewart.home.joints)
+    return counts(
+        item.data["counts"],
+        ("complex solutions of a general Gough–Stewart platform", other.complex_count),
+        more=[
+            Quantity("real ones of that example", float(len(other))),
+            Quantity("complex solutions of the paper's 5-RPUR", float(found.complex_count)),
+            Quantity("real ones at ρ = 320, 360, 345, 305, 375 mm", float(len(found))),
+        ],
     )
 
 
