@@ -58,7 +58,8 @@ table.told td:first-child, table.told th:first-child { text-align: left; color: 
 table.told th { color: var(--soft); font-size: .8rem; }
 td.off { color: var(--mend); } td.same { color: var(--good); }
 figure { grid-column: 1 / -1; margin: .7rem 0 0; }
-figure img { max-width: 100%; height: auto; background: #fff; border: 1px solid var(--rule); }
+figure img { max-width: 100%; max-height: 30rem; width: auto; height: auto;
+  background: #fff; border: 1px solid var(--rule); }
 figcaption { font-size: .88rem; color: var(--soft); }
 nav.filter { display: flex; gap: 1.2rem; flex-wrap: wrap; padding-top: .4rem; }
 nav.filter label { cursor: pointer; }
