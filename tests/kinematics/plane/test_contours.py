@@ -41,3 +41,4 @@ def test_no_zero_no_curve() -> None:
     found = zero_curves(x, x, x[:, None] ** 2 + x**2 - 1.0, circle)
     assert found.start.tolist() == [0]
     assert found.points.shape == (0, 2)
+    assert found.residual.shape == (0,)

@@ -66,6 +66,8 @@ def test_wrenches_and_load_cancel() -> None:
     total = np.einsum("nr,nrk->nk", found.forces, rows) + loads
     np.testing.assert_allclose(total, 0.0, atol=1e-8 * np.abs(found.forces).max())
     assert found.residual.max() < 1e-10
+    heavy = equilibrium(NAMES, rows, 1e12 * loads, 40.0)  # the residual is a part of the load
+    assert heavy.residual.max() < 1e-10
     gain = np.array([2.0, 1.0, 1.0, -3.0, 1.0, 1.0])
     np.testing.assert_allclose(
         equilibrium(NAMES, rows, loads, 40.0, gain).forces, gain * found.forces

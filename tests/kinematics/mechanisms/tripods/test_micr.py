@@ -143,3 +143,28 @@ def test_what_is_refused() -> None:
         micr.micr("three_rps", 1.0, np.nan, 1.0, "1")
     with pytest.raises(InputError, match="has no maximum inscribed"):
         circles.micr("five_rpur", 1.0, 1.0, 1.0)
+
+
+@pytest.mark.parametrize("contact", [-1.0, -0.7, -1e-3, 0.0, 0.4, 1.0])
+def test_contacts_are_all_azimuths_of_their_sine_once(contact: float) -> None:
+    found = np.array(micr.contact_azimuths(contact))
+    assert len(found) == (3 if abs(contact) == 1.0 else 6)
+    assert (np.diff(found) > 0.1 * (1.0 - abs(contact)) ** 0.5 + 1e-9).all()
+    assert (found > -np.pi).all()
+    assert (found <= np.pi).all()
+    np.testing.assert_allclose(np.sin(3.0 * found), contact, atol=1e-14 + 1e-8 * abs(contact))
+
+
+def test_a_table_tells_the_azimuths_of_its_contacts() -> None:
+    found = circles.micr("three_rps", 1.0, np.array([0.5, 1.3, 2.0])[:, None], [0.3, 0.8, 2.5])
+    for n, mode in enumerate(MODES):
+        one = micr.micr("three_rps", 1.0, np.array([0.5, 1.3, 2.0])[:, None], [0.3, 0.8, 2.5], mode)
+        np.testing.assert_allclose(np.sin(3.0 * found.contact[n]), one.contact, atol=1e-7)
+        assert (np.abs(found.contact[n]) <= np.pi / 6.0 + 1e-12)[np.isfinite(one.contact)].all()
+
+
+def test_a_root_at_a_tilt_of_a_half_turn_is_none() -> None:
+    """By rounding q of that root is a little more than 1 here, and there is no such tilt."""
+    found = micr.micr("three_spr", 1.0, 0.9997873936585564, 0.15490446164737828, "2")
+    assert float(found.radius) == pytest.approx(0.155564, abs=1e-6)
+    assert float(found.contact) == -1.0

@@ -7,6 +7,7 @@ import pytest
 
 from kinematics.designs.files import load_design
 from kinematics.facets import inverse as generic
+from kinematics.facets.segments import Segment
 from kinematics.machine import machine_of
 from kinematics.mechanisms.tripods.design import KINDS, MODES, Kind, TripodDesign
 from kinematics.mechanisms.tripods.limbs import joint_points, limb_lengths
@@ -133,3 +134,15 @@ def test_a_design_out_of_reach_has_a_home_with_reasons() -> None:
     assert machine_of(design).home.reachable
     assert not machine_of(short).home.reachable
     assert any(f.severity == "warning" for f in machine_of(short).findings)
+
+
+def test_moves_of_a_3_spr_are_broken_at_90_degrees() -> None:
+    """There its chart goes to infinity; those of a 3-RPS are not broken."""
+    for kind, broken in (("rps-3", ()), ("spr-3", (0.25,))):
+        paths = machine_of(load_design(kind)).paths
+        for azimuth in (0.0, 0.4):
+            start = (120.0, 0.5 * np.pi - 0.1, 0.3)
+            end = (130.0, 0.5 * np.pi + 0.3, 0.3 + azimuth)
+            assert paths.breaks(Segment.between(paths, start, end, "1")) == pytest.approx(broken)
+            level = (130.0, start[1], 0.3 + azimuth)
+            assert paths.breaks(Segment.between(paths, start, level, "1")) == ()

@@ -11,6 +11,7 @@ from kinematics.facets import inverse as generic
 from kinematics.facets.solids import build_solid
 from kinematics.machine import machine_of
 from kinematics.mechanisms.tripods import chart, polynomial, workspace
+from kinematics.mechanisms.tripods.columns import TripodColumns
 from kinematics.mechanisms.tripods.design import mode_sign
 
 HOME = (0.0, 0.0, 0.0)
@@ -89,3 +90,25 @@ def test_an_empty_workspace_and_what_is_refused() -> None:
         machine_of(design).solids.request("workspace", HOME, None, "preview")
     with pytest.raises(InputError, match="there is no solid"):
         machine_of(design).solids.request("limb1/whole", HOME, ("1",), "preview")
+
+
+@pytest.mark.parametrize("name", ["rps-3", "spr-3"])
+def test_what_limbs_change_over_a_cell_is_bounded(name: str, rng: np.random.Generator) -> None:
+    """Of p and λ together; over small cells the bound is the slopes', and not much more."""
+    design = load_design(name)
+    for mode in ("1", "2"):
+        columns = TripodColumns(design, mode)
+        for size in (1e-4, 0.03, 0.3, 1.5):
+            (low, high), (first, last) = columns.base
+            middle = np.column_stack([rng.uniform(low, high, 400), rng.uniform(first, last, 400)])
+            half = size * rng.uniform(0.0, 1.0, (400, 2)) * rng.integers(0, 2, (400, 2))
+            bound = columns.spread(middle, half)
+            p, shift = columns.limbs(middle)
+            most = np.zeros_like(bound)
+            shares = [*rng.uniform(-1.0, 1.0, (40, 2)), (1, 1), (1, -1), (-1, 1), (-1, -1), (1, 0)]
+            for share in np.array([*shares, (-1, 0), (0, 1), (0, -1)], dtype=float):
+                there, moved = columns.limbs(middle + share * half)
+                most = np.maximum(most, np.hypot(there - p, moved - shift))
+            assert (most <= bound + 1e-12 * design.spherical_radius).all()
+            if size < 1e-3:
+                assert (bound <= 1.5 * most + 1e-2 * size**1.5 * design.spherical_radius).all()

@@ -155,6 +155,27 @@ def test_layers_far_above_each_other_are_two_pieces() -> None:
     assert [sign for sign, _ in pieces] == [1, 1]
 
 
+def test_what_limbs_change_over_a_cell_is_bounded() -> None:
+    """Also where y′ passes w′_y in a cell, where a limb's circle stands highest."""
+    design, rng = preset("rpur-table1"), np.random.default_rng(4)
+    determinant = Determinant.at(design, 0.2, 0.3, "+-+-+")
+    columns = ModeColumns(determinant, merged_limbs(design, 0.2, 0.3, 1e-6))
+    (_, turn), (low, high) = columns.base
+    middle = np.column_stack([rng.uniform(0.0, turn, 500), rng.uniform(low, high, 500)])
+    half = np.array([0.2, 10.0]) * rng.uniform(0.0, 1.0, (500, 2)) * rng.integers(0, 2, (500, 2))
+    bound = columns.spread(middle, half)
+    p, shift = columns.limbs(middle)
+    most = np.zeros_like(bound)
+    for t in np.linspace(-1.0, 1.0, 81):
+        for x in (-1.0, 1.0):
+            at = middle + half * [t, x]
+            at[:, 0] = np.clip(at[:, 0], 0.0, np.pi)
+            there, moved = columns.limbs(at)
+            most = np.maximum(most, np.hypot(there - p, moved - shift))
+    assert (most <= bound + 1e-9).all()
+    assert (bound <= 1.02 * most + 1e-9).all()  # for it is exact
+
+
 def test_vertices_of_the_locus_are_zeros() -> None:
     design, phi, theta, mode = preset("rpur-table1"), 0.2, 0.1, "+++++"
     built = aspects(design, phi, theta, mode)
