@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -155,20 +157,29 @@ def test_layers_far_above_each_other_are_two_pieces() -> None:
     assert [sign for sign, _ in pieces] == [1, 1]
 
 
-def test_what_limbs_change_over_a_cell_is_bounded() -> None:
-    """Also where y′ passes w′_y in a cell, where a limb's circle stands highest."""
+@pytest.mark.parametrize("aside", [0.0, 140.0])
+def test_what_limbs_change_over_a_cell_is_bounded(aside: float) -> None:
+    """Also where y′ passes w′_y in a cell, where a limb's circle stands highest.
+
+    With a limb far aside that is next to the end of the span, and the far end of the cell is near.
+    """
     design, rng = preset("rpur-table1"), np.random.default_rng(4)
+    x, y, z = design.limbs[4].base
+    away = replace(design.limbs[4], base=(x, y + aside, z))
+    design = replace(design, limbs=(*design.limbs[:4], away))
     determinant = Determinant.at(design, 0.2, 0.3, "+-+-+")
     columns = ModeColumns(determinant, merged_limbs(design, 0.2, 0.3, 1e-6))
     (_, turn), (low, high) = columns.base
     middle = np.column_stack([rng.uniform(0.0, turn, 500), rng.uniform(low, high, 500)])
+    middle[:100, 0] *= 0.2
     half = np.array([0.2, 10.0]) * rng.uniform(0.0, 1.0, (500, 2)) * rng.integers(0, 2, (500, 2))
+    half[:100, 0] = middle[:100, 0]
     bound = columns.spread(middle, half)
     p, shift = columns.limbs(middle)
     most = np.zeros_like(bound)
     for t in np.linspace(-1.0, 1.0, 81):
-        for x in (-1.0, 1.0):
-            at = middle + half * [t, x]
+        for along in (-1.0, 1.0):
+            at = middle + half * [t, along]
             at[:, 0] = np.clip(at[:, 0], 0.0, np.pi)
             there, moved = columns.limbs(at)
             most = np.maximum(most, np.hypot(there - p, moved - shift))

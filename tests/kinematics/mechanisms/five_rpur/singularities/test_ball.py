@@ -11,10 +11,11 @@ from kinematics.designs.files import load_design
 from kinematics.errors import InputError
 from kinematics.machine import machine_of
 from kinematics.mechanisms.five_rpur.inscribed.largest import sphere
+from kinematics.mechanisms.five_rpur.singularities import ball
 from kinematics.mechanisms.five_rpur.singularities.aspects import aspects
 from kinematics.mechanisms.five_rpur.singularities.ball import singularity_free_ball
 from kinematics.mechanisms.five_rpur.singularities.determinant import Determinant
-from kinematics.mechanisms.five_rpur.singularities.nearest import nearest_singularity
+from kinematics.mechanisms.five_rpur.singularities.nearest import nearest_singularity, zeros_near
 from tests.kinematics.mechanisms.five_rpur.machines import preset
 from tests.kinematics.mechanisms.five_rpur.singularities.cases import (
     always_singular,
@@ -105,3 +106,21 @@ def test_behind_the_shared_interface() -> None:
     assert sections is not None
     found = sections.singularity_free_ball(pose, MODE, center)
     assert found.radius == singularity_free_ball(TABLE_1, PHI, THETA, MODE, center).radius > 0.0
+
+
+def test_distances_from_the_singular_surface_bend_as_differences_say() -> None:
+    determinant = Determinant.at(TABLE_1, PHI, THETA, MODE)
+    home = np.array(machine_of(TABLE_1).home.pose[:3]) @ determinant.turn
+    (points, *_) = zeros_near(determinant, home, 400.0)
+    _, slope = determinant.value_and_gradient(points[:1])
+    center = points[0] + 20.0 * slope[0] / np.linalg.norm(slope)
+    seen = ball._Seen(determinant, points)
+    here = seen(center, 5.0)
+    assert here.value[0] > 1.0
+    h = 0.05 * float(here.value[0])
+    for axis in np.eye(3):
+        up, down = (seen(center + way * h * axis, 5.0).value[0] for way in (1.0, -1.0))
+        assert (up - down) / (2.0 * h) == pytest.approx(here.normal[0] @ axis, abs=2e-3)
+        second = (up - 2.0 * here.value[0] + down) / h**2
+        most = float(np.abs(here.bend[0]).max())
+        assert second == pytest.approx(axis @ here.bend[0] @ axis, abs=0.05 * most)
