@@ -18,6 +18,10 @@ def test_a_file_is_read_up_to_its_limit(tmp_path: Path) -> None:
     assert storage.read_file(file, 100, "a design file") == b"x" * 100
     with pytest.raises(InputError, match=r"a\.toml: longer than 0 kB, so not a design file"):
         storage.read_file(file, 99, "a design file")
+    file.write_bytes(b"x" * ((3 << 20) + 1))
+    for limit, size in ((64 * 1024, "64 kB"), (3 << 20, "3 MB")):
+        with pytest.raises(InputError, match=f"longer than {size}, so not a design file"):
+            storage.read_file(file, limit, "a design file")
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no pipes in folders")

@@ -152,3 +152,10 @@ def test_the_paper_s_rest_to_rest_is_the_quintic_on_a_line() -> None:
 def test_mistakes(make: object, said: str) -> None:
     with pytest.raises(InputError, match=said):
         make()  # type: ignore[operator]
+
+
+def test_a_point_twice_in_a_row_is_told_by_its_number() -> None:
+    points = [[0.0, 0.0], [10.0, 0.0], [10.0, 0.0], [10.0, 5.0]]
+    for make in (t.polyline, t.spline):
+        with pytest.raises(InputError, match=r"^point 3 of the path is the same as the one before"):
+            make(points, (1.0, 1.0))
