@@ -20,6 +20,7 @@ import json
 import os
 import re
 import resource
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -164,6 +165,7 @@ def guessed(room: list[Mutant], copy: Path) -> dict[Mutant, str]:
     if not content:
         return {}
     asked.write_text(json.dumps(content))
+    shutil.copy(Path(__file__).with_name("mutant_forks.py"), copy)
     options = ["-q", "-p", "no:cacheprovider", "-p", "mutant_forks", "-n", "0", "--timeout=0"]
     every = dict.fromkeys(test for each in files.values() for test in each)
     subprocess.run(
@@ -175,7 +177,11 @@ def guessed(room: list[Mutant], copy: Path) -> dict[Mutant, str]:
     )
     lines = found.read_text().splitlines() if found.exists() else []
     told = [json.loads(line) for line in lines]
-    return {room[each["number"]]: " - ".join(each["failed"]) for each in told if each["failed"]}
+    return {
+        room[each["number"]]: " - ".join(each["failed"]).splitlines()[0]
+        for each in told
+        if each["failed"]
+    }
 
 
 def room_of(mutant: Mutant) -> str:
