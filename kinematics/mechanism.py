@@ -119,7 +119,6 @@ class Mechanism(ABC, Generic[D]):
         kind: how design files name it, as "five_rpur".
         title: how people name it.
         schema: how its designs are read, checked, written and edited.
-        texts: Markdown by topic, see `text`.
         modes: its modes, see `kinematics.answers.modes`; one that is empty where there is no other.
         mode_noun: what they are: "working mode", "operation mode", "mode" of both kinds; "" where
             there is one mode only.
@@ -133,7 +132,6 @@ class Mechanism(ABC, Generic[D]):
     kind: ClassVar[str]
     title: ClassVar[str]
     schema: ClassVar[DesignSchema[Any]]
-    texts: ClassVar[Mapping[str, str]] = {}
     modes: tuple[Mode, ...]
     mode_noun: str
     snap: ClassVar[float] = 1e-9
@@ -355,15 +353,6 @@ class Mechanism(ABC, Generic[D]):
     @abstractmethod
     def drawing(self, posture: Posture) -> Drawing:
         """Its bars, bodies and marks at a posture, mm, base frame."""
-
-    @classmethod
-    def text(cls, topic: str) -> str:
-        """Markdown about a topic of this mechanism: what it is, its paper's figures and equations.
-
-        Topics: "move", "mode" (one phrase: what + says of a limb), "solutions", "workspace",
-        "section", "singularities", "map", "trajectory", "design". "" where nothing is to be said.
-        """
-        return cls.texts.get(topic, "")
 
     # --- for processes
 

@@ -47,6 +47,12 @@ def menu(group: str) -> dict[str, str]:
     return {tr(f"{group}.{name}"): name for of, _, name in known if of == group}
 
 
+def about(kind: str, topic: str) -> list[str]:
+    """What there is to be said of a topic of a kind of machine."""
+    parts = [key.split(".") for key in catalogue(ENGLISH) if key.startswith("about.")]
+    return [tr(f"about.{of}.{on}") for _, of, on in parts if on == topic and kind in of.split()]
+
+
 def use(language: str | None = None) -> None:
     """Choose the language of the page, for this process and those that it starts; None leaves that
     to the environment.

@@ -22,7 +22,7 @@ def typed(content: dict[str, Any], key: str, kind: type, origin: str) -> Any:
     """
     value = content.get(key)
     if not isinstance(value, kind):
-        raise InputError(f"{origin}: {key!r} is missing or not of the right kind")
+        raise InputError(tr("session.missing", what=f"{origin}: {key!r}"))
     return value
 
 
@@ -34,7 +34,7 @@ def table(content: dict[str, Any], key: str, origin: str) -> dict[str, Any]:
     """
     given = content.get(key, {})
     if not isinstance(given, dict):
-        raise InputError(f"{origin}: {key!r} is not of the right kind")
+        raise InputError(tr("session.wrong_kind", what=f"{origin}: {key!r}"))
     return given
 
 
@@ -48,14 +48,15 @@ def number(value: Any, what: str) -> float:
         with suppress(OverflowError):  # an integer that no double comes near
             if math.isfinite(value):
                 return float(value)
-    raise InputError(f"{what} must be a finite number")
+    raise InputError(tr("typing.one_finite", what=what))
 
 
 def listed(value: object, known: Iterable[object], what: str) -> None:
     """Raise an InputError that begins with ``what`` unless a value is one of those known."""
     names = tuple(known)
     if value not in names:
-        raise InputError(f"{what} {', '.join(str(n) for n in names if n)}, not {value!r}")
+        known_as = ", ".join(str(n) for n in names if n)
+        raise InputError(f"{what} {tr('session.not', known=known_as, value=value)}")
 
 
 def design_entry(design: Design) -> dict[str, str]:
@@ -84,5 +85,6 @@ def key_of(c: Coordinate) -> str:
 def checked_modes(modes: Sequence[Any], machine: Machine[Any], origin: str) -> None:
     """Raise an InputError unless all these are modes of a machine."""
     if any(mode not in machine.modes for mode in modes):
-        noun = machine.mode_noun or "working mode"
-        raise InputError(f"{origin}: a {noun} is one of {', '.join(map(repr, machine.modes))}")
+        noun = tr(f"modes.{(machine.mode_noun or 'mode').replace(' ', '_')}")
+        known = ", ".join(map(repr, machine.modes))
+        raise InputError(tr("session.one_of", what=f"{origin}: {noun}", known=known))

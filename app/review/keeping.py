@@ -131,7 +131,7 @@ class _Lock:
                 file = self._path.open("a+", encoding="ascii")
             except (OSError, ValueError) as error:
                 why = getattr(error, "strerror", None) or error
-                raise InputError(f"cannot keep a session in {str(path)!r}: {why}") from None
+                raise InputError(tr("session.cannot_keep", file=str(path), why=why)) from None
             if not _locks(file):
                 file.seek(0)
                 other = file.read(20).strip()

@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+from app.language import tr
 from app.review import content as read
 from app.review.state import Review, new_review
 from app.review.units import within
@@ -40,17 +41,15 @@ def from_text(text: str, *, origin: str) -> Review:
         InputError: it is not a session file, or something in it cannot be used; one sentence.
     """
     if len(text) > MAX_BYTES:
-        raise InputError(f"{origin}: a session file is smaller than {MAX_BYTES // 1024} kB")
+        raise InputError(tr("review.too_large", file=origin, most=MAX_BYTES // 1024))
     try:
         content = json.loads(text)
     except ValueError as error:
-        raise InputError(f"{origin}: not a session file ({error})") from None
+        raise InputError(tr("session.no_session", file=origin, why=error)) from None
     except RecursionError:
-        raise InputError(f"{origin}: nested too deeply to be a session file") from None
+        raise InputError(tr("session.too_deep", file=origin)) from None
     if not isinstance(content, dict) or content.get("bohemia_session") != VERSION:
-        raise InputError(
-            f"{origin}: not a session file of this version; it needs 'bohemia_session': {VERSION}"
-        )
+        raise InputError(tr("session.version", file=origin, version=VERSION))
     name = read.typed(content, "design_name", str, origin)
     text = read.typed(content, "design", str, origin)
     fresh = new_review(read_design(text, origin=f"{origin}, design", name=name))
@@ -59,14 +58,14 @@ def from_text(text: str, *, origin: str) -> Review:
     for c in fresh.machine.coordinates:
         key = read.key_of(c)
         if key not in given:
-            raise InputError(f"{origin}: pose has no {key}")
+            raise InputError(tr("session.pose_lacks", file=origin, key=key))
         value = c.inner(read.number(given[key], f"{origin}: pose: {key}"))
         pose.append(within(c, value, beyond=1.0)[0])
     mode = read.typed(content, "working_mode", str, origin)
     read.checked_modes((mode,), fresh.machine, origin)
     gives_way = content.get("gives_way", "")
     if not isinstance(gives_way, str):
-        raise InputError(f"{origin}: 'gives_way' is not of the right kind")
+        raise InputError(tr("session.wrong_kind", what=f"{origin}: 'gives_way'"))
     pieces = tuple(type(piece).read(content, fresh, origin) for piece in fresh.slices)
     review = replace(fresh, pose=tuple(pose), mode=mode, slices=pieces)
     try:
@@ -81,7 +80,7 @@ def load(path: Path) -> Review:
     Raises:
         InputError: it cannot be read, or is not a session file.
     """
-    return from_text(read_text(path, MAX_BYTES, "a session file"), origin=str(path))
+    return from_text(read_text(path, MAX_BYTES, tr("session.a_file")), origin=str(path))
 
 
 def save(review: Review, path: Path) -> None:

@@ -81,7 +81,7 @@ class Slice:
             value = values[f.name] = cls.taken(f.name, given[f.name], review, what)
             # A bool is an int to Python, and not to whoever writes a file.
             if type(value) is not type(f.default):
-                raise InputError(f"{what} is not of the right kind")
+                raise InputError(tr("session.wrong_kind", what=what))
         try:
             return replace(review[cls], **values).checked(review)
         except InputError as error:

@@ -15,7 +15,7 @@ import viser
 
 from app.jobs.parts import Client as Client
 from app.jobs.parts import Room
-from app.language import hint, tr
+from app.language import about, hint, tr
 from app.review.changes import Change, SetOne
 from app.review.history import History
 from app.review.state import Review, Slice
@@ -437,6 +437,10 @@ def put_prop(handle: Any, name: str, value: Any) -> None:
         setattr(handle, name, value)
 
 
-def explain(gui: viser.GuiApi, *texts: str) -> None:
-    """The "What am I looking at?" at the foot of a tab: of the mechanism, then of the page."""
+def explain(gui: viser.GuiApi, topic: str, machine: Machine[Any], *more: str) -> None:
+    """The "What am I looking at?" at the foot of a tab: what is seen of the machine, where its
+    paper has that, and what the page does.
+    """
+    kind = machine.design.mechanism
+    texts = *about(kind, topic), *more, *about(kind, f"{topic}_paper"), tr(f"{topic}.help")
     gui.add_html(f'<div class="bo-help" role="note">{prose(*texts)}</div>')

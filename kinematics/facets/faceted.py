@@ -123,10 +123,6 @@ class Faceted(Generic[D]):
         """Other machines with the same numbers, which it is worth comparing with."""
         return self.mechanism.counterparts()
 
-    def text(self, topic: str) -> str:
-        """Markdown about a topic of the mechanism, see `Mechanism.text`."""
-        return self.mechanism.text(topic)
-
     # --- what it can show
 
     @property

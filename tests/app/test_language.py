@@ -11,15 +11,21 @@ from pathlib import Path
 
 import pytest
 
+import kinematics as kin
 from app import language
-from app.language import catalogue, fields, hint, menu, tr, use
+from app.features import each
+from app.language import about, catalogue, fields, hint, menu, tr, use
+from app.widgets.desk import Panel
 from kinematics.errors import InputError
+from kinematics.mechanism import mechanism_kinds
 from tests.app.seats import seat
 
 APP = Path(__file__).parents[2] / "app"
 ENGLISH = catalogue("en")
 SECTIONS = {key.partition(".")[0] for key in ENGLISH}
 CALLS = ("tr", "hint", "menu")
+ANY = r"[\w ]+"  # what is put into a key
+HELP = ANY + r"\.help"  # of each tab
 BESIDE = ("_hint", "_label")  # endings of the keys that go with another one
 
 
@@ -39,7 +45,7 @@ def _named() -> Iterator[tuple[str, str]]:
         }
         for node in ast.walk(tree):
             pattern = _pattern(node)
-            if pattern is not None and pattern.partition(r"\.")[0] in SECTIONS:
+            if pattern == HELP or (pattern and pattern.partition(r"\.")[0] in SECTIONS):
                 yield pattern + r"\.\w+" * (id(node) in groups), file
 
 
@@ -49,13 +55,14 @@ def _pattern(node: ast.AST) -> str | None:
     texts = []
     for part in parts:
         if isinstance(part, ast.FormattedValue):
-            texts.append(r"\w+")
+            texts.append(ANY)
         elif isinstance(part, ast.Constant) and isinstance(part.value, str):
             texts.append(re.escape(part.value))
         else:
             return None
     pattern = "".join(texts)
-    return pattern if re.fullmatch(r"\w+(\\\.(\w|\\w\+)+)+", pattern) else None
+    shape = pattern.replace(ANY, "any")
+    return pattern if re.fullmatch(r"\w+(\\\.\w+)+", shape) else None
 
 
 def test_the_program_asks_for_no_text_that_is_not_there() -> None:
@@ -112,6 +119,74 @@ def test_texts_are_asked_for_when_they_are_shown() -> None:
             and id(call) not in later
         ]
     assert not early
+
+
+WORDS = re.compile(r"[^\W\d_]{2,}[,:;]? [^\W\d_]{2,}|^[A-Z][a-z]{2,}$")
+TAGS = re.compile(r"<style>.*?</style>|<[^>]*>?", re.DOTALL)
+ROOMS = ("features", "widgets", "scene", "review", "jobs")
+ELSEWHERE = re.compile(r"(command|files)\.py$|^jobs/executors\.py$|^features/paper/")
+"""What files hold and what the terminal says: a cluster and the papers recomputed are its own."""
+NO_WORDS = (
+    "!important",  # looks: style sheets, classes, fonts
+    "linear-gradient",
+    "border-left",
+    "sans-serif",
+    "class=",
+    "limb| |",
+    "/labels/",  # nodes of the scene
+    "Pressed",  # labels of boxes that nobody sees
+    "Pointed at",
+    "exact sections",  # facets of a machine, in errors that are the program's own
+    "circles of orientations",
+    "plane workspace",
+    "another Bohemia",  # said at the terminal before there is a page
+)
+"""What strings contain that are like words and that no page shows."""
+
+
+def _texts(tree: ast.Module) -> Iterator[str]:
+    """The strings of a module but for docstrings and logs, with | for what is put into them."""
+    skipped: set[int] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
+            skipped.add(id(node.value))
+        elif isinstance(node, ast.JoinedStr):
+            skipped |= {id(part) for part in node.values}
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).startswith("log."):
+            skipped |= {id(inner) for inner in ast.walk(node)}
+    for node in ast.walk(tree):
+        parts = node.values if isinstance(node, ast.JoinedStr) else [node]
+        if id(node) not in skipped and isinstance(node, (ast.JoinedStr, ast.Constant)):
+            texts = [part.value if isinstance(part, ast.Constant) else "|" for part in parts]
+            yield "".join(text for text in texts if isinstance(text, str))
+
+
+def test_no_words_of_the_page_stand_outside_the_catalogue() -> None:
+    found = [
+        (text, file)
+        for file, tree in _trees().items()
+        if file.partition("/")[0] in ROOMS and not ELSEWHERE.search(file)
+        for text in _texts(tree)
+        if WORDS.search(TAGS.sub(" | ", text))
+    ]
+    assert [each for each in found if not any(known in each[0] for known in NO_WORDS)] == []
+    assert all(any(known in text for text, _ in found) for known in NO_WORDS)  # none too many
+
+
+@pytest.mark.parametrize("kind", mechanism_kinds())
+def test_every_tab_says_what_it_shows_and_where_the_paper_has_it(kind: str) -> None:
+    machine = kin.open(next(p.name for p in kin.presets() if p.mechanism == kind))
+    served = [
+        panel.__module__.split(".")[2] for panel in each("panel", Panel) if panel.serves(machine)
+    ]
+    in_paper = any("Fig" in text for text in about(kind, "move_paper"))
+    assert in_paper or kind == "parallel"  # the one that no paper has
+    for topic in {*served} - {"review", "compare"}:
+        assert about(kind, topic), topic
+        for paper in about(kind, f"{topic}_paper"):
+            assert re.match(r"\*\*In the papers?\*\* ?(\(.* \d{4}\))?:", paper.replace("\n", " "))
+        assert len(about(kind, f"{topic}_paper")) == 1 or not in_paper
+        assert tr(f"{topic}.help").strip()
 
 
 def _quoted(text: str) -> str:

@@ -48,5 +48,3 @@ def test_a_kind_says_what_it_is(name: str) -> None:
     assert m.length > 0.0
     assert m.home.mode in m.modes
     assert (m.mode_noun == "") == (len(m.modes) == 1)
-    for topic in ("move", "solutions", "singularities", "design"):
-        assert m.text(topic).strip()

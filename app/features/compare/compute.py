@@ -14,6 +14,7 @@ from app.features.compare.state import Beside
 from app.features.workspace.compute import REST_FINE, REST_NORMAL
 from app.features.workspace.state import solver_modes
 from app.jobs.answers import Question
+from app.language import tr
 from app.review.state import Review
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
@@ -273,9 +274,9 @@ def _rows(every: Sequence[tuple[Figure, ...]]) -> Iterator[Row]:
 def _asked(machine: Machine[Any], request: Request) -> Asked:
     first = request.machines[0]
     if [axis.key for axis in machine.coordinates] != [axis.key for axis in first.coordinates]:
-        return Asked(None, f"a {machine.title} has other coordinates")
+        return Asked(None, tr("compare.other_coordinates", machine=machine.title))
     if request.mode not in machine.modes:
-        return Asked(None, f"it has no {machine.mode_noun} {request.mode}")
+        return Asked(None, tr("compare.no_mode", noun=machine.mode_noun, mode=request.mode))
     try:
         return Asked(machine.posture(request.pose, request.mode))
     except BohemiaError as error:

@@ -47,7 +47,7 @@ class ComparePanel(Panel):
             self._pose = gui.add_html("")
         self._save = self.saving(("ZIP",), self.desk.part(ComparePart).save)
         self._told = Told(None, False, "", None, False)
-        explain(gui, review.machine.text("design"), tr("compare.help"))
+        explain(gui, "compare", review.machine)
 
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)

@@ -33,7 +33,7 @@ class Beside(Slice):
         return bool(self.designs) and self.shown == PARTS
 
     def checked(self, review: Review) -> Self:
-        session.listed(self.shown, SHOWN, "the comparison shows")
+        session.listed(self.shown, SHOWN, tr("compare.shows_what"))
         if len(self.designs) > MOST:
             raise InputError(tr("compare.too_many", n=MOST))
         return self
@@ -48,7 +48,7 @@ class Beside(Slice):
         if name != "designs":
             return value
         if not isinstance(value, list) or len(value) > MOST:
-            raise InputError(f"{what} is not a list of at most {MOST} designs")
+            raise InputError(tr("compare.no_list", what=what, most=MOST))
         return tuple(
             session.design_of(each, f"{what} {n}") for n, each in enumerate(value, start=1)
         )

@@ -60,7 +60,7 @@ class DesignPanel(Panel):
             self._name = gui.add_text(tr("design.name"), "", hint=tr("design.name_hint"))
             self.button("design.keep", self._keep)
             self._milestones = Markup(self.desk, self._milestone)
-        explain(gui, review.machine.text("design"), tr("design.help"))
+        explain(gui, "design", review.machine)
         self._changed = Once(self._tell)
 
     def draw(self, sheet: Sheet) -> None:

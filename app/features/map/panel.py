@@ -77,7 +77,7 @@ class MapPanel(Panel):
             desk.part(SectionPart).go_to_ball,
         )
         self.saving(KINDS, part.save_map)
-        explain(gui, review.machine.text("map"), tr("map.help"))
+        explain(gui, "map", review.machine)
 
     def _add_spans(self) -> list[tuple[Typed, Typed, Typed]]:
         """A row for each coordinate: from, to, how many; as text, because boxes for numbers keep to

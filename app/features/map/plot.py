@@ -229,9 +229,9 @@ def extremes_html(found: Map, pose: Sequence[float]) -> str:
     known = dict(extremes(found))
     rows = []
     for sign, name, at in (
-        ("○", "largest", known.get("max")),
-        ("×", "smallest", known.get("min")),
-        ("+", "here", cell_at(found, pose)),
+        ("○", tr("map.largest"), known.get("max")),
+        ("×", tr("map.smallest"), known.get("min")),
+        ("+", tr("map.is_here"), cell_at(found, pose)),
     ):
         if at is not None:
             place = [_places(c.outer(v[n])) for c, v, n in zip(coordinates, given, at, strict=True)]
@@ -276,7 +276,7 @@ def _marks(axes: Axes, found: Map, x: np.ndarray, y: np.ndarray, scale: float) -
         drawn += line(path, "#FFFFFF", 4.0) + line(path, palette.INK, 1.8, class_=name)
         text = tr(
             "map.extreme",
-            name=name,
+            name=tr(f"map.ends.{name}"),
             value=_plain(float(found.values[0][i, j]) * scale),
             place=_at(found, x, y, i, j),
         )

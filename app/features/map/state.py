@@ -101,12 +101,12 @@ class Chart(Slice):
             if values is not None:
                 what = f"{origin}: map: {key}"
                 if not isinstance(values, list) or len(values) != 3 or type(values[2]) is not int:
-                    raise InputError(f"{what} is [from, to, how many]")
+                    raise InputError(tr("session.span", what=what))
                 low, high = (c.inner(session.number(v, what)) for v in values[:2])
                 span = Span(low, high, values[2])
             spans.append(span)
         drawn = session.table(given, "colours", f"{origin}: map")
-        colours = _colours(drawn, f"{origin}: map: colours")
+        colours = _colours(drawn, f"{origin}: {cls.filed_as}: colours")
         try:
             quantity = given.get("quantity", usual.quantity)
             return cls(quantity, spans[0], spans[1], colours).checked(review)
@@ -119,7 +119,7 @@ def _colours(given: dict[str, Any], what: str) -> Colours:
     low, high = (None if end is None else session.number(end, what) for end in ends)
     contours, step = given.get("contours", True), session.number(given.get("step", 0.0), what)
     if not isinstance(contours, bool):
-        raise InputError(f"{what}: contours are drawn or not")
+        raise InputError(tr("session.contours", what=what))
     return Colours(low, high, contours, step)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from app.features.move import html
 from app.features.move.state import Drive, Flip, GiveWay, GoHome, Move, Place
-from app.language import tr
+from app.language import about, tr
 from app.review.state import Review
 from app.review.units import page_unit, sentence
 from app.review.view import Limits, Moment, Reach, mode_noun
@@ -69,7 +69,7 @@ class MovePanel(Panel):
             self._limits = gui.add_html("")
         send = self.desk.send
         self.key("home", "H", lambda client: send(GoHome(), client))
-        explain(gui, machine.text("move"), machine.text("mode"), tr("move.help"))
+        explain(gui, "move", machine, *about(review.design.mechanism, "mode"))
         self._reach = Reach((), stale=False)
         self._followed = 0.0
 

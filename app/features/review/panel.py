@@ -87,7 +87,7 @@ class ReviewPanel(Panel):
             self.button("keys.fit", lambda _: desk.fit_view(), icon=icon.MAXIMIZE)
             self.groups.append(LooksFolder(desk, self.sheet))
         gui.add_html(box(f"{tr('review.address')} <b>{esc(desk.address)}</b>"))
-        explain(gui, tr("review.help"))
+        explain(gui, "review", review.machine)
 
     def _session(self, client: Client) -> None:
         text = session.to_text(self.review)

@@ -77,7 +77,7 @@ class SectionPanel(Panel):
         self._known: Sections | None = None
         self._profile_of: Volume | None = None
         self.saving(KINDS, part.save_section)
-        explain(gui, review.machine.text("section"), tr("section.help"))
+        explain(gui, "section", review.machine)
 
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)

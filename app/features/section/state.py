@@ -42,8 +42,8 @@ class Cut(Slice):
         given = session.table(content, cls.filed_as, origin)
         on, clip = given.get("on", False), given.get("clip", True)
         if not (isinstance(on, bool) and isinstance(clip, bool)):
-            raise InputError(f"{origin}: {cls.filed_as!r} is not of the right kind")
-        at = session.number(given.get("at", review[cls].at), f"{origin}: section: at")
+            raise InputError(tr("session.wrong_kind", what=f"{origin}: {cls.filed_as!r}"))
+        at = session.number(given.get("at", review[cls].at), f"{origin}: {cls.filed_as}: at")
         return cls(on, within_reach(review, at)[0], clip)
 
 

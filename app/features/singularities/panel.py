@@ -65,7 +65,7 @@ class SingularitiesPanel(Panel):
         with self.folder("singularities.log", open=False):
             self._log = gui.add_html(html.log_html(()))
             self.asks("singularities.clear", part.clear_log)
-        explain(gui, machine.text("singularities"), tr("singularities.help"))
+        explain(gui, "singularities", machine)
 
     def told(self, sheet: Sheet, news: Any) -> None:
         super().told(sheet, news)

@@ -186,7 +186,9 @@ class Loads:
                 arrows.append((system.point[n], tip, color))
                 what = ""
                 if name.kind == "actuation" and unit == "N":
-                    what = " push" if values[n] >= 0 else " pull"
+                    what = " " + tr(
+                        "singularities.push" if values[n] >= 0 else "singularities.pull"
+                    )
                 texts.append(f"{abs(values[n]):.3g} {unit}{what}")
         self._named(self._forces, "force", arrows, texts)
 

@@ -59,7 +59,7 @@ class SolutionsPanel(Panel):
         self._folds: dict[str, Ahead] = {}
         self._table = ""
         self._drawn: object = None
-        explain(gui, tr("solutions.help"), machine.text("solutions"))
+        explain(gui, "solutions", machine)
 
     def draw(self, sheet: Sheet) -> None:
         super().draw(sheet)

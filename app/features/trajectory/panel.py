@@ -65,7 +65,7 @@ class TrajectoryPanel(Panel):
             self.menu("trajectory.degree", degrees, Plan, "degree")
             self._fits = gui.add_html("")
         self.saving(KINDS, part.save_trajectory)
-        explain(gui, review.machine.text("trajectory"), tr("trajectory.help"))
+        explain(gui, "trajectory", review.machine)
         self._add_window(review)
         self._moment = Moment(0.0, playing=False, away=False, distance=float("nan"))
 

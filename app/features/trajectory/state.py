@@ -186,7 +186,7 @@ class Plan(Slice):
             return _numbers(value, what)
         if name == "plane":
             if not isinstance(value, list) or [type(key) for key in value] != [str, str]:
-                raise InputError(f"{what} is not of the right kind")
+                raise InputError(tr("session.wrong_kind", what=what))
             return tuple(value)
         value = super().taken(name, value, review, what)
         if name in _TURNING and isinstance(value, tuple) and len(value) == len(joints):
@@ -222,17 +222,17 @@ def _written(pose: Pose, axes: Sequence[Coordinate]) -> str:
 def _pose(text: Any, axes: Sequence[Coordinate], what: str) -> Pose:
     values = _numbers(text, what)
     if values and len(values) != len(axes):
-        raise InputError(f"{what}: a pose has {len(axes)} numbers, got {len(values)}")
+        raise InputError(tr("session.pose", what=what, count=len(axes), got=len(values)))
     return tuple(c.inner(v) for c, v in zip(axes, values, strict=False))
 
 
 def _numbers(text: Any, what: str) -> tuple[float, ...]:
     if not isinstance(text, str):
-        raise InputError(f"{what} is not of the right kind")
+        raise InputError(tr("session.wrong_kind", what=what))
     try:
         return tuple(map(float, text.split()))
     except ValueError:
-        raise InputError(f"{what}: not numbers with spaces between them") from None
+        raise InputError(tr("session.numbers", what=what)) from None
 
 
 def plane_of(plan: Plan, axes: Sequence[Coordinate]) -> tuple[int, int]:

@@ -69,7 +69,7 @@ class WorkspacePanel(Panel):
         if specs:
             self.groups.append(SaveFolder(desk, sheet))
         self.toggle(("workspace", "W"), partial(_shown, "workspace"), partial(Show, "workspace"))
-        explain(gui, machine.text("workspace"), tr("workspace.help"))
+        explain(gui, "workspace", machine)
         self._solids = Solids((), {}, {}, None)
         self._measured: Sections | None = None
 

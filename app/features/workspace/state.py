@@ -91,7 +91,7 @@ class Workspace(Slice):
             modes = tuple(modes)
             session.checked_modes(modes, machine, origin)
         elif modes not in ("all", "current"):
-            raise InputError(f"{origin}: workspace_modes is 'all', 'current' or a list of modes")
+            raise InputError(tr("session.modes", what=f"{origin}: workspace_modes"))
         known = {spec.key for spec in machine.solid_specs}
         solids = tuple(
             Shown(key, min(max(session.number(value, f"{origin}: solids: {key}"), 0.0), 1.0))
@@ -100,8 +100,9 @@ class Workspace(Slice):
         )
         surface = content.get("workspace_surface", cls.surface)
         if surface not in SURFACES:
-            known_as = " or ".join(map(repr, SURFACES))
-            raise InputError(f"{origin}: workspace_surface is {known_as}")
+            known_as = ", ".join(map(repr, SURFACES))
+            what = f"{origin}: workspace_surface"
+            raise InputError(tr("session.one_of", what=what, known=known_as))
         return cls(modes, solids, surface)
 
 

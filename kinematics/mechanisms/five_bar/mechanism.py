@@ -24,7 +24,6 @@ from kinematics.mechanisms.five_bar import (
     statics,
 )
 from kinematics.mechanisms.five_bar import findings as remarks
-from kinematics.mechanisms.five_bar import texts as about
 from kinematics.mechanisms.five_bar.design import FiveBarDesign
 
 
@@ -34,7 +33,6 @@ class FiveBar(Mechanism[FiveBarDesign]):
     kind = "five_bar"
     title = "Five-bar (planar 5R)"
     schema = designs.SCHEMA
-    texts = about.ABOUT
     modes = inverse.MODES
     snap = inf  # angles that are known are taken as they are, also where a limb is stretched
     bounds = inverse.LIMITS

@@ -25,7 +25,6 @@ from kinematics.mechanisms.five_rpur import (
     motion,
     statics,
 )
-from kinematics.mechanisms.five_rpur import texts as about
 from kinematics.mechanisms.five_rpur.design import FiveRPURDesign
 from kinematics.mechanisms.five_rpur.slicing import cutter
 
@@ -36,7 +35,6 @@ class FiveRPUR(Mechanism[FiveRPURDesign]):
     kind = "five_rpur"
     title = "5-RPUR (3T2R)"
     schema = designs.SCHEMA
-    texts = about.ABOUT
     modes = designs.MODES
     snap = inverse.SNAP
     bounds = inverse.LIMITS

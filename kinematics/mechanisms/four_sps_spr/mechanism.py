@@ -25,7 +25,6 @@ from kinematics.mechanisms.four_sps_spr import (
     statics,
 )
 from kinematics.mechanisms.four_sps_spr import design as designs
-from kinematics.mechanisms.four_sps_spr import texts as about
 from kinematics.mechanisms.four_sps_spr.design import FourSPSSPRDesign
 
 
@@ -35,7 +34,6 @@ class FourSPSSPR(Mechanism[FourSPSSPRDesign]):
     kind = "four_sps_spr"
     title = "4-SPS + 1-SPR (5 DOF)"
     schema = designs.SCHEMA
-    texts = about.ABOUT
     modes = inverse.MODES
     snap = inverse.SNAP
     bounds = inverse.LIMITS

@@ -19,7 +19,6 @@ from kinematics.arrays import Array, finite, largest
 from kinematics.facets.inverse import posture
 from kinematics.mechanism import Coordinate, Facets, Mechanism
 from kinematics.mechanisms.parallel import drawing, files, findings, statics
-from kinematics.mechanisms.parallel import texts as about
 from kinematics.mechanisms.parallel.assembly import Assembly, assembled
 from kinematics.mechanisms.parallel.chart import placed
 from kinematics.mechanisms.parallel.design import ParallelDesign
@@ -36,7 +35,6 @@ class Parallel(Mechanism[ParallelDesign]):
     kind = "parallel"
     title = "Parallel mechanism"
     schema = files.SCHEMA
-    texts = about.ABOUT
     snap = 1e-9
     facets: ClassVar = Facets(
         __package__,

@@ -24,7 +24,6 @@ from kinematics.mechanisms.tripods import (
     posing,
     statics,
 )
-from kinematics.mechanisms.tripods import texts as about
 from kinematics.mechanisms.tripods.design import Kind, TripodDesign
 from kinematics.mechanisms.tripods.limbs import limb_lengths
 
@@ -115,7 +114,6 @@ class ThreeRPS(Tripod):
     """The 3-RPS."""
 
     kind = "three_rps"
-    texts = about.OF["three_rps"]
     title = "3-RPS (one translation, two rotations)"
 
 
@@ -123,5 +121,4 @@ class ThreeSPR(Tripod):
     """The 3-SPR."""
 
     kind = "three_spr"
-    texts = about.OF["three_spr"]
     title = "3-SPR (one translation, two rotations)"

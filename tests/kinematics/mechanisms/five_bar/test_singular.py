@@ -200,21 +200,6 @@ def test_drawings_have_links_of_their_lengths(name: str) -> None:
         assert all(np.isfinite([*bar.start, *bar.end]).all() for bar in drawn.bars)
 
 
-def test_what_is_said_of_it() -> None:
-    for topic in (
-        "move",
-        "mode",
-        "solutions",
-        "workspace",
-        "singularities",
-        "trajectory",
-        "design",
-    ):
-        assert M.text(topic)
-    assert "cannot be reproduced" in M.text("trajectory")
-    assert M.text("map") == ""
-
-
 def test_distances_of_many_points() -> None:
     place = np.array([0.0, 415.69219381653056 + 5.0])
     (point, _) = clearances.nearest_parallel(PAPER, "+-", place)
