@@ -108,7 +108,8 @@ def _heads(labels: list[list[str]]) -> str:
         words = list(same)
         above.append(f"<th colspan={len(words)}>{esc(first)}</th>")
         below += [f"<th>{esc(rest[-1] if len(rest) > 1 else '')}</th>" for rest in words]
-    return f"<tr><th>limb</th>{''.join(above)}</tr><tr><th></th>{''.join(below)}</tr>"
+    first_row = f"<th>{tr('page.limb_head')}</th>{''.join(above)}"
+    return f"<tr>{first_row}</tr><tr><th></th>{''.join(below)}</tr>"
 
 
 def _listed(group: str, fields: list[DesignField]) -> str:
