@@ -38,6 +38,7 @@ COMMANDS = {
     "trajectory": "trajectory.command:trajectory",
     "compare": "compare.command:compare",
     "paper": "paper.command:paper",
+    "report": "report.command:report",
 }
 """Where each command stands in `app.features`; the first is meant where none is named."""
 SERVE = next(iter(COMMANDS))

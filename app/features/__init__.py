@@ -22,6 +22,7 @@ FEATURES = (
     "trajectory",
     "design",
     "compare",
+    "report",
     "review",
 )
 

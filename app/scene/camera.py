@@ -6,15 +6,17 @@ import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-import viser
 
 from app.review.state import Options, is_planar
 from app.review.view import View
 from kinematics.answers.drawings import Drawing
 from kinematics.arrays import Array
+
+if TYPE_CHECKING:
+    import viser
 
 Look = Literal["isometric", "plan", "front", "side", "fit"]
 """From where: "fit" stays where a person looks from."""

@@ -14,33 +14,16 @@ from app.review.state import Options, is_planar
 from app.review.view import View
 from app.scene import palette
 from app.scene.nodes import NO_LINE, NOTHING, ONE_FACE, Nodes
+from app.scene.shapes import base_floor, ground_cell
 from kinematics.answers.drawings import Drawing
 from kinematics.arrays import Array
 
-CELLS = 5  # that the base spans at least
 SECTION = 5  # cells from one stronger line to the next
 REACH = 8.0  # of the machine's size: where the grid has faded
 FOOT = 0.05  # opacity of the footprint
 MARKS = 8  # along the longest axis, and one more
 NUMBERS = 2 * MARKS  # labels that there are for each
 TICK = 0.12  # of a cell
-
-
-def ground_cell(drawing: Drawing) -> float:
-    """The side of a cell of the ground's grid, mm: 1, 2 or 5 times a power of ten, such that 5 to
-    15 cells span the machine's base.
-    """
-    base = next(b for b in drawing.bodies if b.name == "base")
-    flat = np.array(base.points)[:, :2]
-    most = (float(np.ptp(flat, axis=0).max()) + 2.0 * base.radius) / CELLS
-    power = 10.0 ** math.floor(math.log10(most))
-    return next(step * power for step in (5.0, 2.0, 1.0) if step * power <= most * (1.0 + 1e-9))
-
-
-def base_floor(drawing: Drawing) -> float:
-    """The height of the base's underside, mm."""
-    base = next(b for b in drawing.bodies if b.name == "base")
-    return min(p[2] for p in base.points) - base.radius
 
 
 class Ground:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from kinematics.answers.drawings import Body
+from kinematics.answers.drawings import Body, Drawing
 from kinematics.arrays import Array
+
+CELLS = 5  # of the ground's grid, that the base spans at least
 
 
 def turns_z_to(along: np.ndarray, length: np.ndarray) -> np.ndarray:
@@ -66,6 +70,23 @@ def _hull(cloud: Array) -> tuple[np.ndarray, np.ndarray]:
     faces = np.where(inward[:, None], hull.simplices[:, ::-1], hull.simplices)
     used, faces = np.unique(faces, return_inverse=True)
     return cloud[used].astype(np.float32), faces.reshape(-1, 3).astype(np.uint32)
+
+
+def ground_cell(drawing: Drawing) -> float:
+    """The side of a cell of the ground's grid, mm: 1, 2 or 5 times a power of ten, such that 5 to
+    15 cells span the machine's base.
+    """
+    base = next(b for b in drawing.bodies if b.name == "base")
+    flat = np.array(base.points)[:, :2]
+    most = (float(np.ptp(flat, axis=0).max()) + 2.0 * base.radius) / CELLS
+    power = 10.0 ** math.floor(math.log10(most))
+    return next(step * power for step in (5.0, 2.0, 1.0) if step * power <= most * (1.0 + 1e-9))
+
+
+def base_floor(drawing: Drawing) -> float:
+    """The height of the base's underside, mm."""
+    base = next(b for b in drawing.bodies if b.name == "base")
+    return min(p[2] for p in base.points) - base.radius
 
 
 CYLINDER = cylinder(24)

@@ -122,6 +122,24 @@ def design(*, required: bool = True) -> Any:
 DESIGN = design()
 
 
+def designs(metavar: str, most: int) -> Any:
+    """Names of designs, or of files with them, one or up to so many."""
+
+    def few(ctx: click.Context, param: click.Parameter, names: tuple[str, ...]) -> tuple[str, ...]:
+        if len(names) > most:
+            raise InputError(f"at most {most} designs, got {len(names)}")
+        return names
+
+    return lambda name: click.Argument(
+        [name],
+        metavar=metavar,
+        required=True,
+        nargs=-1,
+        callback=few,
+        type=Read(None, preset_names, files=True),
+    )
+
+
 # --- poses and modes -----------------------------------------------------------------------
 
 

@@ -19,8 +19,8 @@ from app.review.units import sentence
 from app.review.view import Clear, Fact, Legend, Moment, Size
 from app.scene import palette
 from app.scene.camera import Look
-from app.scene.ground import ground_cell
 from app.scene.pointer import Pointer
+from app.scene.shapes import ground_cell
 from app.widgets.desk import Command, Group, Sheet, put_prop
 from app.widgets.front import FRONT
 from app.widgets.icons import icon_button

@@ -54,14 +54,40 @@ class Mark:
 
 
 @dataclass(frozen=True, slots=True)
+class Dimension:
+    """What numbers of a design measure in the drawing: from ``start`` to ``end``, base frame, mm.
+
+    Attributes:
+        symbol: as "l₁" or "r₁".
+        text: what it is, in a few words.
+        kind: a "length"; a "vector" whose components are the numbers; a "stroke", whose ends they
+            are; a "direction"; an "angle" from +x to the line from start to end.
+        paths: where its numbers stand in the design's table, each a path or the beginning of one.
+        limb: whose it is, from 1; None of the whole machine's.
+    """
+
+    symbol: str
+    text: str
+    kind: Literal["length", "vector", "stroke", "direction", "angle"]
+    start: Point
+    end: Point
+    paths: tuple[tuple[str | int, ...], ...]
+    limb: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Drawing:
-    """A machine at one posture; ``size`` is a typical length of it, mm."""
+    """A machine at one posture; ``size`` is a typical length of it, mm.
+
+    ``dimensions`` say what the numbers of its design are; of all limbs alike.
+    """
 
     bars: tuple[Bar, ...]
     bodies: tuple[Body, ...]
     points: tuple[Mark, ...]
     axes: tuple[Mark, ...]
     size: float
+    dimensions: tuple[Dimension, ...] = ()
 
 
 def prismatic(

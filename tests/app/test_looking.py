@@ -28,8 +28,9 @@ from app.scene.camera import (
     look,
     toward_of,
 )
-from app.scene.ground import base_floor, footprint, ground_cell, scale_of
+from app.scene.ground import footprint, scale_of
 from app.scene.machine import HANDLE
+from app.scene.shapes import base_floor, ground_cell
 from kinematics.designs.files import load_design
 from tests.app.seats import seat
 

@@ -7,6 +7,8 @@ from typing import Any
 
 import viser
 
+from app.features.report.make import PAPERS, Paper
+from app.features.report.part import ReportPart
 from app.features.review.files import ExportedFile, sanitized
 from app.features.review.part import ReviewPart
 from app.language import tr
@@ -74,6 +76,11 @@ class ReviewPanel(Panel):
         gui, desk, icon = self.gui, self.desk, viser.Icon
         part = desk.part(ReviewPart)
         self.groups.append(StepsFolder(desk, self.sheet))
+        with self.folder("review.report"):
+            names = {paper.capitalize(): paper for paper in PAPERS}
+            self._paper = gui.add_dropdown(tr("review.paper"), tuple(names))
+            for name, kind in (("review.report_html", "html"), ("review.report_pdf", "pdf")):
+                self.button(name, partial(self._report, names, kind), icon=icon.FILE_TEXT)
         with self.folder("review.files"):
             self.button("review.session", self._session, icon=icon.DOWNLOAD)
             self.key("save", "ctrl+S", self._session)
@@ -88,6 +95,10 @@ class ReviewPanel(Panel):
             self.groups.append(LooksFolder(desk, self.sheet))
         gui.add_html(box(f"{tr('review.address')} <b>{esc(desk.address)}</b>"))
         explain(gui, "review", review.machine)
+
+    def _report(self, papers: dict[str, Paper], kind: str, client: Client) -> None:
+        make = self.desk.part(ReportPart).report
+        self.desk.ask(make, kind, papers[self._paper.value], client)
 
     def _session(self, client: Client) -> None:
         text = session.to_text(self.review)

@@ -255,7 +255,7 @@ def _scale(axes: Axes) -> float:
 def _legend(picture: Picture, width: float, height: float) -> tuple[str, float]:
     """Which colour is which limb and which dash which bound; and how high that is."""
     section = picture.section
-    limbs = sorted({*section.limb.tolist(), *section.construction.circle_limb.tolist()})
+    limbs = sorted({*section.limb.tolist(), *section.construction.circle_limb.tolist()} - {0})
     # An edge where control is lost, or a curve of it: in its own colour, if there is any.
     lost = bool(len(picture.curves) or len(picture.beyond))
     lost |= bool((section.bound == _PARALLEL).any())

@@ -90,13 +90,17 @@ def _card(singular: Singularity) -> str:
 
 
 def _measure(measure: Measure, value: float) -> tuple[str, str, str]:
-    unit = f" {measure.unit}" if measure.unit else ""
-    value = value if abs(value) >= ROUNDING else 0.0
     low, high = measure.limits
     share = ""
     if low is not None and high is not None:
         share = bar((value - low) / (high - low), palette.WORKSPACE)
-    return esc(measure.title), f"{value:.3g}{esc(unit)}", share
+    return esc(measure.title), esc(measure_text(measure, value)), share
+
+
+def measure_text(measure: Measure, value: float) -> str:
+    """ "0.707", "146 N"; what is rounding is 0."""
+    unit = f" {measure.unit}" if measure.unit else ""
+    return f"{value if abs(value) >= ROUNDING else 0.0:.3g}{unit}"
 
 
 def clearances_html(here: Here | None) -> str:
@@ -147,9 +151,10 @@ def forces_html(here: Here | None) -> str:
     for name, value, unit in zip(statics.names, values.tolist(), units, strict=True):
         # Bars of forces and of moments beside them are not to one scale.
         largest = max(abs(v) for v, u in zip(values.tolist(), units, strict=True) if u == unit)
+        largest = max(largest, 1e-12)
         color = palette.limb_color(name.limb) if name.limb else palette.STEEL
-        ends = sorted((0.5, 0.5 + 0.5 * value / max(largest, 1e-12)))
-        shown = minus(f"{value:.4g}")
+        ends = sorted((0.5, 0.5 + 0.5 * value / largest))
+        shown = minus(f"{value if abs(value) > ROUNDING * largest else 0.0:.4g}")
         rows.append(
             (
                 f"{chip(color)}{esc(name.symbol)}",

@@ -198,7 +198,9 @@ def words(review: Review, ahead: Ahead, known: Known | None) -> str:
     of_this = known is not None and known.is_of(review)  # else of the machine before
     other = partner(known, fold.partner) if of_this else None
     name = tr("solutions.a_solution") if other is None else tr("solutions.solution", identity=other)
-    return f"{text}. {tr('solutions.merges', name=name, mode=minus(fold.partner.mode))}"
+    mode = minus(fold.partner.mode)
+    merges = tr("solutions.merges", name=name, mode=mode) if mode else ""
+    return f"{text}. {merges or tr('solutions.merges_there', name=name)}"
 
 
 def count_html(atlas: Listed, trouble: str) -> str:

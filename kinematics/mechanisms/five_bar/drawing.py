@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from kinematics.answers.drawings import Bar, Body, Drawing, Mark, Point, letters
+from kinematics.answers.drawings import Bar, Body, Dimension, Drawing, Mark, Point, letters
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
 from kinematics.mechanisms.five_bar.design import LIMBS, FiveBarDesign
@@ -77,7 +77,22 @@ def drawing(design: FiveBarDesign, posture: Posture) -> Drawing:
             Mark("y", "y", (0.0, 0.0, 0.0), None, (0.0, 1.0, 0.0)),
         ),
         size=size,
+        dimensions=tuple(_dimensions(design, b, p)),
     )
+
+
+def _dimensions(design: FiveBarDesign, b: Array, p: Array) -> Iterator[Dimension]:
+    """What the design's numbers are, in the plane z = 0."""
+    zero = (0.0, 0.0, 0.0)
+    for i in range(LIMBS):
+        limb, at, elbow = i + 1, _t(design.base[i], 0.0), _t(b[i], 0.0)
+        proximal, distal, turn = (((k, i),) for k in ("proximal", "distal", "joint_range_deg"))
+        angle = f"θ{'₁₂'[i]}"
+        yield Dimension("r₁", "proximal link, from A to B", "length", at, elbow, proximal, limb)
+        yield Dimension("r₂", "distal link, from B to P", "length", elbow, _t(p, 0.0), distal, limb)
+        text = "half of the base, from the middle to A"
+        yield Dimension("r₃", text, "length", zero, at, (("half_base",),), limb)
+        yield Dimension(angle, "driven angle, from +x to A B", "angle", at, elbow, turn, limb)
 
 
 def _toward(design: FiveBarDesign, i: int, p: Array) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 from kinematics.answers.drawings import (
     Bar,
     Body,
+    Dimension,
     Drawing,
     Mark,
     Point,
@@ -36,6 +37,8 @@ def drawing(design: FiveRPURDesign, posture: Posture) -> Drawing:
     size = machine_size(design)
     bars: list[Bar] = []
     points: list[Mark] = []
+    measured: list[Dimension] = []
+    centre = transform(posture.pose)[:3, 3]
     for i in range(len(design.limbs)):
         limb = i + 1
         a, b, c = base[i], elbow[i], tip[i]
@@ -46,7 +49,7 @@ def drawing(design: FiveRPURDesign, posture: Posture) -> Drawing:
         if gap_end is not None:
             bars.append(Bar(f"limb{limb}/gap", spot(gap_end), spot(c), 0.012 * size, "gap", limb))
         points += letters(limb, A=a, B=b, C=c)
-    centre = transform(posture.pose)[:3, 3]
+        measured += _dimensions(limb, a, b, c, centre)
     floor = float(design.base[:, 2].min() - 0.2 * size)
     bars += pedestals(design.base, floor, 0.03 * size)
     # With O', so that even coincident joints make a body.
@@ -64,6 +67,21 @@ def drawing(design: FiveRPURDesign, posture: Posture) -> Drawing:
             Mark("e2", "e₂", spot(centre), None, spot(e2)),
         ),
         size=size,
+        dimensions=tuple(measured),
+    )
+
+
+def _dimensions(limb: int, a: Array, b: Array, c: Array, centre: Array) -> Iterator[Dimension]:
+    """What a limb's numbers are."""
+    i, mark = ("limb", limb - 1), chr(ord("₀") + limb)
+    zero, at, joint_a, joint_b, joint_c = spot(np.zeros(3)), *map(spot, (centre, a, b, c))
+    base, platform, link, stroke = (((*i, k),) for k in ("base", "platform", "link", "stroke"))
+    told = "base point A, from O, base frame", "platform point C, from O′, platform frame"
+    yield Dimension(f"r{mark}", told[0], "vector", zero, joint_a, base, limb)
+    yield Dimension(f"s′{mark}", told[1], "vector", at, joint_c, platform, limb)
+    yield Dimension(f"l{mark}", "link from B to C", "length", joint_b, joint_c, link, limb)
+    yield Dimension(
+        f"ρ{mark}", "actuator from A to B, ρ min … ρ max", "stroke", joint_a, joint_b, stroke, limb
     )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from kinematics.answers.drawings import (
     Bar,
     Body,
+    Dimension,
     Drawing,
     Mark,
     Point,
@@ -60,7 +61,29 @@ def drawing(design: FourSPSSPRDesign, posture: Posture) -> Drawing:
         points=(*points, Mark("p", "p", spot(placed[:3, 3]))),
         axes=(Mark("n6", "n₆", spot(tips[SPR]), SPR + 1, spot(axis)),),
         size=size,
+        dimensions=tuple(_dimensions(design, tips, placed[:3, 3], axis, 0.4 * size)),
     )
+
+
+def _dimensions(
+    design: FourSPSSPRDesign, tips: Array, centre: Array, axis: Array, long: float
+) -> Iterator[Dimension]:
+    """What the design's numbers are; that of a direction is drawn so ``long``."""
+    zero, at = spot(np.zeros(3)), spot(centre)
+    told = "base point A, from O, base frame", "platform point B, from p, platform frame"
+    for i in range(LIMBS):
+        mark, joint_a, joint_b = chr(ord("₁") + i), spot(design.base[i]), spot(tips[i])
+        base, platform, stroke = ((("limb", i, key),) for key in ("base", "platform", "stroke"))
+        yield Dimension(f"a{mark}", told[0], "vector", zero, joint_a, base, i + 1)
+        yield Dimension(f"b{mark}", told[1], "vector", at, joint_b, platform, i + 1)
+        yield Dimension(
+            f"l{mark}", "actuator from A to B, l min … l max", "stroke", joint_a, joint_b, stroke,
+            i + 1,
+        )  # fmt: skip
+    end = tips[SPR] + long * axis
+    text = "axis of the revolute joint at B₅, platform frame"
+    paths = (("revolute_axis",),)
+    yield Dimension("n₆", text, "direction", spot(tips[SPR]), spot(end), paths, SPR + 1)
 
 
 def machine_size(design: FourSPSSPRDesign) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 from kinematics.answers.drawings import (
     Bar,
     Body,
+    Dimension,
     Drawing,
     Mark,
     corners,
@@ -67,7 +68,21 @@ def drawing(design: TripodDesign, posture: Posture) -> Drawing:
         points=tuple(points),
         axes=tuple(marks),
         size=size,
+        dimensions=tuple(_dimensions(a, b, centre)),
     )
+
+
+def _dimensions(a: Array, b: Array, centre: Array) -> Iterator[Dimension]:
+    """What the design's numbers are: of all limbs alike, so that those of any one are its own."""
+    zero, at, stroke = spot(np.zeros(3)), spot(centre), (("stroke",),)
+    base, platform = (("base_radius",),), (("platform_radius",),)
+    for i in range(LIMBS):
+        joint_a, joint_b = spot(a[i]), spot(b[i])
+        told = "radius of the base, from O to A", "radius of the platform, from O′ to B"
+        yield Dimension("h₁", told[0], "length", zero, joint_a, base, i + 1)
+        yield Dimension("h₂", told[1], "length", at, joint_b, platform, i + 1)
+        name, text = f"ρ{SUBSCRIPTS[i]}", "actuator from A to B, ρ min … ρ max"
+        yield Dimension(name, text, "stroke", joint_a, joint_b, stroke, i + 1)
 
 
 def _limb(
