@@ -78,7 +78,9 @@ def chapter(of: Compared, view: View) -> Chapter:
     ]
     blocks.append(Words(tuple(legend)))
     blocks += read(html.answer_html(found), f"The workspaces over one another, {where}")
-    measures = read(html.measures_html(found.rows, letters), f"Measures, the best one marked ◂; {where}")
+    measures = read(
+        html.measures_html(found.rows, letters), f"Measures, the best one marked ◂; {where}"
+    )
     differing = read(html.differences_html(found), "Numbers in which the designs differ")
     asked = read(html.pose_html(found), "The same pose asked of all")
     figure = plot.areas_figure(found)
