@@ -124,8 +124,8 @@ def test_texts_are_asked_for_when_they_are_shown() -> None:
 WORDS = re.compile(r"[^\W\d_]{2,}[,:;]? [^\W\d_]{2,}|^[A-Z][a-z]{2,}$")
 TAGS = re.compile(r"<style>.*?</style>|<[^>]*>?", re.DOTALL)
 ROOMS = ("features", "widgets", "scene", "review", "jobs")
-ELSEWHERE = re.compile(r"(command|files)\.py$|^jobs/executors\.py$|^features/paper/")
-"""What files hold and what the terminal says: a cluster and the papers recomputed are its own."""
+ELSEWHERE = re.compile(r"(command|files)\.py$|^jobs/executors\.py$|^features/(paper|report)/")
+"""What files hold, reports among them, and what the terminal says: a cluster, papers recomputed."""
 NO_WORDS = (
     "!important",  # looks: style sheets, classes, fonts
     "linear-gradient",
