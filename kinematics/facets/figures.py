@@ -11,6 +11,8 @@ from kinematics.answers.solutions import Posture
 from kinematics.facets.configurations import Configuration
 from kinematics.facets.spaces import ShownSolid, Space
 
+EXACT, ROUGH = 1e-6, 0.5  # of volumes: by exact sections, and of a mesh at normal resolution
+
 
 @dataclass(frozen=True, slots=True)
 class Figure:
@@ -64,7 +66,7 @@ def _sizes(space: Space[Any], mode: str) -> Iterator[Figure]:
         return
     if machine.solids is None:
         return
-    volume = space.volume(pieces=True)
+    volume = space.volume(EXACT if machine.sections is not None else ROUGH)
     yield Figure("volume", f"Workspace{told}", volume.value, volume.error, "mm³", "high")
     if len(volume.pieces) > 1:
         error = volume.error
