@@ -1,0 +1,3 @@
+"""Designs side by side: the present one is A."""
+
+LETTERS = "ABCD"

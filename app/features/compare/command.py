@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import isnan
 from typing import TYPE_CHECKING, Any
 
-from app.features.compare.compute import LETTERS
+from app.features.compare import LETTERS
 from app.terminal import tables
 from app.terminal.command import Answer, Output, command, load, progress
 from app.terminal.options import (
@@ -36,7 +36,7 @@ def compare(
     ),
     modes: Modes = MODES,
     tolerance: float = tolerance("1e-06"),
-    output: Output = output("a folder of solids and tables"),
+    output: Output = output("a folder of solids and tables, or a report: .html or .pdf"),
 ) -> Answer:
     """Two to four designs side by side, base frames on one another.
 
@@ -69,8 +69,8 @@ def compare(
     with progress("Comparing"):
         found = found_of(request, tolerance)
     if output.path is not None:
-        with progress("Solids"):
-            output.written = files.write(found, output.path, output.unit)
+        with progress("Writing"):
+            files.write(found, output)
     lines = [
         ", ".join(filter(None, (angles.text(), _modes(machine, modes)))),
         *_lines(found),

@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from kinematics.facets.solids import Resolution
     from kinematics.facets.spaces import Space
 
-LETTERS = "ABCD"
 STEP = 4.0  # mm, the longest chord of an arc in the scene
 
 

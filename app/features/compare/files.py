@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.features.compare.compute import LETTERS, Compared, parts, regions
+from app.features.compare import LETTERS
+from app.features.compare.compute import Compared, parts, regions
 from app.features.review.files import sanitized, solid_bytes
 from app.terminal.lengths import csv_in
 from app.terminal.tables import finite
 from kinematics.errors import InputError
 from kinematics.storage import csv_text, write_file
 
+REPORTS = ("html", "pdf")
+
 if TYPE_CHECKING:
     from app.terminal.command import Output
 
 
 def check(output: Output) -> None:
-    """Raise before any work where a folder cannot be written to.
+    """Raise before any work where neither a folder nor a report can be written.
 
     Raises:
         InputError: it is a file, or would have to be in a folder that is not there.
@@ -26,22 +28,30 @@ def check(output: Output) -> None:
     path = output.path
     if path is None:
         return
+    if path.suffix and not path.is_dir():
+        output.kind(REPORTS, "a comparison is a folder, or as a report")
+        return
     if path.exists() and not path.is_dir():
         raise InputError(f"cannot write {str(path)!r}: a comparison needs a folder; it is a file")
     if not path.exists() and not path.parent.is_dir():
         raise InputError(f"cannot write {str(path)!r}: there is no folder {str(path.parent)!r}")
 
 
-def write(found: Compared, folder: Path, unit: str = "mm") -> str:
-    """Write everything into a folder, which is made if it is not there.
+def write(found: Compared, output: Output) -> None:
+    """Write a report, or everything into a folder, which is made if it is not there."""
+    path = output.path
+    assert path is not None
+    kind = path.suffix.removeprefix(".").lower()
+    if kind in REPORTS and not path.is_dir():
+        from app.features.report.make import comparison, written
 
-    Returns:
-        the folder, as text.
-    """
-    folder.mkdir(exist_ok=True)
-    for name, data in contents(found, unit):
-        write_file(folder / name, data)
-    return str(folder)
+        made = written(comparison(found), kind)
+        output.write(made.data, f"{len(made.data) / 1e6:.2f} MB")
+        return
+    path.mkdir(exist_ok=True)
+    for name, data in contents(found, output.unit):
+        write_file(path / name, data)
+    output.written = str(path)
 
 
 def contents(found: Compared, unit: str = "mm") -> Iterable[tuple[str, bytes]]:

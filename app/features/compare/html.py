@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from app.features.compare.compute import LETTERS, Asked, Compared, Row
+from app.features.compare import LETTERS
+from app.features.compare.compute import Asked, Compared, Row
 from app.language import tr
 from app.review.units import area_text, minus, pose_text, tenths, volume_text
 from app.scene.palette import Scheme

@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from app.features.compare import html
-from app.features.compare.compute import LETTERS, Compared
+from app.features.compare import LETTERS, html
+from app.features.compare.compute import Compared
 from app.features.compare.part import ComparePart, Told
 from app.features.compare.plot import areas_figure
 from app.features.compare.state import MOST, Beside, PutBeside, SetBeside, TakeAway

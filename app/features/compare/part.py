@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from app.features.compare import compute
+from app.features.compare import LETTERS, compute
 from app.features.compare.html import colors
 from app.features.compare.scene import Overlaid
 from app.features.compare.state import MACHINES, PARTS, Beside
@@ -123,7 +123,7 @@ def _key(review: Review, parts: bool) -> Iterator[tuple[str, str]]:
     if not beside.designs or not (parts or beside.shown == MACHINES):
         return
     of = palette.scheme(review[Options].dark)
-    letters = compute.LETTERS[: 1 + len(beside.designs)]
+    letters = LETTERS[: 1 + len(beside.designs)]
     if parts:
         yield of.ghost, tr("compare.shared")
     for letter, color in list(zip(letters, colors(of), strict=False))[0 if parts else 1 :]:

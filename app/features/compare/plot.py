@@ -6,7 +6,8 @@ from functools import partial
 
 import numpy as np
 
-from app.features.compare.compute import LETTERS, Compared
+from app.features.compare import LETTERS
+from app.features.compare.compute import Compared
 from app.features.compare.html import colors
 from app.language import tr
 from app.review.units import area_text, number, tenths

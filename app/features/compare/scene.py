@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from app.features.compare.compute import LETTERS, Drawn
+from app.features.compare import LETTERS
+from app.features.compare.compute import Drawn
 from app.features.compare.html import colors
 from app.features.compare.state import MOST
 from app.features.solutions.scene import outline

@@ -7,12 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from app.features.compare import compute, html, plot
+from app.features.compare import LETTERS, compute, html, plot
 from app.features.compare.state import Beside
 from app.features.report import charts, drawing
 from app.features.report.model import Block, Chapter, Figure, Run, Scene, Section, Words
 from app.features.report.packing import pack
 from app.features.report.reading import read
+from app.features.workspace.state import ChooseModes
+from app.review.changes import change
 from app.review.state import Review, new_review
 from app.review.units import minus, tenths
 from app.review.view import View
@@ -45,12 +47,29 @@ def compared(reviews: Sequence[Review], resolution: Resolution) -> Compared:
     assert asked is not None
     if any(not set(asked.modes or ()) <= set(m.modes) for m in asked.machines):
         asked = replace(asked, modes=None)
-    found, parts = compute.compare(asked), tuple[compute.Drawn, ...]()
+    return drawn(compute.compare(asked), first, resolution)
+
+
+def drawn(found: compute.Compared, first: Review, resolution: Resolution) -> Compared:
+    """A comparison with what the scene shows of it; ``first`` is the review of the first design."""
+    asked, parts = found.request, tuple[compute.Drawn, ...]()
     if found.common is not None:
         parts = compute.drawn(asked, resolution)
         if max(len(part.faces) for part in parts) > MOST_FACES:
             parts = compute.drawn(asked, "preview")
     return Compared(found, parts, first)
+
+
+def reviews_of(request: compute.Request) -> tuple[Review, ...]:
+    """A review of each design as it is compared: at its pose, in its mode, of its modes."""
+    made = []
+    for machine in request.machines:
+        review = new_review(machine.design)
+        if machine.kind == request.machines[0].kind and request.mode in machine.modes:
+            review = replace(review, pose=request.pose, mode=request.mode)
+            review, _ = change(review, ChooseModes(request.modes or "all"))
+        made.append(review)
+    return tuple(made)
 
 
 def beside_of(review: Review) -> tuple[Review, ...]:
@@ -61,7 +80,7 @@ def beside_of(review: Review) -> tuple[Review, ...]:
 def chapter(of: Compared, view: View) -> Chapter:
     """The comparison; ``view`` of the first design."""
     found = of.found
-    letters = compute.LETTERS[: len(found.request.designs)]
+    letters = LETTERS[: len(found.request.designs)]
     title = f"{', '.join(letters[:-1])} and {letters[-1]} side by side"
     where = _where(of)
     shapes = tuple(_shapes(of))
@@ -115,7 +134,7 @@ def _where(of: Compared) -> str:
 
 
 def _shapes(of: Compared) -> Iterator[drawing.Shape]:
-    letters = compute.LETTERS
+    letters = LETTERS
     titles = ["What all reach", *(f"Only {letter}" for letter in letters)]
     light, dark = html.colors(LIGHT), html.colors(DARK)
     for n, part in enumerate(of.parts):

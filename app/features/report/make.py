@@ -8,12 +8,14 @@ from datetime import datetime
 from importlib.metadata import PackageNotFoundError, version
 from typing import Literal
 
-from app.features.report.beside import Compared
+from app.features.compare.compute import Compared as CompareFound
+from app.features.report.beside import Compared, drawn, reviews_of
 from app.features.report.beside import chapter as side_by_side
-from app.features.report.compute import Found
+from app.features.report.compute import Depth, Found, gather
 from app.features.report.content import chapter
 from app.features.report.model import Report
 from kinematics.errors import ComputationError
+from kinematics.facets.solids import Resolution
 
 Paper = Literal["a4", "letter"]
 FORMATS = ("html", "pdf")
@@ -35,6 +37,13 @@ def report_of(found: Sequence[Found], at: datetime, beside: Compared | None = No
     facts = (f"{at:%-d %B %Y}", "lengths mm, angles °, base frame", f"Bohemia {program()}")
     foot = f"Bohemia {program()} · lengths mm, angles ° · {made}"
     return Report(title, facts, foot, chapters)
+
+
+def comparison(found: CompareFound, resolution: Resolution = "normal") -> Report:
+    """A report of a comparison: the designs beside one another, then each as it was compared."""
+    reviews = reviews_of(found.request)
+    each = [gather(review, Depth(resolution, 0)) for review in reviews]
+    return report_of(each, datetime.now().astimezone(), drawn(found, reviews[0], resolution))
 
 
 def program() -> str:
