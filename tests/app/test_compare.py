@@ -13,6 +13,7 @@ import trimesh
 from tests.conftest import answered, refused
 
 
+@pytest.mark.slow
 def test_two_designs_in_json_and_as_a_folder(bohemia: Any, tmp_path: Path) -> None:
     command = ("compare", "rpur-table1", "rpur-table2", "--phi", "5", "--modes", "+-+-+")
     data = answered(bohemia(*command, "--json", "-o", str(tmp_path / "review")))

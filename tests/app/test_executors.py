@@ -134,6 +134,7 @@ def dask(*arguments: str) -> Iterator[subprocess.Popen[bytes]]:
             process.kill()
 
 
+@pytest.mark.slow
 def test_a_cluster_gives_the_same_map_though_a_worker_is_killed(
     request_: MapRequest, alone: Map, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -79,16 +79,20 @@ def test_a_drive_to_the_very_end_stops_and_says_why(tab: Tab) -> None:
     tab.wait_for_text("(?i)kept within|stopped")
 
 
+def _red(tab: Tab) -> tuple[np.ndarray, np.ndarray]:
+    """Where the handle's first axis is: nothing else on the canvas is of this red."""
+    picture = np.asarray(Image.open(tab.shot("handle")).convert("RGB")).astype(int)
+    picture = picture[:, : SIZE["width"] - 410]
+    ys, xs = np.nonzero((picture[..., 0] > 235) & (picture[..., 1] < 80) & (picture[..., 2] > 60))
+    return ys, xs
+
+
 def test_dragging_the_handle_moves_the_machine(tab: Tab) -> None:
     _wait_for_solid(tab)
     tab.open_tab("Move")
     before = _pose_text(tab)
-    # The handle's first axis is the only thing on the canvas in this red.
-    picture = np.asarray(Image.open(tab.shot("handle")).convert("RGB")).astype(int)
-    picture = picture[:, : SIZE["width"] - 410]
-    red = (picture[..., 0] > 235) & (picture[..., 1] < 80) & (picture[..., 2] > 60)
-    ys, xs = np.nonzero(red)
-    assert len(xs) > 50, "the handle is not in sight"
+    tab.wait(lambda: len(_red(tab)[0]) > 50, "the handle")
+    ys, xs = _red(tab)
     x, y = int(xs[len(xs) // 2]), int(ys[len(xs) // 2])
     mouse = tab.page.mouse
     mouse.move(x, y)

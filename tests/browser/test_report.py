@@ -87,6 +87,7 @@ def test_a_report_is_accessible(opened: Callable[..., Page], scheme: str) -> Non
     assert found.violations_count == 0, found.generate_report()
 
 
+@pytest.mark.slow
 def test_the_scene_is_drawn_turned_and_played(opened: Callable[..., Page]) -> None:
     page = opened()
     scene = page.locator(".scene").first
@@ -108,6 +109,7 @@ def test_the_scene_is_drawn_turned_and_played(opened: Callable[..., Page]) -> No
     scene.get_by_role("button", name="Pause").click()
 
 
+@pytest.mark.slow
 def test_on_paper_pictures_stand_instead_of_the_scene(opened: Callable[..., Page]) -> None:
     page = opened("dark")
     page.emulate_media(media="print")
@@ -123,6 +125,7 @@ def test_on_paper_pictures_stand_instead_of_the_scene(opened: Callable[..., Page
     assert not page.locator("nav").is_visible()
 
 
+@pytest.mark.slow
 def test_nothing_is_wider_than_a_small_screen(opened: Callable[..., Page]) -> None:
     page = opened()
     page.set_viewport_size({"width": 400, "height": 700})

@@ -2,18 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from functools import cache
 from typing import Any
 
 import numpy as np
+import pytest
 
 import kinematics as kin
 from kinematics.answers.solutions import Posture
 from kinematics.arrays import Array
-from kinematics.mechanism import mechanism_kinds
+from kinematics.mechanism import MAIN, mechanism_kinds
 
-PRESETS = tuple(preset.name for preset in kin.presets())
+LESS_OFTEN = 2
+"""Presets of a kind after these are left to `make check-all`, but for the main one's."""
+
+
+def _presets() -> Iterator[Any]:
+    seen: Counter[str] = Counter()
+    for preset in kin.presets():
+        seen[preset.mechanism] += 1
+        rare = preset.mechanism != MAIN and seen[preset.mechanism] > LESS_OFTEN
+        yield pytest.param(preset.name, marks=pytest.mark.slow) if rare else preset.name
+
+
+PRESETS = tuple(_presets())
 FIRST = {preset.mechanism: preset.name for preset in reversed(kin.presets())}
 ONE_EACH = tuple(FIRST[kind] for kind in mechanism_kinds())
 """A preset of every kind; a kind without one fails here."""

@@ -42,7 +42,8 @@ _DOES: dict[str, Callable[[Milestone], Change]] = {
 class DesignPanel(Panel):
     """Presets, files, findings and the numbers of the design."""
 
-    TITLE = "design.tab"
+    TITLE = "design.view"
+    TAB = "design.tab"
 
     def build(self, review: Review) -> None:
         gui = self.gui
