@@ -103,11 +103,13 @@ def test_the_readmes_python_works() -> None:
 def test_the_readmes_design_is_valid(tmp_path: Path) -> None:
     from kinematics.designs.files import load_design, read_design
 
-    text, *_ = _blocks("toml")  # the others show single keys
+    text = next(block for block in _blocks("toml") if "five_rpur" in block)
     head, limb = text.split("[[limb]]")
     design = read_design(head + 5 * f"[[limb]]{limb}", origin="README")
     first = load_design("rpur-table1")
     assert design.limbs[0] == first.limbs[0]  # type: ignore[attr-defined]
+    other = next(block for block in _blocks("toml") if '"parallel"' in block)
+    assert read_design(other, origin="README").mechanism == "parallel"
 
 
 def test_the_readmes_picture_and_links_exist() -> None:

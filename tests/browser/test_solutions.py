@@ -108,7 +108,7 @@ def test_all_solutions_are_counted_listed_filtered_and_sorted(tab: Tab) -> None:
         lambda: len(found := modes()) > 1 and all(mode[0] == "+" for mode in found),
         "several modes, limb 1 on + in all of them",
     )
-    _choose(tab, "Of", "The present mode")
+    tab.page.locator('[data-send="only mode"]').click()
     tab.wait(lambda: len(modes()) == 1, "only the present mode")
 
 
