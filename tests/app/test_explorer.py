@@ -184,6 +184,7 @@ def test_a_search_that_was_given_up_says_why_and_the_next_one_works(loop: Loop, 
     assert loop.explorer.trouble == ""
 
 
+@pytest.mark.slow
 def test_all_can_be_found_from_scratch(loop: Loop) -> None:
     review = new_review(load_design("rpur-a1a1"))
     view = loop.show(review)

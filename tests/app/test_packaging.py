@@ -12,6 +12,7 @@ import sys
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -62,7 +63,14 @@ def test_the_readme_names_the_commands_that_make_knows() -> None:
     assert _commands()
 
 
-@pytest.mark.parametrize("command", _commands())
+def _marked() -> list[Any]:
+    """Whole reports and papers take long, and have tests of their own."""
+    long = "bohemia report ", "bohemia paper"
+    rare = pytest.mark.slow
+    return [pytest.param(c, marks=rare) if c.startswith(long) else c for c in _commands()]
+
+
+@pytest.mark.parametrize("command", _marked())
 def test_the_readmes_commands_work(bohemia: Callable[..., Finished], command: str) -> None:
     done = bohemia(*shlex.split(command)[1:])
     assert done.code == 0, done.stderr

@@ -42,7 +42,7 @@ def test_the_choice_is_saved_and_read_again(review):
     del content["workspace_surface"]  # as before there was a choice
     assert session.from_text(json.dumps(content), origin="a") == review
     content["workspace_surface"] = "smooth"
-    with pytest.raises(InputError, match="workspace_surface is 'facets' or 'true'"):
+    with pytest.raises(InputError, match="workspace_surface is one of 'facets', 'true'"):
         session.from_text(json.dumps(content), origin="a")
 
 
