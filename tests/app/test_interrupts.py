@@ -55,7 +55,10 @@ def _group_is_gone(group: int) -> bool:
     return False
 
 
-@pytest.mark.parametrize("after", [0.05, 0.1, 0.2, 0.4, 0.8, 1.2, 1.6, 2.4])
+@pytest.mark.parametrize(
+    "after",
+    [0.1, 0.8, *(pytest.param(t, marks=pytest.mark.slow) for t in (0.05, 0.2, 0.4, 1.2, 1.6, 2.4))],
+)
 def test_a_map_whose_workers_start_is_stopped_in_silence(after: float) -> None:
     code, said, group = _interrupted(after, *MAP)
     assert code in (130, -signal.SIGINT)

@@ -77,6 +77,7 @@ def running(review: Review) -> Iterator[Watched]:
         server.stop()
 
 
+@pytest.mark.slow
 def test_a_drag_leaves_no_work_behind() -> None:
     review = new_review(load_design("rpur-table1"))
     with running(review) as page:

@@ -39,6 +39,7 @@ def _edit(wire: Wire, seconds: float, every: float = 0.1) -> dict[float, float]:
 
 
 @pytest.mark.parametrize("seed", range(2))
+@pytest.mark.slow
 def test_a_kill_under_constant_editing_loses_at_most_three_seconds(
     tmp_path: Path, seed: int
 ) -> None:
@@ -70,6 +71,7 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="limits of another pr
 
 
 @linux
+@pytest.mark.slow
 def test_a_disk_that_is_full_is_tried_again_until_it_is_not(tmp_path: Path) -> None:
     import resource
 
@@ -268,6 +270,7 @@ def test_values_that_no_widget_can_have_are_dropped_in_few_lines(tmp_path: Path)
         assert all(re.match(r"dropped what|Bohemia is|\(viser\)", line) for line in lines)
 
 
+@pytest.mark.slow
 def test_a_long_file_that_is_read_holds_up_nobody(tmp_path: Path) -> None:
     rows = "".join(f"{n % 7},{n % 11},{300 + n % 13},0,0\n" for n in range(500_000))
     content = f"x,y,z,phi,theta\n{rows}end\n".encode()

@@ -53,6 +53,7 @@ def _found(desk: Desk, wish: Wish) -> Any:
     return done.result
 
 
+@pytest.mark.slow
 def test_what_is_wished_is_found(desk: Desk, home: Posture) -> None:
     refreshed = _found(desk, Wish(DESIGN, home.joints))
     assert refreshed.solutions.complete
@@ -70,6 +71,7 @@ def test_it_goes_on_from_a_set_and_keeps_its_identities(desk: Desk, home: Postur
     assert set(second.identities) & set(first.identities)
 
 
+@pytest.mark.slow
 def test_an_equal_wish_is_worked_on_again(desk: Desk, home: Posture) -> None:
     first = _found(desk, Wish(DESIGN, home.joints))
     assert _found(desk, Wish(DESIGN, home.joints)) is not first

@@ -63,6 +63,7 @@ def test_it_plays_stops_and_is_taken_back(way: Tab) -> None:
     way.wait(lambda: abs(way.value("x (mm)") - 326.0) < 0.06, "one undo")
 
 
+@pytest.mark.slow
 def test_limits_a_click_a_fit_and_files(way: Tab, tmp_path: Path) -> None:
     way.page.get_by_text("Limits of the actuators").click()
     way.type_into("Rates (mm/s)", "20")

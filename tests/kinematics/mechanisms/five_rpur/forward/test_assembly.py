@@ -333,6 +333,7 @@ length = st.floats(1e-3, 5e3)
 
 @settings(deadline=None, max_examples=40)
 @given(st.sampled_from(CLASSES), st.tuples(length, length, length, length, length))
+@pytest.mark.slow
 def test_any_lengths_of_a_simplified_design_are_answered(name, joints):
     design = load_design(f"rpur-{name}")
     (found,) = forward(design, joints)

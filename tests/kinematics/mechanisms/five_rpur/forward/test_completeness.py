@@ -144,6 +144,7 @@ def test_poses_of_arranged_designs_are_in_complete_sets(seed: int) -> None:
 
 
 @pytest.mark.parametrize("off", [1e-11, 1e-9, 1e-7, 1e-5, 1e-3, 1e-1])
+@pytest.mark.slow
 def test_poses_of_nearly_arranged_designs_are_found_or_the_set_is_not_complete(off: float) -> None:
     rng = np.random.default_rng(int(-np.log10(off)))
     design = random_design(rng, off)

@@ -100,6 +100,7 @@ def test_a_design_that_misses_a_condition_is_general():
     assert membership(replace(design, limbs=(one, *design.limbs[1:]))).family.name == "general"
 
 
+@pytest.mark.slow
 def test_monodromy_finds_the_general_set_again_from_a_part_of_it(monkeypatch):
     """Loops from 1100 of the 1680 solutions bring back all of them and nothing else."""
     monkeypatch.setattr(monodromy, "_PATIENCE", 1)

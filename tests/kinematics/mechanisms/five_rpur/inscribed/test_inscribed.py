@@ -409,6 +409,7 @@ def test_short_strokes_leave_thin_regions_that_are_found(stroke):
 )
 # Two samples along the tube are one but for a rounding, with the nearest point before both.
 @example(400.90044264860956, 18.265384859539328, 0.5, -1.6203393749366766)
+@pytest.mark.slow
 def test_one_vertex_space_of_any_measures(link, low, stroke, theta):
     case = (alike(link, low, low + stroke), 0.0, theta, ("+++++",))
     ball = sphere(*case)
