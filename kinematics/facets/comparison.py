@@ -224,7 +224,9 @@ class Comparison:
             first, *others = (self.spaces[n] for n in which)
             facet = required(first.machine.sections, "exact sections")
             beside = [(required(s.machine.sections, "exact sections"), s.modes) for s in others]
-            found = facet.common(first.pose, first.modes, beside, relative=self.relative)
+            found = facet.common(
+                first.pose, first.modes, beside, relative=self.relative, pieces=False
+            )
             return Size(found.value, found.error)
         if len(which) == 1:
             return self.sizes[which[0]]

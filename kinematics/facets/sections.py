@@ -51,6 +51,7 @@ class SectionsFacet(Facet[D]):
         others: Sequence[tuple[SectionsFacet[D], Modes]],
         *,
         relative: float = 1e-6,
+        pieces: bool = True,
     ) -> Volume:
         """Of what this workspace and those of other designs have in common, as `volume`.
 

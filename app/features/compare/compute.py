@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.features.compare.state import Beside
-from app.features.workspace.compute import REST_FINE, REST_NORMAL
+from app.features.workspace.compute import REST_FINE, REST_NORMAL, STEP
 from app.features.workspace.state import solver_modes
 from app.jobs.answers import Question
 from app.language import tr
@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from kinematics.facets.comparison import Parts
     from kinematics.facets.solids import Resolution
     from kinematics.facets.spaces import Space
-
-STEP = 4.0  # mm, the longest chord of an arc in the scene
 
 
 @dataclass(frozen=True, slots=True)
@@ -285,5 +283,5 @@ def _asked(machine: Machine[Any], request: Request) -> Asked:
 def _curve(space: Space[Any]) -> Curve | None:
     if space.machine.sections is None:
         return None
-    volume = space.volume(1e-4)
+    volume = space.volume(1e-4, pieces=False)
     return Curve(volume.at, volume.area)

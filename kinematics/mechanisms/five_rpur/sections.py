@@ -91,11 +91,12 @@ class Sections(SectionsFacet[FiveRPURDesign]):
         others: Sequence[tuple[SectionsFacet[FiveRPURDesign], Modes]],
         *,
         relative: float = 1e-6,
+        pieces: bool = True,
     ) -> Volume:
         """The limbs of all machines bound the same sections together."""
         beside = [(facet.design, its) for facet, its in others]
         cutter = Cutter(self.design, float(pose[3]), float(pose[4]), modes, beside)
-        return _volume(cutter, float(pose[4]), relative)
+        return _volume(cutter, float(pose[4]), relative, pieces=pieces)
 
     def ball(
         self, pose: Sequence[float], modes: Modes = None, center: Sequence[float] | None = None
