@@ -20,7 +20,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PIP_NO_INPUT := 1
 export PIP_ROOT_USER_ACTION := ignore
 
-.PHONY: run test check check-all sweeps mutants format bench start-solutions clean
+.PHONY: run test check check-all sweeps mutants format docs bench start-solutions clean
 
 run: $(VENV)/installed
 	@exec $(BIN)/bohemia $(ARGS)
@@ -52,6 +52,13 @@ mutants: $(VENV)/installed-tools
 format: $(VENV)/installed-tools
 	@$(BIN)/ruff check --fix .
 	@$(BIN)/ruff format .
+
+# The documentation, from its sources in assets/docs and from the program itself, into build/docs;
+# without a network, every warning an error, every link followed.
+docs: $(VENV)/installed-docs
+	@$(BIN)/python -m sphinx -b html -q -E --fail-on-warning --keep-going -d build/doctrees \
+		assets/docs build/docs
+	@echo "build/docs/index.html"
 
 bench: $(VENV)/installed-tools
 	@for script in tests/benchmarks/bench_*.py; do \
@@ -88,4 +95,9 @@ $(VENV)/installed: $(VENV)/created pyproject.toml
 $(VENV)/installed-tools: $(VENV)/created pyproject.toml
 	@echo "Installing Bohemia and its test tools into $(VENV); this happens once."
 	@$(BIN)/python -m pip install --quiet --editable '.[test,check]'
+	@touch $(VENV)/installed $@
+
+$(VENV)/installed-docs: $(VENV)/created pyproject.toml
+	@echo "Installing Bohemia and what builds its documentation into $(VENV); this happens once."
+	@$(BIN)/python -m pip install --quiet --editable '.[docs]'
 	@touch $(VENV)/installed $@

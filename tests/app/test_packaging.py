@@ -17,19 +17,14 @@ from typing import Any
 import pytest
 
 from tests.conftest import ROOT, Finished
+from tests.examples import blocks, commands
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-NOT_READ_AT_RUN_TIME = {"readme"}
+NOT_READ_AT_RUN_TIME = {"docs", "readme"}
 
 
-def _blocks(language: str) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```$", README, re.M | re.S)
-
-
-def _commands() -> list[str]:
-    """The README's `bohemia …` lines, without their comments."""
-    lines = "".join(_blocks("sh")).splitlines()
-    return [line.split("#")[0].strip() for line in lines if line.startswith("bohemia ")]
+def _texts(language: str) -> list[str]:
+    return [block.text for block in blocks(README, language)]
 
 
 def test_a_wheel_finds_its_assets(tmp_path: Path) -> None:
@@ -60,14 +55,14 @@ def test_the_readme_names_the_commands_that_make_knows() -> None:
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     for target in re.findall(r"\bmake ([a-z-]+)", README):
         assert re.search(rf"^{target}:", makefile, re.M), target
-    assert _commands()
+    assert commands(README)
 
 
 def _marked() -> list[Any]:
     """Whole reports and papers take long, and have tests of their own."""
     long = "bohemia report ", "bohemia paper"
     rare = pytest.mark.slow
-    return [pytest.param(c, marks=rare) if c.startswith(long) else c for c in _commands()]
+    return [pytest.param(c, marks=rare) if c.startswith(long) else c for c in commands(README)]
 
 
 @pytest.mark.parametrize("command", _marked())
@@ -79,7 +74,7 @@ def test_the_readmes_commands_work(bohemia: Callable[..., Finished], command: st
 
 
 def test_the_readmes_python_works() -> None:
-    (code,) = _blocks("python")
+    (code,) = _texts("python")
     done = subprocess.run(
         [sys.executable, "-W", "error", "-c", code],
         env={**os.environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8"},
@@ -111,12 +106,12 @@ def test_the_readmes_python_works() -> None:
 def test_the_readmes_design_is_valid(tmp_path: Path) -> None:
     from kinematics.designs.files import load_design, read_design
 
-    text = next(block for block in _blocks("toml") if "five_rpur" in block)
+    text = next(block for block in _texts("toml") if "five_rpur" in block)
     head, limb = text.split("[[limb]]")
     design = read_design(head + 5 * f"[[limb]]{limb}", origin="README")
     first = load_design("rpur-table1")
     assert design.limbs[0] == first.limbs[0]  # type: ignore[attr-defined]
-    other = next(block for block in _blocks("toml") if '"parallel"' in block)
+    other = next(block for block in _texts("toml") if '"parallel"' in block)
     assert read_design(other, origin="README").mechanism == "parallel"
 
 

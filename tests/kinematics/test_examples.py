@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import doctest
 import pkgutil
-import re
 from importlib import import_module
 from pathlib import Path
 
 import pytest
 
 import kinematics
+from tests.examples import ROOT, dialogue
 
 PACKAGES = ("kinematics", "kinematics.answers", "kinematics.facets", "kinematics.trajectories")
 
@@ -30,12 +30,11 @@ def test_the_examples_of_a_module_work(name: str) -> None:
 
 
 def test_the_readmes_dialogue_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    text = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
-    blocks = re.findall(r"^```pycon\n(.*?)^```$", text, re.M | re.S)
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    dialogue = doctest.DocTestParser().get_doctest("".join(blocks), {}, "README", None, 0)
-    assert len(dialogue.examples) > 20
-    assert doctest.DocTestRunner().run(dialogue).failed == 0
+    said = dialogue(text, "README")
+    assert len(said.examples) > 20
+    assert doctest.DocTestRunner().run(said).failed == 0
     assert (tmp_path / "workspace.stl").stat().st_size > 10_000
 
 
