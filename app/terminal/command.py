@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.shell_completion import CompletionItem
 
+from app.terminal import tables
 from app.terminal.files import format_of
 from app.terminal.lengths import csv_in, line_in
 from kinematics.errors import BohemiaError, InputError
@@ -145,11 +146,8 @@ class Command(click.Command):
         answer: Answer | None = super().invoke(ctx)
         if answer is None:
             return
-        findings = () if ctx.obj is None else ctx.obj.findings
-        for finding in findings:
-            if finding.severity == "warning":
-                warn(f"{finding.title}: {finding.text}")
-        for text in answer.data.get("warnings", ()):
+        found = [] if ctx.obj is None else tables.warnings(ctx.obj)
+        for text in (*found, *answer.data.get("warnings", ())):
             warn(text)
         data: dict[str, Any] = {"schema": self.schema}
         lines = [line_in(line, output.unit) for line in answer.lines]

@@ -73,6 +73,11 @@ def record(found: object, *keys: str, at: Any = ..., **named: str) -> dict[str, 
     return answer
 
 
+def warnings(machine: Machine[Any]) -> list[str]:
+    """What is to be known of a design before its numbers are used."""
+    return [f"{f.title}: {f.text}" for f in machine.findings if f.severity == "warning"]
+
+
 def plain(value: Any, scale: float = 1.0) -> Any:
     """A value for JSON: lists for arrays and tuples, None for what is not finite."""
     if hasattr(value, "tolist"):

@@ -255,6 +255,27 @@ class Tab:
             "input"
         )
 
+    def choose(self, label: str, option: str, index: int = 0) -> None:
+        """Pick from a drop-down list; ``index`` tells labels apart that stand there more than once.
+
+        A panel that grows at the same moment closes the list again or places it anew.
+        """
+        found = self.page.get_by_role("option", name=option, exact=True).locator("visible=true")
+
+        def chosen() -> bool:
+            box = self.field(label, index).first
+            if box.input_value() == option:
+                return True
+            if not found.count():
+                box.scroll_into_view_if_needed()
+                box.click()
+                self.page.wait_for_timeout(150)
+            if found.count():
+                found.first.dispatch_event("click")
+            return False
+
+        self.wait(chosen, f"{option} of {label}")
+
     def type_into(self, label: str, value: float | str, index: int = 0) -> None:
         box = self.field(label, index).last
         box.fill(str(value))

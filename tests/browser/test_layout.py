@@ -44,9 +44,11 @@ def at_size(
 
 def _scroll(tab: Tab, by: int) -> int:
     """Scroll the panel; where it stands then."""
-    script = """(e, by) => { const panel = e.closest('.mantine-ScrollArea-viewport');
+    # All at once: the status is drawn anew at any time.
+    script = """(by) => { const status = document.querySelector('.bo-status');
+        const panel = status.closest('.mantine-ScrollArea-viewport');
         panel.scrollBy({top: by, behavior: 'instant'}); return panel.scrollTop; }"""
-    return int(tab.page.locator(".bo-status").evaluate(script, by))
+    return int(tab.page.evaluate(script, by))
 
 
 def _faults(tab: Tab) -> list[str]:

@@ -51,16 +51,6 @@ def _tabs(tab: Tab) -> list[str]:
     return [title for title in tab.page.get_by_role("tab").all_inner_texts() if title in TABS]
 
 
-def _choose(tab: Tab, label: str, option: str, index: int = 0) -> None:
-    """Pick from a drop-down list; ``index`` tells labels apart that stand there more than once."""
-    box = tab.field(label, index).first
-    box.scroll_into_view_if_needed()
-    box.click()
-    # The list is placed anew as the panel grows; waiting until it is at rest may take for ever.
-    found = tab.page.get_by_role("option", name=option, exact=True).locator("visible=true")
-    found.dispatch_event("click")
-
-
 def _plot(tab: Tab, index: int = 0) -> Locator:
     found = tab.page.locator(".plot svg[data-box]").locator("visible=true").nth(index)
     found.wait_for(timeout=60_000)
@@ -112,7 +102,7 @@ def test_a_tripod(machine: Callable[[str, str], Tab], name: str, other: str) -> 
     tab.wait_for_text("Reachable · operation mode 2")
     # The polar chart, with the inscribed circle, alone and beside the other machine's.
     tab.open_tab("Singularities")
-    _choose(tab, "Chart", "Singular orientations at this altitude")
+    tab.choose("Chart", "Singular orientations at this altitude")
     circles = tab.page.locator("circle.micr").locator("visible=true")
     tab.wait(lambda: circles.count() == 1, "the inscribed circle")
     tab.wait_for_text(r"\d curves?, every point exact to")
@@ -135,7 +125,7 @@ def test_the_4_sps_spr(machine: Callable[[str, str], Tab]) -> None:
     tab.wait(lambda: _tabs(tab) == TABS, "its tabs")
     tab.open_tab("Move")
     labels = ["x (mm)", "y (mm)", "z (mm)", "α (°)", "β (°)", "γ (°)"]
-    _choose(tab, "Gives way", "y")
+    tab.choose("Gives way", "y")
     before = [tab.value(label) for label in labels]
     tab.type_into("β (°)", 10)
     tab.wait(lambda: tab.value("y (mm)") != before[1], "y gives way")
@@ -169,11 +159,11 @@ def test_the_five_bar(machine: Callable[[str, str], Tab]) -> None:
         return sum(bool(tab.props(fill).get("visible")) for fill in fills)
 
     assert seen() == 1
-    _choose(tab, "Regions", "Aspects")
+    tab.choose("Regions", "Aspects")
     tab.wait(lambda: seen() > 2, "the aspects")
     tab.wait(lambda: bool(tab.props("/regions/locus").get("visible")), "where control is lost")
     tab.open_tab("Singularities")
-    _choose(tab, "Chart", "Singularities of the working mode")
+    tab.choose("Chart", "Singularities of the working mode")
     tab.wait_for_text(r"\d curves?, every point exact to")
     _click(tab, _plot(tab), -100.0, 700.0)
     tab.open_tab("Move")
@@ -184,7 +174,7 @@ def test_the_five_bar(machine: Callable[[str, str], Tab]) -> None:
 
 def test_the_design_is_changed_on_the_page_and_back(tab: Tab) -> None:
     tab.open_tab("Design")
-    _choose(tab, "Design", "five-bar", -1)  # the first is the tab's own name
+    tab.choose("Design", "five-bar", -1)  # the first is the tab's own name
     tab.wait_for_text(r"Reachable · mode \+−\s")
     tab.wait(lambda: bool(tab.props("/regions/fill0").get("visible")), "its plane")
     tab.open_tab("Review")
@@ -198,7 +188,7 @@ def test_another_machine_stands_as_it_should_and_undo_goes_back(tab: Tab) -> Non
     tab.type_into("φ (°)", 25)
     tab.wait(lambda: abs(tab.props("/machine/platform")["wxyz"][0]) < 0.99, "a turned platform")
     tab.open_tab("Design")
-    _choose(tab, "Design", "rps-3", -1)
+    tab.choose("Design", "rps-3", -1)
     tab.wait_for_text("operation mode 2")
     for node in ("/machine/platform", "/handle"):
         tab.wait(

@@ -64,11 +64,6 @@ def _places(tab: Tab, node: str) -> list[float]:
     return places
 
 
-def _choose(tab: Tab, label: str, option: str) -> None:
-    tab.field(label).first.click()
-    tab.page.get_by_role("option", name=option, exact=True).click()
-
-
 def test_all_solutions_are_counted_listed_filtered_and_sorted(tab: Tab) -> None:
     _count(tab)
     tab.wait_for_text(r"complete ✓[\s\S]*count and conjugation closure hold")
@@ -98,7 +93,7 @@ def test_all_solutions_are_counted_listed_filtered_and_sorted(tab: Tab) -> None:
 
     tab.wait(sorted_now, "the list by height")
     tab.unfold("Which are listed")
-    _choose(tab, "Of", "A pattern")
+    tab.choose("Of", "A pattern")
     tab.type_into("Pattern", "+????")
 
     def modes() -> set[str]:

@@ -9,11 +9,6 @@ from tests.browser.conftest import Tab
 pytestmark = pytest.mark.browser
 
 
-def _choose(tab: Tab, label: str, option: str) -> None:
-    tab.field(label).first.click()
-    tab.page.get_by_role("option", name=option, exact=True).click()
-
-
 def _undo(tab: Tab) -> None:
     tab.page.wait_for_timeout(300)
     tab.page.mouse.click(12, 330)  # a hotkey goes to the page, not to a box
@@ -26,7 +21,7 @@ def test_the_true_surface_is_shown_told_and_taken_back(tab: Tab) -> None:
     tab.wait_for_text("facets, right on the average")
     before = tab.props("/solids/workspace/front0")["vertices"]
     tab.unfold("Look")
-    _choose(tab, "Made of", "The true surface")
+    tab.choose("Made of", "The true surface")
     tab.wait_for_text("true: vertices within")
     tab.wait(lambda: tab.props("/solids/workspace/front0")["vertices"] > before, "more vertices")
     _undo(tab)
@@ -36,7 +31,7 @@ def test_the_true_surface_is_shown_told_and_taken_back(tab: Tab) -> None:
 
 def test_the_choice_of_modes_follows_undo(tab: Tab) -> None:
     tab.open_tab("Workspace")
-    _choose(tab, "Of", "A chosen set")
+    tab.choose("Of", "A chosen set")
     tab.wait(lambda: tab.page.get_by_text("Modes", exact=True).is_visible(), "the set of modes")
     _undo(tab)
     tab.wait(lambda: tab.field("Of").first.input_value() == "The current working mode", "the mode")

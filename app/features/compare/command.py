@@ -75,12 +75,7 @@ def compare(
         ", ".join(filter(None, (angles.text(), _modes(machine, modes)))),
         *_lines(found),
     ]
-    warnings = [
-        f"{each.design.name}: {finding.title}: {finding.text}"
-        for each in machines[1:]
-        for finding in each.findings
-        if finding.severity == "warning"
-    ]
+    warnings = [f"{m.design.name}: {text}" for m in machines[1:] for text in tables.warnings(m)]
     data = {**angles.entries(), **tables.modes_entry(modes), **_data(found), "warnings": warnings}
     return Answer(data, lines)
 
@@ -93,7 +88,7 @@ def _modes(machine: Machine[Any], modes: Modes) -> str:
 
 def _lines(found: Compared) -> list[str]:
     """What is printed."""
-    from app.features.compare.files import differing
+    from app.features.compare.compute import differing
 
     request = found.request
     names = [design.name for design in request.designs]
@@ -150,7 +145,7 @@ def _digits(value: float) -> str:
 
 def _data(found: Compared) -> dict[str, Any]:
     """For JSON."""
-    from app.features.compare.files import differing
+    from app.features.compare.compute import differing
 
     request = found.request
     tail = "mm3" if found.unit == "mm³" else "mm2"

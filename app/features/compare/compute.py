@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
+from math import degrees
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from app.features.compare.state import Beside
-from app.features.workspace.compute import REST_FINE, REST_NORMAL, STEP
+from app.features.section.compute import edges, filled
+from app.features.workspace.compute import REST_FINE, REST_NORMAL, STEP, in_space
 from app.features.workspace.state import solver_modes
 from app.jobs.answers import Question
 from app.language import tr
@@ -141,6 +143,29 @@ def compare(request: Request, relative: float = 1e-6, *, measured: bool = True) 
     )
 
 
+def asked(machine: Machine[Any], first: Machine[Any], pose: tuple[float, ...], mode: str) -> Asked:
+    """What a machine answers to a pose (P,) of another one, mm and rad, in its mode."""
+    if [axis.key for axis in machine.coordinates] != [axis.key for axis in first.coordinates]:
+        return Asked(None, tr("compare.other_coordinates", machine=machine.title))
+    if mode not in machine.modes:
+        return Asked(None, tr("compare.no_mode", noun=machine.mode_noun, mode=mode))
+    try:
+        return Asked(machine.posture(pose, mode))
+    except BohemiaError as error:
+        return Asked(None, str(error))
+
+
+def differing(found: Compared) -> list[dict[str, Any]]:
+    """The numbers in which the designs differ as plain values, degrees for rad."""
+    answer = []
+    for one in found.differences:
+        turned = one.unit == "rad"
+        values = [v if v is None else degrees(v) if turned else v for v in one.values]
+        unit = "deg" if turned else one.unit
+        answer.append({"field": one.field, "label": one.label, "values": values, "unit": unit})
+    return answer
+
+
 def measures(request: Request) -> tuple[Row, ...]:
     """The figures of merit of all designs."""
     pairs = zip(_spaces(request), request.machines, strict=True)
@@ -183,8 +208,6 @@ def drawn(request: Request, resolution: Resolution) -> tuple[Drawn, ...]:
     Raises:
         InputError: the workspaces are of different coordinates.
     """
-    from kinematics.solids.csg import flat_mesh
-
     first = request.machines[0]
     if first.regions is None or first.solid_specs:
         found = Comparison(_spaces(request)).parts(resolution, judged=False)
@@ -200,11 +223,11 @@ def drawn(request: Request, resolution: Resolution) -> tuple[Drawn, ...]:
     frame = first.regions.frame(request.pose)
     answer = []
     for section in (every, *alone):
-        loops = [section.polyline(n, STEP) for n in range(section.loops)]
-        flat, faces = flat_mesh(loops)
-        rims = [np.stack([loop, np.roll(loop, -1, axis=0)], axis=1) for loop in loops]
-        lines = np.concatenate(rims) if rims else np.empty((0, 2, 2))
-        answer.append(Drawn(_placed(flat, frame), faces.astype(np.uint32), _placed(lines, frame)))
+        flat, faces = filled(section, STEP)
+        points, lines = in_space(flat, frame), in_space(edges(section, STEP)[0], frame)
+        answer.append(
+            Drawn(points.astype(np.float32), faces.astype(np.uint32), lines.astype(np.float32))
+        )
     return tuple(answer)
 
 
@@ -239,11 +262,6 @@ DRAWN: dict[Resolution, Question[tuple[Drawn, ...]]] = {
 # --- inside
 
 
-def _placed(flat: Array, frame: Array) -> NDArray[np.float32]:
-    """Points (..., 2) of a plane in the base frame."""
-    return np.asarray(flat @ frame[:3, :2].T + frame[:3, 3], dtype=np.float32)
-
-
 def _spaces(request: Request) -> tuple[Space[Any], ...]:
     return spaces(request.machines, request.modes, **dict(request.held))
 
@@ -269,15 +287,7 @@ def _rows(every: Sequence[tuple[Figure, ...]]) -> Iterator[Row]:
 
 
 def _asked(machine: Machine[Any], request: Request) -> Asked:
-    first = request.machines[0]
-    if [axis.key for axis in machine.coordinates] != [axis.key for axis in first.coordinates]:
-        return Asked(None, tr("compare.other_coordinates", machine=machine.title))
-    if request.mode not in machine.modes:
-        return Asked(None, tr("compare.no_mode", noun=machine.mode_noun, mode=request.mode))
-    try:
-        return Asked(machine.posture(request.pose, request.mode))
-    except BohemiaError as error:
-        return Asked(None, str(error))
+    return asked(machine, request.machines[0], request.pose, request.mode)
 
 
 def _curve(space: Space[Any]) -> Curve | None:

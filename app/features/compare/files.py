@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from app.features.compare import LETTERS
-from app.features.compare.compute import Compared, parts, regions
+from app.features.compare.compute import Compared, differing, parts, regions
 from app.features.review.files import sanitized, solid_bytes
 from app.terminal.lengths import csv_in
 from app.terminal.tables import finite
@@ -122,19 +122,6 @@ def differences_csv(found: Compared) -> str:
         cells = [_cell(value) for value in one["values"]]
         rows.append([one["field"], one["label"], one["unit"], *cells])
     return csv_text(rows)
-
-
-def differing(found: Compared) -> list[dict[str, Any]]:
-    """The same as plain values, degrees for rad."""
-    from math import degrees
-
-    answer = []
-    for one in found.differences:
-        turned = one.unit == "rad"
-        values = [v if v is None else degrees(v) if turned else v for v in one.values]
-        unit = "deg" if turned else one.unit
-        answer.append({"field": one.field, "label": one.label, "values": values, "unit": unit})
-    return answer
 
 
 def areas_csv(found: Compared) -> str:

@@ -84,7 +84,7 @@ def _value(value: float, unit: str) -> str:
 
 def differences_html(found: Compared) -> str:
     """The numbers in which the designs differ; angles in degrees."""
-    from app.features.compare.files import differing
+    from app.features.compare.compute import differing
 
     told = differing(found)
     if not told:

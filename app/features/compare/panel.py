@@ -29,7 +29,7 @@ class ComparePanel(Panel):
     TAB = "design.tab"
 
     def build(self, review: Review) -> None:
-        gui = self.gui
+        gui, part = self.gui, self.desk.part(ComparePart)
         self._designs = Markup(self.desk, self._away)
         names = (tr("compare.choose"), *(preset.name for preset in presets()))
         self._choice = gui.add_dropdown(tr("compare.with"), names, initial_value=names[0])
@@ -45,7 +45,7 @@ class ComparePanel(Panel):
             self._differences = gui.add_html("")
         with self.folder("compare.pose") as self._posed:
             self._pose = gui.add_html("")
-        self._save = self.saving(("ZIP",), self.desk.part(ComparePart).save)
+        self._save = self.saving(("ZIP",), lambda _, client: part.save_archive(client))
         self._told = Told(None, False, "", None, False)
         explain(gui, "compare", review.machine)
 

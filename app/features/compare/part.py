@@ -6,6 +6,7 @@ import io
 import zipfile
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -84,12 +85,11 @@ class ComparePart(Part):
         self._scene.machines([_drawn(review, design) for design in machines])
         self.stage.tell(Legend("compare", tuple(_key(review, on))))
 
-    def save(self, kind: str, client: Client) -> None:  # type: ignore[override]
+    def save_archive(self, client: Client) -> None:
         """Save solids and tables in one archive."""
         found, rows = self.answers[compute.COMPARED].now, self.answers[compute.MEASURED].now
         whole = None if found is None or rows is None else replace(found, rows=rows)
-        make = lambda whole: apart(archive, whole)  # noqa: E731
-        super().save(whole, make, client, tr("compare.nothing_to_save"))
+        self.save(whole, partial(apart, archive), client, tr("compare.nothing_to_save"))
 
 
 def archive(found: compute.Compared) -> ExportedFile:
@@ -106,13 +106,13 @@ def archive(found: compute.Compared) -> ExportedFile:
 
 def _drawn(review: Review, design: Any) -> tuple[Drawing, Array] | None:
     """A machine at the present pose, with its platform's place; None where it has no such pose."""
-    machine, mode = machine_of(design), review.mode
-    keys = [[axis.key for axis in each.coordinates] for each in (machine, review.machine)]
-    if keys[0] != keys[1] or mode not in machine.modes:
+    machine = machine_of(design)
+    posture = compute.asked(machine, review.machine, review.pose, review.mode).posture
+    if posture is None:
         return None
     try:
-        posture = machine.posture(review.pose, mode)
-        return machine.drawing(posture), np.asarray(machine.transform(review.pose, mode))
+        place = machine.transform(review.pose, review.mode)
+        return machine.drawing(posture), np.asarray(place)
     except BohemiaError:
         return None
 

@@ -6,6 +6,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from app.terminal import tables
 from app.terminal.command import Answer, Output, command, progress
 from app.terminal.options import choice, designs, option, output, resolution
 from app.terminal.values import counted
@@ -86,7 +87,7 @@ def report(
         "pages": made.pages,
         "paper": paper if made.pages else None,
         "warnings": [
-            *_warnings(reviews),
+            *(f"{r.design.name}: {text}" for r in reviews for text in tables.warnings(r.machine)),
             *apart,
             *(t for each in found for t in each.failed),
         ],
@@ -105,12 +106,3 @@ def _review(name: str) -> Review:
     if path.suffix.lower() == ".json":
         return session.load(path)
     return new_review(load_design(name))
-
-
-def _warnings(reviews: list[Review]) -> list[str]:
-    return [
-        f"{review.design.name}: {finding.title}: {finding.text}"
-        for review in reviews
-        for finding in review.machine.findings
-        if finding.severity == "warning"
-    ]

@@ -179,8 +179,6 @@ def _lost(review: Review) -> Lost | None:
 
 def draw(wanted: Wish) -> Drawn:
     """The section, its edges, the region filled, its plot."""
-    from kinematics.solids.csg import flat_mesh
-
     of = wanted.region
     machine = machine_of(of.design)
     section = _sections(of).at(of.pose, of.modes, wanted.at)
@@ -188,7 +186,7 @@ def draw(wanted: Wish) -> Drawn:
     assert spec is not None
     reach = extent(of)
     lines, limbs = edges(section)
-    points, faces = flat_mesh([section.polyline(n, STEP) for n in range(section.loops)])
+    points, faces = filled(section)
     held = _held(wanted, section)
     curves, beyond = _parted(_curves(wanted), held)
     picture = Picture(
@@ -335,6 +333,13 @@ def edges(section: Section, step: float = STEP) -> tuple[Array, np.ndarray]:
     flat = np.concatenate(pairs) if pairs else np.empty((0, 2, 2))
     limbs = np.repeat(section.limb, [len(pair) for pair in pairs])
     return flat, limbs
+
+
+def filled(section: Section, step: float = STEP) -> tuple[Array, np.ndarray]:
+    """Triangles of the region: points (V, 2) mm and faces (F, 3)."""
+    from kinematics.solids.csg import flat_mesh
+
+    return flat_mesh([section.polyline(n, step) for n in range(section.loops)])
 
 
 def _raised(flat: Array, at: float) -> Array:

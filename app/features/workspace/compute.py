@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from app.features.section.compute import edges, segments
+from app.features.section.compute import edges, filled, segments
 from app.features.singularities.compute import field
 from app.features.singularities.state import Control
 from app.features.workspace.state import (
@@ -272,8 +272,6 @@ def wish(review: Review) -> Wish | None:
 
 def lay(wanted: Wish) -> Laid:
     """The regions, filled, with their edges and singular curves."""
-    from kinematics.solids.csg import flat_mesh
-
     machine = machine_of(wanted.design)
     spec = next(s for s in machine.region_specs if s.key == wanted.key)
     modes = wanted.modes if spec.uses_modes else None
@@ -287,10 +285,10 @@ def lay(wanted: Wish) -> Laid:
             fills.append(Fill(np.empty((0, 3), np.float32), np.empty((0, 3), np.uint32)))
             continue
         section = region.section
-        points, faces = flat_mesh([section.polyline(n, STEP) for n in range(section.loops)])
-        fills.append(Fill(_raised(points, frame).astype(np.float32), faces.astype(np.uint32)))
+        points, faces = filled(section, STEP)
+        fills.append(Fill(in_space(points, frame).astype(np.float32), faces.astype(np.uint32)))
         flat, limb = edges(section, STEP)
-        lines.append(_raised(flat, frame))
+        lines.append(in_space(flat, frame))
         limbs.append(limb)
     return Laid(
         wanted,
@@ -317,10 +315,10 @@ def _locus(wanted: Wish, spec: RegionSpec, frame: Array) -> Array:
     if not wanted.locus or chart is None:
         return np.empty((0, 2, 3))
     found: LocusCurves = machine.singularities.locus(chart.key, wanted.pose, wanted.mode)
-    return _raised(segments(found.lost()), frame)
+    return in_space(segments(found.lost()), frame)
 
 
-def _raised(flat: Array, frame: Array) -> Array:
+def in_space(flat: Array, frame: Array) -> Array:
     """Points (..., 2) of the plane as points (..., 3) of the base frame."""
     raised: Array = flat @ frame[:3, :2].T + frame[:3, 3]
     return raised
