@@ -240,14 +240,4 @@ def _sag(traced: TracedMesh, volume: float, off: Off) -> float:
     of = label[traced.patch_of]
     on = of != ROOT
     corners = traced.mesh.vertices[traced.mesh.faces[on]]
-    middle = corners.mean(axis=1)
-    step = 1e-6 * float(np.ptp(traced.mesh.vertices, axis=0).max(initial=0.0))
-    value = off(middle, of[on])
-    slope = np.stack(
-        [(off(middle + step * axis, of[on]) - value) / step for axis in np.eye(3)], axis=-1
-    )
-    with np.errstate(invalid="ignore", divide="ignore"):
-        away = value / np.linalg.norm(slope, axis=1)
-    twice = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    swept = 0.375 * np.linalg.norm(twice, axis=1) * np.where(np.isfinite(away), np.abs(away), 0.0)
-    return float(swept.sum())
+    return meshes.sag(corners, lambda points: off(points, of[on]))

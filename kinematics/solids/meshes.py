@@ -103,6 +103,26 @@ def face_parts(v: Array, f: NDArray[Any]) -> tuple[Array, Array, Array]:
     return six, twice, (six * (a + b + c + 4.0 * middle[:, None])).T
 
 
+def sag(at: Array, off: Callable[[Array], Array]) -> float:
+    """mm³ between flat faces and the surfaces that their corners (F, 3, 3) are on, from above.
+
+    Args:
+        off: how far points (N, 3) are off the surface of each face, (N,): a smooth measure that is
+            0 on it.
+    """
+    middle = at.mean(axis=1)
+    step = 1e-6 * float(np.ptp(at, axis=(0, 1)).max(initial=0.0)) if len(at) else 0.0
+    value = off(middle)
+    slope = np.stack([(off(middle + step * axis) - value) / step for axis in np.eye(3)], axis=-1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        away = np.abs(value / np.linalg.norm(slope, axis=1))
+    # Where a measure is flat it tells nothing; no surface is further off than its face is long.
+    away = np.fmin(away, np.linalg.norm(at - np.roll(at, 1, axis=1), axis=2).max(axis=1))
+    twice = np.linalg.norm(np.cross(at[:, 1] - at[:, 0], at[:, 2] - at[:, 0]), axis=1)
+    # A quadratic that is 0 in the corners is 3/4 of its middle value on the average.
+    return float((0.375 * twice * away).sum())
+
+
 def volume(mesh: SolidMesh) -> float:
     """mm³."""
     a, b, c = corners(mesh.vertices, mesh.faces, _middle(mesh.vertices))

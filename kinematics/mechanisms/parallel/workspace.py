@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
+from typing import cast
 
 import numpy as np
 from scipy.ndimage import binary_dilation
@@ -22,8 +23,10 @@ from kinematics.mechanisms.parallel.design import ParallelDesign
 from kinematics.mechanisms.parallel.drives import Stretched
 from kinematics.mechanisms.parallel.ranges import Ranges
 from kinematics.mechanisms.parallel.solids import scales, slots
+from kinematics.solids import meshes
 from kinematics.solids.csg import BuiltSolid, LeakError, Solid, finish
 from kinematics.solids.isosurfaces import positive_part
+from kinematics.solids.meshes import TracedMesh
 
 THETA = 4
 _CELLS: dict[Resolution, int] = {"preview": 12, "normal": 32, "fine": 64}
@@ -106,10 +109,12 @@ def build(
     for more in range(_TRIES):
         # Where surfaces touch, another grid may part them.
         solid = _solid(each, box, cells + more)
-        error = abs(solid.volume - coarse) / 3.0 * _CERTAIN
+        refined = abs(solid.volume - coarse) / 3.0 * _CERTAIN
         try:
             return finish(
-                solid, partial(_known, error), thinnest=1e-6 * float(np.max(box[1] - box[0]))
+                solid,
+                partial(_error, each, box, refined),
+                thinnest=1e-6 * float(np.max(box[1] - box[0])),
             )
         except LeakError:
             if more == _TRIES - 1:
@@ -117,8 +122,25 @@ def build(
     raise AssertionError
 
 
-def _known(error: float, *_: object) -> float:
-    return error
+def _error(each: list[_Margins], box: _Box, refined: float, traced: TracedMesh, _: float) -> float:
+    """mm³ by which the volume of a mesh may be off: what lies between its faces and the surfaces,
+    and not less than what ``refined`` cells made of it, which tells of parts that none saw."""
+    corners = traced.mesh.vertices[traced.mesh.faces]
+    of = {margins.limb: margins for margins in each}
+    between = 0.0
+    for n, patch in enumerate(traced.patches):
+        limb, k = cast("tuple[int | None, int]", patch.tag)
+        at = corners[traced.patch_of == n]
+        near = 1e-6 * (box[1] - box[0])
+        ends = [(np.abs(at - end) < near).all(axis=1).any(axis=1) for end in box[2:]]
+        at = at[~(ends[0] | ends[1])]  # an angle goes once round there, no margin ends
+        if len(at):
+            between += meshes.sag(at, partial(_column, of[limb], k))
+    return max(refined, between)
+
+
+def _column(margins: _Margins, k: int, points: Array) -> Array:
+    return margins(points)[:, k]
 
 
 def _least(each: list[_Margins], points: Array) -> Array:
