@@ -62,9 +62,22 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 BROWSER = "tests/browser/"
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """The browser's tests first: they are the longest piece of work."""
+    """The browser's tests first: they are the longest piece of work.
+
+    In the app a 3-SPR is what a 3-RPS is, which is always tested.
+    """
+    for item in items:
+        values = getattr(getattr(item, "callspec", None), "params", {}).values()
+        if item.nodeid.startswith("tests/app/") and "spr-3" in map(str, values):
+            item.add_marker(pytest.mark.slow)
     items.sort(key=lambda item: not item.nodeid.startswith(BROWSER))
+
+
+def rarely(value: Any) -> Any:
+    """A value of a parameter that is left to `make check-all`."""
+    return pytest.param(value, marks=pytest.mark.slow)
 
 
 @pytest.fixture(scope="session")

@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 from app.jobs import executors
-from app.terminal.options import preset_names
 from kinematics.designs.files import load_design
 from kinematics.machine import machine_of
+from tests.conformance.machines import PRESETS
 from tests.conftest import Finished, refused
 
 Run = Callable[..., Finished]
@@ -120,7 +120,7 @@ def ask(here: Run, monkeypatch: pytest.MonkeyPatch) -> Run:
     return here
 
 
-@pytest.mark.parametrize("preset", preset_names())
+@pytest.mark.parametrize("preset", PRESETS)
 def test_every_answer_has_a_schema_and_units_and_finite_numbers(ask: Run, preset: str) -> None:
     asked = set()
     for question in questions(preset):

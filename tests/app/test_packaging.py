@@ -59,10 +59,12 @@ def test_the_readme_names_the_commands_that_make_knows() -> None:
 
 
 def _marked() -> list[Any]:
-    """Whole reports and papers take long, and have tests of their own."""
-    long = "bohemia report ", "bohemia paper"
+    """What takes long has tests of its own."""
+    long = re.compile(
+        r"bohemia (report|paper|compare|map|singularity|fk rpur-a1a1|.*--usable|.*fine)"
+    )
     rare = pytest.mark.slow
-    return [pytest.param(c, marks=rare) if c.startswith(long) else c for c in commands(README)]
+    return [pytest.param(c, marks=rare) if long.match(c) else c for c in commands(README)]
 
 
 @pytest.mark.parametrize("command", _marked())

@@ -30,8 +30,9 @@ from app.review.changes import Change, SetOption
 from app.review.state import Review, new_review
 from kinematics.designs.files import load_design
 from tests.app.models import Seated, _open, differences, servers
+from tests.conftest import rarely
 
-MACHINES = ("five-bar", "rpur-table1", "rps-3", "sps-spr", "rpur-a3a3")
+MACHINES = ("five-bar", "rpur-table1", *map(rarely, ("rps-3", "sps-spr", "rpur-a3a3")))
 OTHERS = {"five-bar": "rps-3", "rps-3": "spr-3", "spr-3": "rps-3", "sps-spr": "five-bar"}
 TRIES = int(os.environ.get("BOHEMIA_MODEL", "4"))
 DIED = "The process at work on it stopped; change something, and it is tried again."
