@@ -60,24 +60,30 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
 
 BROWSER = "tests/browser/"
+# Arrangements between the first and the last; in the app a 3-SPR is what a 3-RPS is.
+ALIKE = {
+    f"{prefix}{name}"
+    for prefix in ("", "rpur-")
+    for name in ("a1a2", "a1a3", "a2a2", "a2a3", "mpa2")
+}
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """The browser's tests first: they are the longest piece of work.
 
-    In the app a 3-SPR is what a 3-RPS is, which is always tested.
+    A test over many designs is left to `make check-all` for those that are like others.
     """
     for item in items:
-        values = getattr(getattr(item, "callspec", None), "params", {}).values()
-        if item.nodeid.startswith("tests/app/") and "spr-3" in map(str, values):
+        named = set(map(str, getattr(getattr(item, "callspec", None), "params", {}).values()))
+        if named & ALIKE or (item.nodeid.startswith("tests/app/") and "spr-3" in named):
             item.add_marker(pytest.mark.slow)
     items.sort(key=lambda item: not item.nodeid.startswith(BROWSER))
 
 
-def rarely(value: Any) -> Any:
-    """A value of a parameter that is left to `make check-all`."""
-    return pytest.param(value, marks=pytest.mark.slow)
+def rarely(*values: Any) -> Any:
+    """Values of parameters that are left to `make check-all`."""
+    return pytest.param(*values, marks=pytest.mark.slow)
 
 
 @pytest.fixture(scope="session")

@@ -245,6 +245,7 @@ def test_a_section_in_words_tells_its_file(here: Run) -> None:
 # --- map -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_maps_csv_agrees_with_the_volumes(bohemia: Run, here: Run, tmp_path: Path) -> None:
     where = ("--phi", "-20:20:3", "--theta", "-30")
     done = bohemia("map", "rpur-table1", *where, "--jobs", "2", "-o", "map.csv")

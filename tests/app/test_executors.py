@@ -72,6 +72,7 @@ def runs(pid: int) -> bool:
 # --- this machine --------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_processes_give_the_same_map(request_: MapRequest, alone: Map) -> None:
     with local_workers(2) as workers:
         assert workers.count == 2

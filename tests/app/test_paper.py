@@ -239,6 +239,7 @@ def test_verdicts() -> None:
 # --- the command and its folder ------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_folder(bohemia: Callable[..., Finished], tmp_path: Path) -> None:
     to = tmp_path / "made" / "here"
     done = bohemia("paper", "rps-spr-2017", "-o", str(to), "--json")

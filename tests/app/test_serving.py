@@ -238,6 +238,7 @@ def test_what_is_no_request_leaves_no_traceback(everywhere) -> None:  # type: ig
 # --- what browsers send --------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_values_that_no_widget_can_have_are_dropped_in_few_lines(tmp_path: Path) -> None:
     file = tmp_path / "review.json"
     with served(tmp_path, "--session", str(file)) as one, browser(one) as wire:
@@ -327,6 +328,7 @@ def test_a_server_that_cannot_speak_ends_or_serves_without_a_traceback(
     assert not [p for p in tmp_path.iterdir() if p.name != "review.json"]
 
 
+@pytest.mark.slow
 def test_a_session_of_before_is_opened_and_saved_with_its_rights(tmp_path: Path) -> None:
     real, link = tmp_path / "real.json", tmp_path / "link.json"
     session.save(new_review(load_design("rpur-table2")), real)

@@ -456,6 +456,7 @@ def test_the_length_is_what_the_platforms_origin_travels(name: str) -> None:
     assert found.travel == pytest.approx(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
 
 
+@pytest.mark.slow
 def test_a_circle_of_the_tilts_azimuth_is_no_way_of_half_a_metre(here: Run, tmp_path: Path) -> None:
     z = machine_of(load_design("rps-3")).home.pose[0]
     turned = "\n".join(f"{z},5,{azimuth}" for azimuth in np.linspace(-180, 180, 73))

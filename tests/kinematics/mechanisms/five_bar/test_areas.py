@@ -127,6 +127,7 @@ def scanned(design: FiveBarDesign, mode: str) -> float:
     return total
 
 
+@pytest.mark.slow
 def test_areas_are_those_of_lines_across() -> None:
     # Not the last: its range ends along y = 0, where the lines crowd, and has a slack of 1e-9 rad.
     for design in (*designs(), *SPECIAL[:-1]):

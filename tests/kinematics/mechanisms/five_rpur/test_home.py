@@ -64,6 +64,7 @@ def test_a_machine_that_reaches_nothing_still_has_a_place_to_start() -> None:
     assert np.isfinite(start.pose).all()
 
 
+@pytest.mark.slow
 def test_a_machine_that_is_nearly_singular_everywhere_has_a_home_soon(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -346,6 +346,7 @@ def test_any_lengths_of_a_simplified_design_are_answered(name, joints):
 round_number = st.sampled_from([150.0, 245.0, 250.0, 300.0, 400.0])
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=30)
 @given(
     st.sampled_from(CLASSES),

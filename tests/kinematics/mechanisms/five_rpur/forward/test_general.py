@@ -270,6 +270,7 @@ def test_clusters_are_of_solutions_that_agree():
     assert cluster(equations, values[:, :0]).shape == (0,)
 
 
+@pytest.mark.slow
 def test_a_design_of_coincident_limbs_says_what_it_could_not_follow():
     """Architecturally singular in some modes: whatever comes out is accounted for, or said."""
     design = load_design("rpur-table2")

@@ -17,6 +17,7 @@ from kinematics.mechanisms.five_rpur.design import FiveRPURDesign, Limb
 from kinematics.mechanisms.five_rpur.inscribed.growing import concave_program
 from kinematics.mechanisms.five_rpur.inscribed.largest import box, sphere
 from kinematics.mechanisms.five_rpur.inscribed.region import Region
+from tests.conftest import rarely
 from tests.kinematics.mechanisms.five_rpur.machines import preset
 
 ZERO = (0.0, 0.0, 0.0)
@@ -149,7 +150,7 @@ def test_what_lies_just_beyond_a_ball_is_outside(seed):
     assert nearest_outside(case, about) < 2e-3 * about.radius
 
 
-@pytest.mark.parametrize("seed", range(40, 43))
+@pytest.mark.parametrize("seed", [40, *map(rarely, (41, 42))])
 def test_all_of_the_box_is_inside_and_it_cannot_grow(seed):
     case = case_with_room(seed)
     found = box(*case)
@@ -180,6 +181,7 @@ def test_all_of_the_box_is_inside_and_it_cannot_grow(seed):
             assert not np.all(many)
 
 
+@pytest.mark.slow
 def test_a_box_about_a_centre_is_centred_there_and_the_largest_such():
     case = (preset("rpur-table1"), -0.3, 0.5, None)
     anywhere = box(*case)
@@ -422,11 +424,11 @@ def test_one_vertex_space_of_any_measures(link, low, stroke, theta):
     ("link", "stroke", "theta"),
     [
         # Tubes thinner than the distance of samples along them: no corner met any.
-        (865.812356820165, (0.0, 1.5982055049244648), 0.5369187750447773),
+        rarely(865.812356820165, (0.0, 1.5982055049244648), 0.5369187750447773),
         (20.999646774490966, (0.0, 0.0038366784985954688), -1.2217580952934313),
         # Shells so thin that the box is met next to its faces across y only.
-        (991.7671470703186, (12.447068331030152, 12.541457991391443), -0.9276659976657977),
         (331.29789685502885, (899.2536748095519, 900.0501128730754), 2.2064471195209956),
+        rarely(991.7671470703186, (12.447068331030152, 12.541457991391443), -0.9276659976657977),
     ],
 )
 def test_boxes_in_thin_vertex_spaces(link, stroke, theta):
@@ -442,6 +444,7 @@ def test_boxes_in_thin_vertex_spaces(link, stroke, theta):
     check_box(case, box(*case))
 
 
+@pytest.mark.slow
 def test_through_the_mechanism():
     sections = machine_of(preset("rpur-table1")).sections
     assert sections is not None

@@ -42,6 +42,7 @@ def beyond(seed: int):
             return design, posture
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(st.integers(0, 10_000))
 def test_every_way_works_and_half_of_it_does_not(seed):
@@ -70,6 +71,7 @@ def test_every_way_works_and_half_of_it_does_not(seed):
         assert machine_of(design).inverse.posture(wanted.pose, mode).reachable
 
 
+@pytest.mark.slow
 @settings(max_examples=8)
 @given(st.integers(0, 10_000), st.sampled_from([1.0, 300.0, 300.0, 1e4, 1e9]))
 def test_any_design_at_any_pose_has_an_answer(seed, far):

@@ -117,6 +117,7 @@ def test_pieces_that_all_but_touch_along_an_edge_are_two(resolution: str) -> Non
     assert built.watertight
 
 
+@pytest.mark.slow
 def test_a_neck_of_a_millimetre_is_none() -> None:
     """Two pieces come to 1.7 mm from each other: no way through on a raster of 0.03 mm."""
     design, phi, theta, mode = preset("rpur-table2"), np.radians(11.3), np.radians(28.2), "++++-"
@@ -135,6 +136,7 @@ def test_a_neck_of_a_millimetre_is_none() -> None:
     assert len({p.sign for p in built.pieces}) == 2
 
 
+@pytest.mark.slow
 def test_pieces_that_normal_cells_lose_are_those_of_fine_ones() -> None:
     """The three small ones, of which Booleans of normal cells join or lose some."""
     design = preset("rpur-table1")
@@ -212,6 +214,7 @@ def test_vertices_of_the_locus_are_zeros() -> None:
     assert above == pytest.approx(below, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_as_many_modes_are_parted_as_on_a_grid() -> None:
     """On a grid of 40³ nodes: 26 of 32 modes of Table 1 are not empty, in 14 the sign changes."""
     for name, filled, parted in (("rpur-table1", 26, 14), ("rpur-table2", 32, 16)):

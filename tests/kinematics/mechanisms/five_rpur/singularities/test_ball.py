@@ -38,6 +38,7 @@ def free(design, phi, theta, mode, ball) -> bool:
     return bool(held(design, phi, theta, mode, points).all()) and len(set(values[sure] > 0)) == 1
 
 
+@pytest.mark.slow
 @settings(max_examples=4)
 @given(st.integers(0, 10**6))
 def test_the_best_ball_is_free_and_no_larger_than_the_inscribed_one(seed: int) -> None:
@@ -73,6 +74,7 @@ def test_about_a_point_it_is_the_nearer_of_boundary_and_singularity() -> None:
     assert nearer == {True, False, None}
 
 
+@pytest.mark.slow
 def test_in_every_piece_one_is_found_that_stays_there() -> None:
     built = aspects(TABLE_1, PHI, THETA, MODE)
     turn = Determinant.at(TABLE_1, PHI, THETA, MODE).turn

@@ -21,6 +21,7 @@ from tests.kinematics.mechanisms.five_rpur.singularities.cases import (
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(st.integers(0, 10**6))
 def test_nothing_nearer_changes_the_sign(seed: int) -> None:
