@@ -5,7 +5,7 @@ twenty seconds, loading what was compiled before most of one. Until then numpy s
 cuts many sections (`batches`), some ten times slower than the compiled kernel; a process that has
 been at work for longer than loading takes loads what there is by then. `prepare` compiles, for
 processes that nobody waits for. What is compiled is kept in the user's cache folder, by the
-kernel's text and place.
+kernel's text, so that every installation and checkout of the same text has it.
 """
 
 from __future__ import annotations
@@ -152,9 +152,10 @@ def _compile() -> None:
         return
     folder = _folder()
     _Plain.members = [dict(vars(module)) for module in _MODULES]
-    before = config.CACHE_DIR
+    before = config.CACHE_DIR, getattr(config, "CACHE_LOCATOR_CLASSES", "")
     if folder is not None:
         config.CACHE_DIR = str(folder)
+        config.CACHE_LOCATOR_CLASSES = f"{__name__}.Kept" if _by_text() else ""
         _tidy(folder)
     try:
         vars(_integral)["measure"] = _measures.measure
@@ -163,7 +164,7 @@ def _compile() -> None:
     except NumbaError as error:
         _give_up(error)
     finally:
-        config.CACHE_DIR = before
+        config.CACHE_DIR, config.CACHE_LOCATOR_CLASSES = before
 
 
 def _give_up(error: Exception) -> None:
@@ -199,16 +200,48 @@ def _installed() -> bool:
     ) in ("", "0")
 
 
+class Kept:
+    """Where numba keeps a function of the kernel: in its folder, for any place of the text."""
+
+    def __init__(self, line: int) -> None:
+        self._line = line
+
+    @classmethod
+    def from_function(cls, function: Any, file: str) -> Kept:
+        return cls(function.__code__.co_firstlineno)
+
+    def ensure_cache_path(self) -> None:
+        Path(self.get_cache_path()).mkdir(parents=True, exist_ok=True)
+
+    def get_cache_path(self) -> str:
+        return str(_folder())
+
+    def get_source_stamp(self) -> str:
+        return Path(self.get_cache_path()).name
+
+    def get_disambiguator(self) -> str:
+        return str(self._line)
+
+
+@cache
+def _by_text() -> bool:
+    """Whether this numba lets others say where it keeps what it compiles, as of 0.62."""
+    from importlib.metadata import version
+
+    return tuple(map(int, version("numba").split(".")[:2])) >= (0, 62)
+
+
 @cache
 def _folder() -> Path | None:
     """Where this kernel is kept, compiled by this numba for this Python; None if nowhere."""
     from importlib.metadata import version
 
     digest = hashlib.sha256()
-    for module in _MODULES:  # numba goes by a file's place and date as well
+    for module in _MODULES:
         file = Path(str(module.__file__))
         digest.update(file.read_bytes())
-        digest.update(f"{file} {file.stat().st_mtime_ns}".encode())
+        if not _by_text():  # numba goes by a file's place and date then
+            digest.update(f"{file} {file.stat().st_mtime_ns}".encode())
     digest.update(f"{sys.version} {version('numba')} {version('numpy')}".encode())
     folder = platformdirs.user_cache_path("bohemia", appauthor=False) / "kernel"
     folder /= digest.hexdigest()[:16]

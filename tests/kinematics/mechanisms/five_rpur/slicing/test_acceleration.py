@@ -239,8 +239,8 @@ print(json.dumps([acceleration.is_compiled(), exact.value, exact.error, list(exa
     assert sum(pieces) == pytest.approx(value)
 
 
-def test_what_is_kept_is_told_apart_by_its_place(root, tmp_path):
-    """numba finds what it has compiled by the file's path and date: another copy has nothing."""
+def test_what_is_kept_is_told_apart_by_its_text(root, tmp_path):
+    """Another copy of the same text has what was compiled; one line more, and it has nothing."""
     copy = tmp_path / "copy"
     for name in ("kinematics", "assets"):
         shutil.copytree(root / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
@@ -250,8 +250,13 @@ sys.path.insert(0, {!r})
 from kinematics.mechanisms.five_rpur.slicing import acceleration, cutter
 print(json.dumps(str(acceleration._folder())))
 """
-    here, again, there = (
-        run(code.format(str(place)), XDG_CACHE_HOME=str(tmp_path)) for place in (root, root, copy)
-    )
-    assert here == again != there
+
+    def folder(place):
+        return run(code.format(str(place)), XDG_CACHE_HOME=str(tmp_path))
+
+    here = folder(root)
     assert Path(here).is_relative_to(tmp_path)
+    assert (folder(copy) == here) is acceleration._by_text()
+    with (copy / "kinematics/mechanisms/five_rpur/slicing/sweep.py").open("a") as text:
+        text.write("\n# another build\n")
+    assert folder(copy) != here
