@@ -24,6 +24,7 @@ FEATURES = (
     "compare",
     "report",
     "review",
+    "marks",
 )
 
 

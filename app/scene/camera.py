@@ -49,6 +49,45 @@ MOST_COVERED = 0.6  # of the picture; the machine has the rest at the least
 ASPECT = 1.0  # of a picture that is not known yet
 
 
+@dataclass(frozen=True, slots=True)
+class Camera:
+    """From where somebody looks: mm, and the vertical field of view, rad."""
+
+    position: tuple[float, float, float]
+    look_at: tuple[float, float, float]
+    up: tuple[float, float, float]
+    fov: float
+
+    @property
+    def sound(self) -> bool:
+        """Whether there is a picture from there."""
+        back, up = np.subtract(self.position, self.look_at), np.array(self.up)
+        numbers = (*self.position, *self.look_at, *self.up)
+        if not all(math.isfinite(v) and abs(v) < 1e7 for v in numbers):
+            return False
+        across = float(np.linalg.norm(np.cross(back, up)))
+        return across > 1e-9 and math.radians(0.5) <= self.fov <= math.radians(150.0)
+
+
+def camera_of(client: Any) -> Camera:
+    """From where a browser looks."""
+    seen = client.camera
+    places = [np.asarray(at).tolist() for at in (seen.position, seen.look_at, seen.up_direction)]
+    position, look_at, up = ((float(x), float(y), float(z)) for x, y, z in places)
+    return Camera(position, look_at, up, float(seen.fov))
+
+
+def turn_to(client: Any, camera: Camera) -> None:
+    """Have a browser look from there."""
+    with client.atomic():
+        seen = client.camera
+        seen.up_direction, seen.fov = camera.up, camera.fov
+        seen.position = camera.position  # takes along what it looks at
+        seen.look_at = camera.look_at
+        away = float(np.linalg.norm(np.subtract(camera.position, camera.look_at)))
+        seen.far = max(float(seen.far), 3.0 * away)
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Aim:
     """What a browser was made to look at last: when, from where (3,), with the camera at a position
