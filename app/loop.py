@@ -30,7 +30,7 @@ from app.review.changes import Change
 from app.review.history import History
 from app.review.keeping import Keeper
 from app.review.state import Options, Review
-from app.scene.camera import Aims, Look, look
+from app.scene.camera import Aims, Camera, Look, look, turn_to
 from app.scene.machine import Scene
 from app.scene.pointer import Pointer
 from app.widgets.desk import Client, Command, Desk, Group, Hands, Panel, Sheet, safely
@@ -139,6 +139,10 @@ class Page:
         connection = client._websock_connection
         connection.queue_message(viser._messages.RunJavascriptMessage(source=source))
 
+    def turn(self, camera: Camera, client: viser.ClientHandle) -> None:
+        self._aims.pop(client.client_id, None)  # it stays, whatever shape its picture takes
+        turn_to(client, camera)
+
     @property
     def view(self) -> compute.View:
         return self._view
@@ -210,12 +214,20 @@ class Page:
         """A browser has come; its picture takes its shape only when the panels are there."""
         self._inbox.put(partial(self._look, None, who))
 
-        async def changed(camera: viser.CameraHandle) -> None:
-            aim = self._aims.get(who.client_id)
-            if aim is not None and aim.outgrown(camera):
-                self._inbox.put(partial(self._look, "fit", who))
+        async def changed(_: viser.CameraHandle) -> None:
+            if self._outgrown(who):
+                self._inbox.put(partial(self._refit, who))
 
         who.camera.on_update(changed)
+
+    def _refit(self, who: viser.ClientHandle) -> None:
+        if self._outgrown(who):
+            self._look("fit", who)
+
+    def _outgrown(self, who: viser.ClientHandle) -> bool:
+        """Whether its picture is not of the shape any more for which it was made to look."""
+        aim = self._aims.get(who.client_id)
+        return aim is not None and aim.outgrown(who.camera)
 
     def stop(self) -> None:
         """End `run`; the session is saved on the way out."""

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from app.review.keeping import Keeper
     from app.review.state import Review
     from app.review.view import View
+    from app.scene.camera import Camera
     from app.scene.machine import Scene
     from app.scene.pointer import Pointer
     from app.widgets.desk import Sheet
@@ -89,6 +90,9 @@ class Stage(Room, Protocol):
     def sheet(self) -> Sheet: ...
     def run_script(self, source: str, client: Client) -> None:
         """Have one browser run a script."""
+
+    def turn(self, camera: Camera, client: Client) -> None:
+        """Have one browser look from there."""
 
     def tell(self, news: object, view: View | None = None) -> None:
         """Hand something to the panels that show it, with the view that it is of."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -47,9 +47,15 @@ class Scene(Nodes):
         self._shape: dict[str, object] = {}  # what a node was made of
         self._rims: dict[str, Any] = {}
         self._slots: dict[str, int] = {}  # of bars in their batch
+        self._company: list[Callable[[View], None]] = []
+
+    def accompany(self, draw: Callable[[View], None]) -> None:
+        """Call this with the view whenever the machine is drawn: something moves with it."""
+        self._company.append(draw)
 
     def clear(self) -> None:
         super().clear()
+        self._company.clear()
         self.held, self._seen = False, None
         for known in (self._nodes, self._rims, self._shape, self._slots, self._lowest):
             known.clear()
@@ -114,6 +120,8 @@ class Scene(Nodes):
             self.set(self.handle, visible=options.handle and (self.near or dragging))
             if not dragging:
                 self.pose(self.handle, view.platform)
+        for draw in self._company:
+            draw(view)
 
     def approach(self, near: bool) -> None:
         """Whether somebody is about to take the handle, who would not see it otherwise."""

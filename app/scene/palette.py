@@ -52,6 +52,7 @@ class Scheme:
         cell, section: the lines of the ground, and every fifth.
         below: the light from the ground.
         counterpart: a machine that is compared with; ``beside`` are further ones.
+        focus: what is being chosen.
     """
 
     panel: str
@@ -78,6 +79,7 @@ class Scheme:
     below: str
     counterpart: str
     beside: tuple[str, str]
+    focus: str
 
 
 LIGHT = Scheme(
@@ -109,6 +111,7 @@ LIGHT = Scheme(
     below="#BEC4CE",
     counterpart="#A0522D",
     beside=("#5B3E96", "#00695C"),
+    focus="#2563A8",
 )
 DARK = Scheme(
     panel="#1B1F24",
@@ -139,6 +142,7 @@ DARK = Scheme(
     below="#59626D",
     counterpart="#D98A5F",
     beside=("#B79CF0", "#5CC8B4"),
+    focus="#7FB2E8",
 )
 
 

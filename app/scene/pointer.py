@@ -20,11 +20,13 @@ class Pointer:
         client: whose it is.
         tab: which of the tabs is open, from 0.
         spot: from the upper left of the scene; None while the pointer is elsewhere.
+        pressed: the button was pressed there and let go again.
     """
 
     client: Any
     tab: int
     spot: tuple[float, float] | None
+    pressed: bool = False
 
     def distances(self, points: Array) -> Array:
         """How far points (N, 3) mm are from it on the screen, (N,); ∞ for what is not seen."""

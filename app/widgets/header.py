@@ -147,12 +147,10 @@ class Header(Group):
         self.say(self._foot, _foot(commands, cell))
 
     def _pointed(self, text: str, client: Client) -> None:
-        """ "0 412 97": of the first tab, px; or "0 - -"."""
-        tab, *spot = text.split()
-        known = [float(v) for v in spot if v != "-"]
-        if len(known) in (0, 2):
-            at = (known[0], known[1]) if known else None
-            self.desk.point(Pointer(client, int(tab), at))
+        """ "0 412 97": of the first tab, px; or "0 - -"; or "0 412 97 pressed"."""
+        tab, x, y, *more = text.split()
+        at = None if x == "-" else (float(x), float(y))
+        self.desk.point(Pointer(client, int(tab), at, bool(more)))
 
     def _pressed(self, name: str, client: Client) -> None:
         if name in self._commands:

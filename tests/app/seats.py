@@ -12,7 +12,7 @@ import queue
 import re
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import lru_cache
 from types import SimpleNamespace
 from typing import Any
@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 import pytest
 import viser
+import viser.transforms as tf
 
 from app.features.review.files import ExportedFile
 from app.features.section.part import SectionPart
@@ -27,8 +28,11 @@ from app.jobs.lane import Done, Job, Lane, Lost
 from app.loop import Page
 from app.review.changes import Change
 from app.review.state import Review, new_review
+from app.scene.camera import FIELD_OF_VIEW, ISOMETRIC, axes_of, frame
+from app.scene.pointer import Pointer, on_screen
 from app.server import make_server
 from app.widgets.desk import safely
+from kinematics.arrays import Array
 from kinematics.designs.files import load_design
 from kinematics.errors import BohemiaError
 
@@ -48,6 +52,7 @@ class Seat:
         page.complain = self._complained
         page.download = lambda file, client: self.files.append(file)
         page.apart = lambda client, act: safely(page, client, act, "The file could not be made")
+        self.browser: Any = SimpleNamespace()  # in which widgets are used
         self.page._publish()
         self.settle()
 
@@ -119,6 +124,10 @@ class Seat:
         """Type all numbers of a row into one of its boxes."""
         self._press(self._in_html("input", f'{label}: [^"]*', "data-line"), f" {text}")
 
+    def write(self, label: str, text: str) -> None:
+        """Type a text into a box that is a piece of HTML."""
+        self._press(self._in_html("input", re.escape(label), "data-write"), f" {text}")
+
     def _put_html(self, label: str, value: float) -> None:
         """Type a number into a box that is a piece of HTML."""
         edited = self._in_html("input", f'[^"]*{re.escape(label)}', "data-edit")
@@ -154,6 +163,13 @@ class Seat:
         box._impl.value = f"{x!r} {y!r} {len(self.told)}"
         self._tell(box)
 
+    def click(self, client: Any, at: Array) -> None:
+        """Move a browser's pointer to where a point (3,) mm is in its picture, and click there."""
+        x, y = on_screen(client.camera, np.asarray(at, dtype=float)[None])[0][0].tolist()
+        for pressed in (False, True):
+            self.page.point(Pointer(client, 6, (round(x), round(y)), pressed))
+            self.settle()
+
     def drag(self, node: str, position: Sequence[float], phase: str = "update") -> None:
         """Take hold of a handle in the scene."""
         handle: Any = self.node(node)
@@ -163,7 +179,7 @@ class Seat:
         self.settle()
 
     def _tell(self, handle: Any) -> None:
-        event = SimpleNamespace(client=SimpleNamespace(), client_id=1, target=handle)
+        event = SimpleNamespace(client=self.browser, client_id=1, target=handle)
         for callback in list(handle._impl.update_cb):
             asyncio.run(callback(event))
         self.settle()
@@ -223,6 +239,35 @@ class Seat:
     def _handles(self) -> list[Any]:
         """All widgets, folders and tab groups, in the order in which they were made."""
         return list(_below(self.server.gui._container_handle_from_uuid["root"]))
+
+
+class Browser:
+    """Somebody's browser with a picture of 800 × 600 px of points (N, 3), from a direction (3,)."""
+
+    def __init__(
+        self, points: Array, toward: Array = ISOMETRIC, fov: float = FIELD_OF_VIEW
+    ) -> None:
+        self.client_id = 7
+        self.scripts: list[str] = []
+        position, target = frame(points, toward, fov, 800 / 600)
+        right, up, back = axes_of(toward)
+        turn = tf.SO3.from_matrix(np.stack([right, -up, -back], axis=1))
+        self.camera = SimpleNamespace(
+            position=position,
+            look_at=target,
+            up_direction=np.array([0.0, 0.0, 1.0]),
+            wxyz=turn.wxyz,
+            fov=fov,
+            far=1e5,
+            image_width=800,
+            image_height=600,
+        )
+        self._websock_connection = SimpleNamespace(
+            queue_message=lambda message: self.scripts.append(message.source)
+        )
+
+    def atomic(self) -> AbstractContextManager[None]:
+        return nullcontext()
 
 
 def _below(container: Any) -> Iterator[Any]:

@@ -181,7 +181,7 @@ def test_every_tab_says_what_it_shows_and_where_the_paper_has_it(kind: str) -> N
     ]
     in_paper = any("Fig" in text for text in about(kind, "move_paper"))
     assert in_paper or kind == "parallel"  # the one that no paper has
-    for topic in {*served} - {"review", "compare"}:
+    for topic in {*served} - {"review", "compare", "marks"}:
         assert about(kind, topic), topic
         for paper in about(kind, f"{topic}_paper"):
             assert re.match(r"\*\*In the papers?\*\* ?(\(.* \d{4}\))?:", paper.replace("\n", " "))

@@ -2,36 +2,19 @@
 
 from __future__ import annotations
 
-import math
-from types import SimpleNamespace
-from typing import Any
-
 import numpy as np
 import pytest
-import viser.transforms as tf
 
 from app.features.solutions.part import SolutionsPart
 from app.features.solutions.state import SetAtlas
-from app.scene.camera import ISOMETRIC, axes_of, frame
+from app.scene.camera import ISOMETRIC, axes_of
 from app.scene.pointer import Pointer, on_screen
-from kinematics.arrays import Array
-from tests.app.seats import Seat, seat
-
-
-def _client(points: Array, toward: Array = ISOMETRIC, fov: float = math.radians(30.0)) -> Any:
-    """A browser of 800 × 600 px that shows points whole."""
-    position, _ = frame(points, toward, fov, 800 / 600)
-    right, up, back = axes_of(toward)
-    turn = tf.SO3.from_matrix(np.stack([right, -up, -back], axis=1))
-    camera = SimpleNamespace(
-        position=position, wxyz=turn.wxyz, fov=fov, image_width=800, image_height=600
-    )
-    return SimpleNamespace(client_id=7, camera=camera)
+from tests.app.seats import Browser, Seat, seat
 
 
 def test_points_are_where_the_picture_has_them() -> None:
     points = np.random.default_rng(1).uniform(-300.0, 300.0, (50, 3))
-    client = _client(points)
+    client = Browser(points)
     at, depth = on_screen(client.camera, points)
     assert (depth > 0.0).all()
     # The frame fills 84 % of the tighter side, and is in the middle of it.
@@ -55,7 +38,7 @@ def test_the_handle_is_there_on_the_first_tab_and_near_the_pointer() -> None:
     with seat("rps-3") as page:
         handle, place = page.page.scene.handle, page.page.shown().platform[:3, 3]
         assert handle.visible
-        client = _client(place + 300.0 * np.concatenate([np.eye(3), -np.eye(3)]))
+        client = Browser(place + 300.0 * np.concatenate([np.eye(3), -np.eye(3)]))
         at = on_screen(client.camera, place[None])[0][0]
         for tab, spot, seen in (
             (3, None, False),
@@ -94,7 +77,7 @@ def test_the_ghost_under_the_pointer_is_filled_and_named() -> None:
         assert len(owners) > 2
         nearest = _named(page)
         assert nearest
-        client = _client(places)
+        client = Browser(places)
         spots, _ = on_screen(client.camera, places)
         apart = np.linalg.norm(spots[:, None] - spots, axis=-1) + 1e9 * np.eye(len(spots))
         chosen = next(n for n in np.argsort(-apart.min(axis=1)) if f"#{owners[n]} " not in nearest)

@@ -35,7 +35,7 @@ MOST = 50
 """Marks of each kind in a review."""
 List = Literal["views", "notes", "dimensions"]
 """Which marks, by the name of the field that holds them."""
-_ENTRIES: dict[str, type[Mark]] = {"views": SavedView, "notes": Note, "dimensions": Dimension}
+LISTS: tuple[List, ...] = ("views", "notes", "dimensions")
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class Marks(Slice):
 
     def checked(self, review: Review) -> Self:
         count = len(review.machine.coordinates)
-        for kind in _ENTRIES:
+        for kind in LISTS:
             if len(getattr(self, kind)) > MOST:
                 raise InputError(tr(f"marks.too_many.{kind}", n=MOST))
         entries: tuple[SavedView | Note, ...] = (*self.views, *self.notes)
@@ -92,7 +92,7 @@ class Marks(Slice):
 
     @classmethod
     def taken(cls, name: str, value: Any, review: Review, what: str) -> Any:
-        if name not in _ENTRIES:
+        if name not in LISTS:
             return super().taken(name, value, review, what)
         if not isinstance(value, list) or not all(isinstance(each, dict) for each in value):
             raise InputError(tr("session.wrong_kind", what=what))

@@ -70,7 +70,8 @@ class LooksFolder(StepsFolder):
 class ReviewPanel(Panel):
     """Exports, the session file, undo and redo, and what is drawn."""
 
-    TITLE = "review.tab"
+    TITLE = "review.view"
+    TAB = "review.tab"
 
     def build(self, review: Review) -> None:
         gui, desk, icon = self.gui, self.desk, viser.Icon

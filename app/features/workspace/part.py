@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -200,6 +201,15 @@ class SolidsPart(Part):
         ]
         return np.concatenate(placed) if placed else None
 
+    @property
+    def corners(self) -> Array:
+        """Where (N, 3) mm edges of the solids on display meet."""
+        found = [np.empty((0, 3))]
+        for last, _ in self._shown.values():
+            place = last.wish.placement
+            found.append(corners_of(last.solid) @ place[:3, :3].T + place[:3, 3])
+        return np.concatenate(found)
+
     # --- files
 
     def save_solid(self, key: str, kind: str, resolution: str, part: str, client: Client) -> None:
@@ -215,6 +225,15 @@ class SolidsPart(Part):
         named = kind, name, part
         request = next(made for r, made in each.requests.items() if r == resolution)
         self.save(each, lambda each: apart(build_file, request, each.placement, *named), client)
+
+
+@lru_cache(maxsize=8)
+def corners_of(solid: BuiltSolid) -> Array:
+    """Where (N, 3) sharp edges of a solid meet or end, mm, in its own frame; two of them in a row
+    are one edge.
+    """
+    places, count = np.unique(solid.edges.reshape(-1, 3), axis=0, return_counts=True)
+    return np.asarray(places[count != 2], dtype=float)
 
 
 def _power(wish: compute.SolidWish) -> float:

@@ -16,6 +16,15 @@ if (!window.pressing) {
     const at = target.closest && target.closest("[data-send]");
     if (at) send(at, at.dataset.send);
   });
+  /* A box with data-write sends that and its text when Enter or leaving it ends what is typed. */
+  window.addEventListener("change", ({ target }) => {
+    if (target.matches && target.matches("[data-write]")) send(target, `${target.dataset.write} ${target.value}`);
+  });
+  window.addEventListener("keydown", ({ key, target }) => {
+    if (!target.matches || !target.matches("[data-write]")) return;
+    if (key === "Escape") target.value = target.defaultValue;
+    if (key === "Enter" || key === "Escape") target.blur();
+  });
   window.addEventListener("keydown", (event) => {
     const at = event.target;
     if (!at.matches || !at.matches("[data-send]:not(button)")) return;
