@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,17 +17,20 @@ import numpy as np
 import pypdfium2
 import pytest
 
-from app.features.report import drawing, vectors
+from app.features.marks.model import Anchor, Dimension, Note, SavedView, looks_of
+from app.features.marks.state import Marks
+from app.features.report import drawing, marked, vectors
 from app.features.report.compute import Depth, Found, gather
 from app.features.report.make import LARGEST, report_of, written
-from app.features.report.model import Report, Scene, Table, plain
+from app.features.report.model import Figure, Report, Scene, Table, plain
 from app.features.report.reading import read
 from app.features.section import compute as sections
 from app.features.trajectory.state import Plan
 from app.review import session
-from app.review.state import new_review
+from app.review.state import Review, new_review
 from app.review.units import volume_text
 from app.review.view import view
+from app.scene.camera import Camera
 from app.widgets.svg import LOST
 from kinematics.designs.files import load_design
 from kinematics.machine import machine_of
@@ -42,8 +46,22 @@ def found(name: str) -> Found:
     """Everything of a design, coarsely; of the five-bar with a trajectory."""
     review = new_review(load_design(name))
     if name == "five-bar":
-        review = review.having(replace(review[Plan], on=True, samples=21, degree=3))
+        review = review.having(replace(review[Plan], on=True, samples=21, degree=3), _marks(review))
     return gather(review, Depth("preview", 0))
+
+
+def _marks(review: Review) -> Marks:
+    """One of each kind."""
+    camera = Camera((0.0, 300.0, 900.0), (0.0, 400.0, 0.0), (0.0, 1.0, 0.0), 0.5)
+    joint, pose, mode = Anchor("point", "limb1/B"), (120.0, 700.0), review.mode
+    return Marks(
+        (
+            SavedView("the <elbow>", camera, looks_of(review)),
+            SavedView("Plan", camera, (), pose, mode),
+        ),
+        (Note("close to the rail", pose, mode, joint), Note("begins here", review.pose, mode)),
+        (Dimension("reach", (joint, Anchor("point", "base"))),),
+    )
 
 
 @lru_cache
@@ -192,6 +210,55 @@ def test_the_pages_html_becomes_tables_and_paragraphs() -> None:
     assert "Go" not in str(blocks)
     assert not isinstance(last, Table)
     assert plain(last.runs) == "Quiet & more"
+
+
+def test_marks_are_told_drawn_and_turned_to() -> None:
+    seen, told = found("five-bar").view, marked.told(found("five-bar").view)
+    elbow = np.array(next(m.position for m in seen.drawing.points if m.name == "limb1/B"))
+    value = f"{np.linalg.norm(elbow):.2f} mm"
+    report = made("five-bar")
+    by_name = {t.caption.partition(",")[0]: t for t in tables(report)}
+    assert [plain(cell) for cell in by_name["Dimensions"].rows[0][:3]] == ["reach", "B₁ – O", value]
+    assert [plain(row[1]) for row in by_name["Notes"].rows] == ["close to the rail", "begins here"]
+    assert plain(by_name["Notes"].rows[0][2]) == "B₁"
+    assert "x 120.0, y 700.0 mm" in plain(by_name["Notes"].rows[0][3])
+    section = next(s for s in report.chapters[0].sections if s.title == "Marks")
+    pictures = [block for block in section.blocks if isinstance(block, Figure)]
+    assert [p.caption.partition(".")[0] for p in pictures] == ["the <elbow>", "Plan"]
+    assert f"reach: {value}" in pictures[0].svg
+    scene = next(b for b in report.chapters[0].sections[0].blocks if isinstance(b, Scene))
+    assert f"reach: {value}" in scene.still.svg
+    data = scene.packed.data
+    names = {text for text, _, group in data["names"] if group == "marks"}
+    assert names == {f"reach: {value}", "(1)", "(2)"}
+    kept = data["looks"][-2:]
+    assert [look[0] for look in kept] == ["the <elbow>", "Plan"]
+    _, toward, target, away, shown = kept[0]
+    back = np.array([0.0, -100.0, 900.0])
+    assert toward == pytest.approx(back / np.linalg.norm(back), abs=1e-6)
+    assert target == [0.0, 400.0, 0.0]
+    # As high at what it looks at as it was.
+    assert away * math.tan(math.pi / 12) == pytest.approx(np.linalg.norm(back) * math.tan(0.25))
+    assert {"machine", "ground", "marks"} <= set(shown)
+    assert kept[1][4] is None
+    pins = [at for at in told.pins if at is not None]
+    assert pins[1] == pytest.approx(seen.platform[:3, 3])
+    page = written(report, "html").data.decode()
+    assert 'data-look="5">Plan</button>' in page
+    assert "the &lt;elbow&gt;" in page
+
+
+def test_a_saved_view_is_drawn_as_it_was_seen() -> None:
+    """What it looked at in the middle, and what was at the upper edge of it at the upper edge."""
+    at, fov = np.array([10.0, 20.0, 300.0]), 0.4
+    camera = Camera((10.0, -980.0, 300.0), (10.0, 20.0, 300.0), (0.0, 0.0, 1.0), fov)
+    eye = marked.Framed(camera, flat=False)
+    wide, high = eye.size
+    assert eye.px(at).tolist() == pytest.approx([wide / 2, high / 2])
+    top = at + np.array([0.0, 0.0, 1000.0 * math.tan(fov / 2)])
+    assert eye.px(top).tolist() == pytest.approx([wide / 2, 0.0], abs=1e-6)
+    above = Camera((0.0, 0.0, 900.0), (0.0, 0.0, 0.0), (0.0, 1.0, 0.0), fov)
+    assert np.isfinite(marked.Framed(above, flat=False).px(at)).all()
 
 
 # --- on paper ------------------------------------------------------------------------------

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from app.features.design.html import LIMB, about_html, shown
-from app.features.report import charts, drawing, headline
+from app.features.report import charts, drawing, headline, marked
 from app.features.report.compute import Found, Shown
 from app.features.report.model import (
     Block,
@@ -53,6 +53,7 @@ def chapter(found: Found, letter: str = "") -> Chapter:
     design = found.review.design
     sections = (
         overview(found),
+        *_optional(marked.section(found, tuple(_shapes(found)))),
         place(found),
         held(found),
         *_optional(workspace(found), cut(found), singular(found), modes(found), way(found)),
@@ -84,13 +85,17 @@ def overview(found: Found) -> Section:
     where = f"The machine at {pose_text(machine.coordinates, review.pose)}"
     told = ", ".join(filter(None, (where, found.view.status.mode, _beside(found))))
     alt = f"Drawing: {short_title(machine)}. {told}."
-    still = Figure(drawing.picture(found.view, shapes, alt), f"{told}. Grid {cell} mm.", alt)
+    marks = marked.told(found.view)
+    over = lambda sheet: marked.over(sheet, marks)  # noqa: E731
+    picture = drawing.picture(found.view, shapes, alt, over)
+    still = Figure(picture, f"{told}. Grid {cell} mm.", alt)
+    packed = pack(found.view, shapes, motion, marks=marked.in_scene(found.view))
     limbs = sorted({c.limb or n + 1 for n, c in enumerate(machine.joints)})
     legend = tuple(
         Run(f"limb {limb}{APART if limb != limbs[-1] else ''}", chip=palette.limb_color(limb))
         for limb in limbs
     )
-    blocks: list[Block] = [Scene(pack(found.view, shapes, motion), still), Words(legend, "quiet")]
+    blocks: list[Block] = [Scene(packed, still), Words(legend, "quiet")]
     blocks.append(headline.verdict(found))
     blocks.append(headline.results(found))
     return Section("Overview", tuple(blocks))

@@ -6,7 +6,7 @@ Knows no viser.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -282,14 +282,19 @@ class Sheet:
 _HALO = {"paint_order": "stroke", "stroke": FIELD, "stroke_width": 3.0}
 
 
-def picture(view: View, shapes: Sequence[Shape], name: str) -> str:
-    """The machine with its workspace on the ground."""
+def picture(
+    view: View,
+    shapes: Sequence[Shape],
+    name: str,
+    over: Callable[[Sheet], str] = lambda sheet: "",
+) -> str:
+    """The machine with its workspace on the ground, and ``over`` all of it something more."""
     shapes = [shape for shape in shapes if shape.on]
     sheet = Sheet(view, [shape.vertices for shape in shapes])
     solids = [sheet.solid(shape) for shape in shapes]
     lowest = min([np.inf, *(float(shape.vertices[:, 2].min()) for shape in shapes)])
     content = [sheet.ground(lowest), *(area for area, _ in solids), sheet.machine()]
-    content += [edges for _, edges in solids]
+    content += [*(edges for _, edges in solids), over(sheet)]
     return sheet.page("".join(content), name)
 
 

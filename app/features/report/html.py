@@ -202,8 +202,8 @@ def _scene(scene: Scene) -> str:
         for key, title, on in packed.groups
     )
     looks = "".join(
-        f'<button type="button" data-look="{esc(name)}">{esc(name)}</button>'
-        for name in (*packed.looks, "Fit")
+        f'<button type="button" data-look="{n}">{esc(name)}</button>'
+        for n, name in enumerate((*packed.looks, "Fit"))
     )
     play = ""
     if packed.seconds > 0.0:

@@ -26,6 +26,8 @@ from kinematics.machine import Machine
 
 STEPS = 65535  # of a box along each of its sides
 RAIL = 0.55  # of its radius: how thick a rail is drawn
+GROUP = "marks"
+"""Under which marks are shown and hidden."""
 GROUND = 3  # times so wide as the base is the grid
 Look = tuple[str, Array]
 """A view by its name, and from where it is seen, (3,)."""
@@ -57,16 +59,44 @@ class Motion:
     platforms: Sequence[Array]
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class Stand:
+    """A saved view as the report's scene has it.
+
+    Attributes:
+        toward, target: (3,) from where and at what one looks.
+        away: mm from there, with the scene's field of view.
+        shown: the groups that are to be seen; None leaves them as they are.
+    """
+
+    name: str
+    toward: Array
+    target: Array
+    away: float
+    shown: tuple[str, ...] | None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Drawn:
+    """Marks: lines (N, 2, 3) mm, texts where they stand, (3,), and saved views."""
+
+    lines: Array
+    names: tuple[tuple[str, Array], ...]
+    stands: tuple[Stand, ...]
+
+
 def pack(
     view: View,
     shapes: Sequence[Shape],
     motion: Motion | None = None,
     looks: Sequence[Look] = (),
+    marks: Drawn | None = None,
 ) -> Packed:
     """The machine of a view with solids, and on its way if there is one.
 
     Args:
         looks: further views than the usual ones.
+        marks: of the review.
     """
     machine, drawing = view.review.machine, view.drawing
     moving = motion or Motion(np.zeros(1), (drawing,), (view.platform,))
@@ -83,15 +113,21 @@ def pack(
         way = np.array([at[:3, 3] for at in motion.platforms])
         path = np.stack([way[:-1], way[1:]], axis=1)
         lines.append(_lines("way", path, (LIGHT.ink, DARK.ink)))
+    names = [("names", mark.text, np.array(mark.position)) for mark in drawing.points]
+    if marks is not None:
+        lines.append(_lines(GROUP, marks.lines, (LIGHT.ink, DARK.ink)))
+        names += [(GROUP, text, at) for text, at in marks.names]
     groups = [("machine", "Machine", True), ("names", "Joint names", False)]
     groups += [(key, title, on) for key, title, on in dict.fromkeys(_shown(shapes))]
+    groups += [(GROUP, "Marks", True)] * (len(names) > len(drawing.points))
     groups += [("way", "Path of O′", True)] * (motion is not None)
     groups += [("ground", "Ground", True)]
     usual: list[Look] = [
         (name.capitalize(), toward_of(flat, name))
         for name in ("isometric", "plan", "front", "side")
     ]
-    seen = [*usual, *looks]
+    seen = [(name, np.round(toward, 6).tolist()) for name, toward in (*usual, *looks)]
+    kept = () if marks is None else marks.stands
     first = toward_of(flat)
     return Packed(
         {
@@ -103,18 +139,24 @@ def pack(
             "cylinder": _mesh(*CYLINDER),
             "platform": _floats(np.array(moving.platforms)),
             "times": np.round(moving.times, 6).tolist(),
-            "names": [[m.text, [round(v, 3) for v in m.position]] for m in drawing.points],
-            "looks": [[name, np.round(toward, 6).tolist()] for name, toward in seen],
+            "names": [[text, np.round(at, 3).tolist(), group] for group, text, at in names],
+            "looks": [*seen, *map(_stand, kept)],
             "first": np.round(first, 6).tolist(),
             "back": [LIGHT_BACK, DARK_BACK],
         },
         tuple(groups),
-        tuple(name for name, _ in seen),
+        (*(name for name, _ in seen), *(stand.name for stand in kept)),
         float(moving.times[-1]),
     )
 
 
 LIGHT_BACK, DARK_BACK = "#FFFFFF", "#141414"
+
+
+def _stand(of: Stand) -> list[Any]:
+    """A saved view, as the viewer takes it."""
+    places = [np.round(at, 6).tolist() for at in (of.toward, of.target)]
+    return [of.name, *places, round(of.away, 3), of.shown and list(of.shown)]
 
 
 def _shown(shapes: Sequence[Shape]) -> list[tuple[str, str, bool]]:

@@ -189,6 +189,18 @@ class Viewer {
     this.fit();
   }
 
+  /* Look as somebody did who kept it: at a place, from so far, with what was shown then. */
+  stand(toward, target, away, shown) {
+    if (shown) {
+      this.place.querySelectorAll("[data-group]").forEach((box) => {
+        box.checked = shown.includes(box.dataset.group);
+        box.dispatchEvent(new Event("change"));
+      });
+    }
+    Object.assign(this, { toward: unit(toward), target, distance: away });
+    this.late();
+  }
+
   fit() {
     const [right, up, back] = this.axes();
     const tall = FILLED * Math.tan(FOV / 2);
@@ -282,8 +294,12 @@ class Viewer {
       keys[e.key]();
     });
     this.place.querySelectorAll("[data-look]").forEach((button) => {
-      const found = this.data.looks.find(([name]) => name === button.dataset.look);
-      button.addEventListener("click", () => (found ? this.look(found[1]) : this.fit()));
+      const [, ...from] = this.data.looks[button.dataset.look] || [];
+      button.addEventListener("click", () => {
+        if (from.length > 1) this.stand(...from);
+        else if (from.length) this.look(from[0]);
+        else this.fit();
+      });
     });
     const play = this.place.querySelector("[data-play]");
     const time = this.place.querySelector("[data-time]");
@@ -346,7 +362,8 @@ class Viewer {
       if (on(mesh.group) && mesh.opacity >= 1) this.drawMesh(mesh, dark);
     }
     if (on("machine")) this.drawBars(dark);
-    this.drawLines(dark, (lines) => on(lines.group) && lines.group !== "ground", EYE);
+    const still = !this.now; /* marks are of the posture at the beginning */
+    this.drawLines(dark, ({ group }) => on(group) && group !== "ground" && (still || group !== "marks"), EYE);
     gl.enable(gl.BLEND);
     gl.depthMask(false);
     for (const side of ["back", "front"]) {
@@ -356,7 +373,7 @@ class Viewer {
     }
     gl.depthMask(true);
     gl.disable(gl.BLEND);
-    this.drawNames(seen, shown, on("names"));
+    this.drawNames(seen, shown, on);
   }
 
   drawMesh(mesh, dark) {
@@ -409,9 +426,9 @@ class Viewer {
   }
 
   /* Names beside their points; they belong to the posture at the beginning. */
-  drawNames(seen, shown, wanted) {
+  drawNames(seen, shown, on) {
     const wide = this.canvas.clientWidth, high = this.canvas.clientHeight;
-    this.names.hidden = !wanted || this.now > 0;
+    this.names.hidden = this.now > 0;
     if (this.names.hidden) return;
     if (!this.names.childElementCount) {
       for (const [text] of this.data.names) {
@@ -422,7 +439,8 @@ class Viewer {
     }
     const turned = (m, p) => [0, 1, 2, 3].map(
       (r) => m[r] * p[0] + m[4 + r] * p[1] + m[8 + r] * p[2] + m[12 + r] * p[3]);
-    this.data.names.forEach(([, at], n) => {
+    this.data.names.forEach(([, at, group], n) => {
+      this.names.children[n].hidden = !on(group);
       const p = turned(shown, turned(seen, [...at, 1]));
       const x = (0.5 + 0.5 * p[0] / p[3]) * wide, y = (0.5 - 0.5 * p[1] / p[3]) * high;
       this.names.children[n].style.transform = `translate(${x + 4}px, ${y - 16}px)`;
