@@ -151,6 +151,7 @@ def test_what_can_be_measured(anchors: tuple[Anchor, ...], measure: str) -> None
         (AddMark("notes", Note("x" * 501, (), "")), "500 letters are the most"),
         (AddMark("notes", Note("x", (1.0,), "+++++")), "none of this machine"),
         (NameMark("views", 0, "there"), "another view is called there"),
+        (Recall(SavedView("elsewhere", CAMERA)), "not there any more"),
         (DropMark("notes", 7), "not there any more"),
         (NameMark("dimensions", -1, "x"), "not there any more"),
         (AddMark("dimensions", Dimension("", (JOINT,))), "between two different things"),

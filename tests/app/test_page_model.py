@@ -16,6 +16,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from app.features.design.state import EditDesign, UseDesign
+from app.features.marks.model import Anchor, Dimension, Note, SavedView, looks_of
+from app.features.marks.state import AddMark, DropMark, NameMark, Recall, SetMarks
 from app.features.move.state import Drive, Flip, GiveWay, GoHome, Move
 from app.features.section.part import SectionPart
 from app.features.section.state import MoveCut, SetCut
@@ -28,6 +30,8 @@ from app.features.trajectory.state import SetPlan
 from app.features.workspace.state import ChooseModes, Fade, SetFlat, Show
 from app.review.changes import Change, SetOption
 from app.review.state import Review, new_review
+from app.review.view import view
+from app.scene.camera import Camera
 from kinematics.designs.files import load_design
 from tests.app.models import Seated, _open, differences, servers
 from tests.conftest import rarely
@@ -82,6 +86,7 @@ def changes(name: str) -> tuple[Change, ...]:
         SetPlan((("on", False),)),
         SetCut("on", True),
         SetCut("on", False),
+        *_marks(review),
         MoveCut(12.5),
         MoveCut(-40.0),
     ]
@@ -90,6 +95,23 @@ def changes(name: str) -> tuple[Change, ...]:
     made += [Show(key, on) for key in solids for on in (True, False)]
     made += [SetFlat("key", spec.key) for spec in machine.region_specs]
     return tuple(made)
+
+
+def _marks(review: Review) -> tuple[Change, ...]:
+    """Of each kind one, the newest removed, and a view recalled."""
+    camera = Camera((900.0, 0.0, 900.0), (0.0, 0.0, 0.0), (0.0, 0.0, 1.0), 0.5)
+    joint = Anchor("point", view(review).drawing.points[0].name)
+    seen = SavedView("v", camera, looks_of(review), review.pose, review.mode)
+    return (
+        AddMark("notes", Note("n", review.pose, review.mode, joint)),
+        AddMark("dimensions", Dimension("", (joint, Anchor("plane", "platform")))),
+        AddMark("views", seen),
+        DropMark("dimensions", 0),
+        NameMark("notes", 0, "m"),
+        SetMarks("shown", False),
+        SetMarks("shown", True),
+        Recall(seen),
+    )
 
 
 def _near(review: Review) -> tuple[float, ...]:

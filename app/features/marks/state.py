@@ -186,6 +186,8 @@ class Recall(Change):
 
     def apply(self, review: Review) -> Taken:
         view, pieces = self.view, []
+        if view not in review[Marks].views:
+            raise InputError(tr("marks.gone"))
         for look in view.looks:
             kept = {name: getattr(look, name) for name in look.LOOKS - NEVER}
             with suppress(InputError):  # of a design that has been edited since

@@ -119,8 +119,7 @@ class Framed(Eye):
 
 def toward(camera: Camera, *, flat: bool) -> Array:
     """From where a camera looks, (3,) of length 1; not quite along what is up."""
-    back = np.subtract(camera.position, camera.look_at)
-    back /= np.linalg.norm(back)
+    back = np.subtract(camera.position, camera.look_at) / distance(camera)
     up = 1 if flat else 2
     if abs(back[up]) > 1.0 - 1e-7:
         back[2 if flat else 1] -= 1e-3
@@ -186,7 +185,7 @@ def _picture(found: Found, of: SavedView, shapes: Sequence[Shape]) -> Figure | N
     wide, high = sheet.eye.size
     box = {"x": 0, "y": 0, "width": wide, "height": high, "viewBox": f"0 0 {wide:g} {high:g}"}
     drawn = sheet.page(tag("svg", "".join(parts), **box), alt)
-    return Figure(drawn, f"{of.text}. The machine at {where}.", alt)
+    return Figure(drawn, f"{of.text}. The machine at {where}.", alt, 0.75)
 
 
 # --- in words --------------------------------------------------------------------------------
