@@ -275,7 +275,7 @@ class RegionsPart(Part):
             self.stage.tell(Size(fact, told.stale))
             of = palette.scheme(sheet.view.review[Options].dark)
             entries = ((of.workspace, colour_text(sheet.view.review)),) if regions else ()
-            self.stage.tell(Legend("workspace", entries))
+            self.stage.tell(Legend("regions", entries))
         if told.now is not None and not self._fitted:
             self._fitted = True
             self.stage.fit_view()
