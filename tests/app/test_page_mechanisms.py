@@ -77,7 +77,14 @@ def test_the_tabs_are_those_that_the_machine_has_a_use_for(opened: Open, name: s
     design = page.review.design
     more = {"Section": machine_of(design).section_spec, "Map": machine_of(design).map_spec}
     views = [t for t, has in more.items() if has is not None]
-    wanted = [*COMMON, "This design", "Compare", *(["Solid", *views] if views else [])]
+    wanted = [
+        *COMMON,
+        "This design",
+        "Compare",
+        "Session",
+        "Marks",
+        *(["Solid", *views] if views else []),
+    ]
     assert sorted(page.tabs) == sorted(wanted)
     assert set(_coordinates(page.review)) <= page.labels()
     assert "Reachable" in page.text()
