@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import ipaddress
 import os
+import secrets
 import socket
 import threading
 from collections.abc import Collection, Iterable
@@ -29,19 +30,53 @@ class Place:
         host: as it was named.
         port: one that is free; 0 for any.
         names: under which the server is meant, beside the address at which a request arrives.
+        keys: what an address must begin with.
     """
 
     host: str
     port: int
     names: frozenset[str]
     everywhere: bool
+    keys: Keys
 
-    def url(self, port: int) -> str:
-        """What to open on this machine."""
+    def url(self, port: int, *, looks_on: bool = False) -> str:
+        """What to open on this machine, to steer or only to look on."""
         shown = self.host
         if self.everywhere:
             shown = "::1" if ":" in self.host else "127.0.0.1"
-        return f"http://[{shown}]:{port}" if ":" in shown else f"http://{shown}:{port}"
+        shown = f"[{shown}]" if ":" in shown else shown
+        key = self.keys.look if looks_on else self.keys.steer
+        return f"http://{shown}:{port}" + (f"/{key}/" if key else "")
+
+
+@dataclass(frozen=True, slots=True)
+class Keys:
+    """With which part the paths of addresses begin: to ``steer`` the review, or to ``look`` on.
+
+    "" for none: on this machine alone everybody may steer who may ask at all.
+    """
+
+    steer: str
+    look: str
+
+    def read(self, path: str) -> tuple[bool, str] | None:
+        """Whether who asks for a path only looks on, and the rest of the path; None without key."""
+        first, slash, rest = path.removeprefix("/").partition("/")
+        first, query, more = first.partition("?")
+        rest = f"/{rest}" if slash else f"/{query}{more}"
+        if _same(first, self.look):
+            return True, rest
+        if not self.steer:
+            return False, path
+        return (False, rest) if _same(first, self.steer) else None
+
+
+OPEN = Keys("", "look")
+"""Of a server that this machine alone reaches."""
+
+
+def _same(given: str, key: str) -> bool:
+    return secrets.compare_digest(given.encode(), key.encode())
 
 
 def place(host: str, port: int, allowed: Iterable[str] = ()) -> Place:
@@ -63,7 +98,9 @@ def place(host: str, port: int, allowed: Iterable[str] = ()) -> Place:
     names = {host.lower().rstrip("."), *(_name(each) for each in allowed)}
     if everywhere or any(address.is_loopback for address in here):
         names |= LOOPBACK
-    return Place(host, _free(host, found, port), frozenset(names), everywhere)
+    alone = all(address.is_loopback for address in here)
+    keys = OPEN if alone else Keys(secrets.token_urlsafe(16), secrets.token_urlsafe(16))
+    return Place(host, _free(host, found, port), frozenset(names), everywhere, keys)
 
 
 def _looked_up(host: str) -> list[tuple[socket.AddressFamily, tuple[Any, ...]]]:

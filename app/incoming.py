@@ -15,6 +15,8 @@ import msgspec
 import viser
 import viser._messages as messages
 
+from app.scene.pointer import POINTER
+
 log = logging.getLogger(__name__)
 
 MAX_UPLOAD = 16 << 20  # bytes; the largest file that has a use here is a path in CSV
@@ -23,16 +25,24 @@ FARTHEST = 1e12  # mm, of anything in the scene
 
 Find = Callable[[str], Any]
 """From a widget's uuid to its handle, None where there is none (any more)."""
+Undo = Callable[[Any, Any], None]
+"""Gives a connection back what a widget, by its handle, has."""
+SEEN = (messages.ViewerCameraMessage, messages.GetRenderResponseMessage)
+"""What even those send who only look on; beside where their pointer is."""
 
 
 class Sifted:
     """A websocket connection that hands on only what can be used; one line is logged of the rest.
 
     Each reason is logged once for a browser: what repeats says nothing new.
+
+    Args:
+        undo: of a browser that only looks on: what it has changed in itself is undone there.
     """
 
-    def __init__(self, connection: Any, find: Find) -> None:
-        self._connection, self._find = connection, find
+    def __init__(self, connection: Any, find: Find, undo: Undo | None = None) -> None:
+        self._connection, self._find, self._undo = connection, find, undo
+        self.looks_on = undo is not None
         self._said: set[str] = set()
 
     def __getattr__(self, name: str) -> Any:
@@ -43,11 +53,42 @@ class Sifted:
         while True:
             data = await self._connection.recv()
             problem = fault(data, self._find)
-            if not problem:
+            if not problem and (self._undo is None or self._harmless(data, self._undo)):
                 return bytes(data)
+            if not problem:
+                continue
             if problem not in self._said and len(self._said) < REASONS:
                 self._said.add(problem)
                 log.warning("dropped what a browser sent: %s", problem)
+
+    def _harmless(self, data: bytes, undo: Undo) -> bool:
+        """Whether it changes nothing but what its sender sees."""
+        content = msgspec.msgpack.decode(data)
+        kind = messages.Message._subclass_from_type_string()[content["type"]]
+        if kind is not messages.GuiUpdateMessage:
+            return issubclass(kind, SEEN)
+        handle = self._find(content["uuid"])
+        if getattr(handle, "label", "") == POINTER:
+            return True
+        if handle is not None:
+            undo(self, handle)
+        return False
+
+
+def looks_on(server: viser.ViserServer, client_id: int) -> bool:
+    """Whether a browser only looks on."""
+    live = server._websock_server._live_connections.get(client_id)
+    return bool(getattr(live, "looks_on", False))
+
+
+def give_back(server: viser.ViserServer, connection: Any, handle: Any) -> None:
+    """Have a browser show again what a widget has."""
+    connections = server._websock_server._live_connections
+    who = next((n for n, live in connections.items() if live is connection), None)
+    client = None if who is None else server.get_clients().get(who)
+    if client is not None:
+        again = messages.GuiUpdateMessage(handle._impl.uuid, {"value": handle.value})
+        client._websock_connection.queue_message(again)
 
 
 def fault(data: object, find: Find) -> str:

@@ -63,11 +63,16 @@ class Page:
     """
 
     def __init__(
-        self, server: viser.ViserServer, review: Review, address: str, keeper: Keeper | None
+        self,
+        server: viser.ViserServer,
+        review: Review,
+        address: str,
+        keeper: Keeper | None,
+        aside: str = "",
     ) -> None:
         self.server = server
         self.gui = server.gui
-        self.address = address
+        self.address, self.aside = address, aside
         self.keeper = keeper
         self.hands = Hands()
         self.scene = Scene(server)
@@ -191,6 +196,7 @@ class Page:
         """Serve the review until `stop`."""
         # Who comes has a picture of another shape, and may have missed what was fitted since.
         self.server.on_client_connect(self._came)
+        self.server.on_client_disconnect(self._gone)
         # Threads hand over to each other within a frame: the lanes must not wait for a drawing.
         sys.setswitchinterval(0.0005)
         for part in self._parts:
@@ -213,6 +219,8 @@ class Page:
     def _came(self, who: viser.ClientHandle) -> None:
         """A browser has come; its picture takes its shape only when the panels are there."""
         self._inbox.put(partial(self._look, None, who))
+        for part in self._parts:
+            self._inbox.put(partial(part.joined, who))
 
         async def changed(_: viser.CameraHandle) -> None:
             if self._outgrown(who):
@@ -228,6 +236,10 @@ class Page:
         """Whether its picture is not of the shape any more for which it was made to look."""
         aim = self._aims.get(who.client_id)
         return aim is not None and aim.outgrown(who.camera)
+
+    def _gone(self, _: viser.ClientHandle) -> None:
+        for part in self._parts:
+            self._inbox.put(part.left)
 
     def stop(self) -> None:
         """End `run`; the session is saved on the way out."""
@@ -315,7 +327,7 @@ class Page:
             return True
         self._notes = (note,) if note else ()
         for part in self._parts:
-            part.applied(change, before, note)
+            part.applied(change, before, note, client)
         return True
 
     def _undo(self, looks: bool, times: int) -> bool:

@@ -21,8 +21,8 @@ import websockets.asyncio.server
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
-from app.admission import LOOPBACK, Place, arrived_at, place, policies, refused
-from app.incoming import Sifted, bound_uploads
+from app.admission import LOOPBACK, OPEN, Keys, Place, arrived_at, place, policies, refused
+from app.incoming import Sifted, bound_uploads, give_back
 from app.loop import Page
 from app.review.keeping import Keeper
 from app.review.state import new_review
@@ -61,10 +61,11 @@ def run(
         if keeper is not None:
             keeper.begin(review)
         server = make_server(where.host, where.port, where)
-        address = where.url(server.get_port())
-        page = Page(server, review, address, keeper)
+        address, aside = (where.url(server.get_port(), looks_on=on) for on in (False, True))
+        page = Page(server, review, address, keeper, aside)
         _stopped_by_signals(page)
         print(f"Bohemia is at {address} (stop it with Ctrl-C)", flush=True)
+        print(f"Who opens {aside} looks on and changes nothing", flush=True)
         if open_browser:
             threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
         page.run()
@@ -92,15 +93,18 @@ def make_server(host: str, port: int, where: Place | None = None) -> viser.Viser
     Args:
         where: whom it answers; this machine alone if not given.
     """
-    names = LOOPBACK if where is None else where.names
+    names, keys = (LOOPBACK, OPEN) if where is None else (where.names, where.keys)
     made: list[viser.ViserServer] = []
 
     def find(uuid: str) -> Any:
         handles: dict[str, Any] = made[0].gui._gui_input_handle_from_uuid if made else {}
         return handles.get(uuid)
 
+    def undo(connection: Any, handle: Any) -> None:
+        give_back(made[0], connection, handle)
+
     # viser prints an address of its own, which is not always the one to open.
-    with _guarded(names, find), contextlib.redirect_stdout(io.StringIO()):
+    with _guarded(names, keys, find, undo), contextlib.redirect_stdout(io.StringIO()):
         server = viser.ViserServer(host=host, port=port, verbose=False, label="Bohemia")
     made.append(server)
     connection = server._websock_server
@@ -123,8 +127,11 @@ class _Quiet(logging.Filter):
 connections.addFilter(_Quiet())
 
 
+NO_KEY = "This review is opened by its whole address, as it was printed when it was started."
+
+
 @contextlib.contextmanager
-def _guarded(names: frozenset[str], find: Any) -> Iterator[None]:
+def _guarded(names: frozenset[str], keys: Keys, find: Any, undo: Any) -> Iterator[None]:
     """While inside, websocket servers are made to answer only where they are meant to be asked.
 
     See `app.admission` for who is answered, and `app.incoming` for what is taken of them.
@@ -138,11 +145,13 @@ def _guarded(names: frozenset[str], find: Any) -> Iterator[None]:
             if refusal:
                 log.warning("refused a request: %s", refusal)
                 return _answer(http.HTTPStatus.FORBIDDEN, refusal, "")
-            host = request.headers["Host"]
+            host, asked = request.headers["Host"], keys.read(request.path)
+            if asked is None:
+                return _answer(http.HTTPStatus.FORBIDDEN, NO_KEY, host)
             if process_request is None:
                 return None
             try:
-                answer = process_request(connection, request)
+                answer = process_request(connection, Request(asked[1], request.headers))
                 if inspect.isawaitable(answer):
                     answer = await answer
             except (OSError, ValueError, LookupError) as error:
@@ -155,7 +164,8 @@ def _guarded(names: frozenset[str], find: Any) -> Iterator[None]:
             return result
 
         async def sifted(connection: Any) -> None:
-            await handler(Sifted(connection, find))
+            looks_on, _ = keys.read(connection.request.path) or (True, "")
+            await handler(Sifted(connection, find, undo if looks_on else None))
 
         return original(sifted, *arguments, process_request=checked, logger=connections, **options)
 

@@ -23,6 +23,7 @@ FEATURES = (
     "design",
     "compare",
     "report",
+    "together",
     "review",
     "marks",
 )

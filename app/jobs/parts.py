@@ -165,8 +165,14 @@ class Part:
     def show(self, sheet: Sheet) -> None:
         """Bring scene and panels to what is known."""
 
-    def applied(self, change: Change, before: Review, note: str) -> None:
+    def applied(self, change: Change, before: Review, note: str, client: Client) -> None:
         """A person's change was taken, with this to say; the review was ``before``."""
+
+    def joined(self, client: Client) -> None:
+        """A browser has come."""
+
+    def left(self) -> None:
+        """A browser has gone."""
 
     def pointed(self, pointer: Pointer) -> None:
         """A person's pointer is somewhere else in the scene, or another tab is open."""

@@ -149,6 +149,26 @@ class Limits:
 
 
 @dataclass(frozen=True, slots=True)
+class Person:
+    """Somebody at the review, by the number in which browsers came; ``did`` is their newest change
+    while that is new.
+    """
+
+    number: int
+    name: str
+    color: str
+    looks_on: bool
+    did: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class People:
+    """Everybody at the review."""
+
+    every: tuple[Person, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Legend:
     """Colours in the scene, each with what it stands for; ``of`` is whose they are."""
 

@@ -11,6 +11,10 @@ import viser.transforms as tf
 
 from kinematics.arrays import Array
 
+POINTER = "Pointer"
+"""Label of the hidden box into which browsers write where it is."""
+NEAR = 24.0  # px; something that is nearer is pointed at
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Pointer:
@@ -36,6 +40,22 @@ class Pointer:
         there, depth = on_screen(camera, points)
         away = np.hypot(*(there - self.spot).T)
         return np.where(depth > 0.0, away, np.inf)
+
+    def place(self, points: Array) -> Array | None:
+        """What it points at, (3,) mm: the nearest of points (N, 3), if one is near; else as far off
+        as what the camera looks at. None while it is not in the scene."""
+        if self.spot is None or self.client is None:
+            return None
+        away = self.distances(points)
+        if len(points) and away.min() <= NEAR:
+            return np.asarray(points[int(away.argmin())])
+        camera = self.client.camera
+        x, y = np.subtract(self.spot, 0.5 * np.array([camera.image_width, camera.image_height]))
+        turn = tf.SO3(np.asarray(camera.wxyz)).as_matrix()
+        position = np.asarray(camera.position)
+        depth = float((np.asarray(camera.look_at) - position) @ turn[:, 2])
+        scale = depth / _scale(camera)
+        return np.asarray(position + turn @ np.array([x * scale, y * scale, depth]))
 
     def length(self, mm: float, at: Array) -> float:
         """How long ``mm`` at a point (3,) are on the screen; 0 while that is not seen."""

@@ -75,7 +75,13 @@ class Desk(Room, Protocol):
     @property
     def gui(self) -> viser.GuiApi: ...
     @property
-    def address(self) -> str: ...
+    def address(self) -> str:
+        """Where the review is served."""
+
+    @property
+    def aside(self) -> str:
+        """Where one only looks on."""
+
     @property
     def hands(self) -> Hands: ...
     def send(self, change: Change, client: Client = None) -> None: ...

@@ -16,10 +16,10 @@ from app.language import tr
 from app.review.changes import SetOption
 from app.review.state import Options, Review
 from app.review.units import sentence
-from app.review.view import Clear, Fact, Legend, Moment, Size
+from app.review.view import Clear, Fact, Legend, Moment, People, Size
 from app.scene import palette
 from app.scene.camera import Look
-from app.scene.pointer import Pointer
+from app.scene.pointer import POINTER, Pointer
 from app.scene.shapes import ground_cell
 from app.widgets.desk import Command, Group, Sheet, put_prop
 from app.widgets.front import FRONT
@@ -54,8 +54,9 @@ class Header(Group):
         self._status = Markup(desk, lambda _, client: self._go_back(client))
         self._work = Markup(desk, lambda _, __: desk.cancel())
         self._views = Markup(desk, self._pressed)
-        Markup(desk, self._pointed).say('<div class="bo-pointer"></div>')
+        Markup(desk, self._pointed, POINTER).say('<div class="bo-pointer"></div>')
         self._legend = self.gui.add_html("")
+        self._people = self.gui.add_html("")
         self._foot = self.gui.add_html("")
         self._clear = Clear(None, stale=False)
         self._size = Size(None, stale=False)
@@ -91,6 +92,8 @@ class Header(Group):
                     known = math.isfinite(near)
                     fact = Fact(f"{near:.1f} mm", tr("page.to_singularity")) if known else None
                     self._draw_status(sheet, Clear(fact, stale=False))
+            case People():
+                self.say(self._people, _people(news))
             case Legend():
                 self._entries[news.of] = news
                 self._draw_legend(sheet)
@@ -234,6 +237,15 @@ def _legend(sheet: Sheet, more: Iterable[Legend]) -> str:
         if line
     )
     return f'<div class="bo-legend"><b>{tr("keys.legend")}</b><br>{"<br>".join(lines)}</div>'
+
+
+def _people(people: People) -> str:
+    """Who else is here; nothing for one alone."""
+    if len(people.every) < 2:
+        return ""
+    told = [(p.color, ": ".join(filter(None, (p.name, p.did)))) for p in people.every]
+    rows = (f"<span>{chip(color)}{esc(text)}</span>" for color, text in told)
+    return f'<div class="bo-people" role="status">{"".join(rows)}</div>'
 
 
 def _foot(commands: Iterable[Command], cell: float) -> str:

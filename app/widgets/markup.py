@@ -13,13 +13,16 @@ class Markup:
 
     Args:
         act: is called with the text of ``data-send`` and who pressed.
+        label: of the hidden box, by which the server knows it.
     """
 
-    def __init__(self, desk: Desk, act: Callable[[str, Client], None]) -> None:
+    def __init__(
+        self, desk: Desk, act: Callable[[str, Client], None], label: str = "Pressed"
+    ) -> None:
         self._act = act
         self._html = desk.gui.add_html(_live(""))
         # Neighbours in the page: the style hides this box, and the script finds it there.
-        answer(desk, desk.gui.add_text("Pressed", ""), self._pressed)
+        answer(desk, desk.gui.add_text(label, ""), self._pressed)
 
     def say(self, content: str, stale: bool = False) -> None:
         """Bring it to what it is to show."""

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 import msgspec
 import viser
@@ -36,7 +37,19 @@ class Served:
 
     @property
     def port(self) -> int:
-        return int(self.address.rpartition(":")[2])
+        return int(str(urlsplit(self.address).port))
+
+    @property
+    def path(self) -> str:
+        """With which what is asked of it begins: "/", or a key that is its own."""
+        return urlsplit(self.address).path or "/"
+
+    @property
+    def aside(self) -> str:
+        """The address of those who only look on."""
+        found = re.search(r"Who opens (\S+)", self.log)
+        assert found is not None, self.log
+        return found[1]
 
     def stop(self, how: signal.Signals = signal.SIGTERM) -> int:
         self.process.send_signal(how)
@@ -92,6 +105,7 @@ class Wire:
         self._connection = connection
         self.widgets: dict[str, tuple[str, Any]] = {}
         self.told: list[str] = []
+        self.nodes: dict[str, Any] = {}  # of the scene
 
     def send(self, **message: Any) -> None:
         self._connection.send(msgspec.msgpack.encode(message))
@@ -120,6 +134,8 @@ class Wire:
             for message in content["messages"]:
                 props = message.get("props") or {}
                 label = props.get("label")
+                if "name" in message and props:
+                    self.nodes[message["name"]] = props
                 if message["type"].startswith("Gui") and isinstance(label, str):
                     self.widgets.setdefault(label, (message["uuid"], message.get("value")))
                 if message["type"] == "NotificationShowMessage" or "body" in props:
@@ -127,11 +143,12 @@ class Wire:
 
 
 @contextmanager
-def browser(one: Served) -> Iterator[Wire]:
-    """A browser that has opened the page."""
+def browser(one: Served, address: str = "") -> Iterator[Wire]:
+    """A browser that has opened the page, or another address of it."""
+    asked = urlsplit(address or one.address)
     with connect(
-        f"ws://{one.address.removeprefix('http://')}",
-        origin=one.address,  # type: ignore[arg-type]
+        f"ws://{asked.netloc}{asked.path}",
+        origin=f"http://{asked.netloc}",  # type: ignore[arg-type]
         subprotocols=[f"viser-v{viser.__version__}"],  # type: ignore[list-item]
         max_size=None,
         compression=None,

@@ -12,7 +12,7 @@ import numpy as np
 from app.features.move.compute import REACH, reach_asked
 from app.features.move.state import Place, Visit
 from app.jobs.answers import Asked
-from app.jobs.parts import Grip, Part
+from app.jobs.parts import Client, Grip, Part
 from app.review.changes import Change
 from app.review.state import Review
 from app.review.view import Reach, View
@@ -80,7 +80,7 @@ class MovePart(Part):
 
     # --- the way to another solution
 
-    def applied(self, change: Change, before: Review, note: str) -> None:
+    def applied(self, change: Change, before: Review, note: str, client: Client) -> None:
         self._from = self._morph = None
         if isinstance(change, Visit) and before.design == self.stage.view.review.design:
             self._from = self.stage.shown()

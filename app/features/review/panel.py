@@ -11,13 +11,14 @@ from app.features.report.make import PAPERS, Paper
 from app.features.report.part import ReportPart
 from app.features.review.files import ExportedFile, sanitized
 from app.features.review.part import ReviewPart
+from app.features.together.panel import PeopleFolder
 from app.language import tr
 from app.review import session
 from app.review.changes import Restore
 from app.review.state import Options, Review
 from app.review.units import sentence
 from app.widgets.desk import Client, Group, Panel, Sheet, explain
-from app.widgets.texts import box, esc, quiet
+from app.widgets.texts import quiet
 from kinematics.errors import InputError
 
 OPTIONS = ("machine", "handle", "labels", "frames", "axes", "grid", "scale", "parallel", "dark")
@@ -94,7 +95,7 @@ class ReviewPanel(Panel):
                 self.switch(f"review.{name}", Options, name, command)
             self.button("keys.fit", lambda _: desk.fit_view(), icon=icon.MAXIMIZE)
             self.groups.append(LooksFolder(desk, self.sheet))
-        gui.add_html(box(f"{tr('review.address')} <b>{esc(desk.address)}</b>"))
+        self.groups.append(PeopleFolder(desk, self.sheet))
         explain(gui, "review", review.machine)
 
     def _report(self, papers: dict[str, Paper], kind: str, client: Client) -> None:

@@ -66,7 +66,7 @@ class SectionPart(Part):
     def covered_left(self) -> float:
         return DRAWN if _drawn(self.stage.view.review) else 0.0
 
-    def applied(self, change: Change, before: Review, note: str) -> None:
+    def applied(self, change: Change, before: Review, note: str, client: Client) -> None:
         if _drawn(self.stage.review) != _drawn(before):
             self.stage.fit_view()  # another part of the scene is free then
 

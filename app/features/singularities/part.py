@@ -78,7 +78,7 @@ class ControlPart(Part):
     def seen(self, view: View) -> View:
         return replace(view, beside=compute.beside(view.review))
 
-    def applied(self, change: Change, before: Review, note: str) -> None:
+    def applied(self, change: Change, before: Review, note: str, client: Client) -> None:
         if note:
             self._note(note, "stop")
         if isinstance(change, Visit):

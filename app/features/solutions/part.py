@@ -235,7 +235,7 @@ class SolutionsPart(Part):
     def ask(self) -> None:
         self._explorer.look(self.stage.view)
 
-    def applied(self, change: Change, before: Review, note: str) -> None:
+    def applied(self, change: Change, before: Review, note: str, client: Client) -> None:
         if isinstance(change, Drive):
             self._explorer.drove(change.index)
         elif before.pose != self.stage.review.pose:

@@ -102,7 +102,7 @@ class TrajectoryPart(Part):
         found = replace(computed.found, distance=distance)
         return replace(computed, found=found), 1.0 - left / max(len(distance), 1)
 
-    def applied(self, change: Change, before: Review, note: str) -> None:
+    def applied(self, change: Change, before: Review, note: str, client: Client) -> None:
         if _covered(self.stage.review) != _covered(before):
             self._fit_at = time.monotonic() + OPENED  # another part of the scene is free then
 
