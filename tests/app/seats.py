@@ -52,7 +52,7 @@ class Seat:
         page.complain = self._complained
         page.download = lambda file, client: self.files.append(file)
         page.apart = lambda client, act: safely(page, client, act, "The file could not be made")
-        self.browser: Any = SimpleNamespace()  # in which widgets are used
+        self.browser: Any = SimpleNamespace(client_id=1)  # in which widgets are used
         self.page._publish()
         self.settle()
 
