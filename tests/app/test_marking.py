@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -64,9 +65,13 @@ def test_a_distance_is_clicked_drawn_listed_and_follows_the_machine(page: Seat) 
     assert moved != told
     assert _label(page, "dimension0") == moved
     assert moved in page.text()
+    other = view(replace(page.review, pose=tuple(0.97 * v for v in page.review.pose)))
+    page.page.scene.show(other, dragging=False)  # as while a trajectory is played
+    there = np.array(next(m.position for m in other.drawing.points if m.name == "limb3/C"))
+    assert _label(page, "dimension0") == f"{np.linalg.norm(there - a):.2f} mm"
     page.write("Name of dimension 1", "arm: 1 – 3")
     assert _label(page, "dimension0") == f"arm: 1 – 3: {moved}"
-    page.press("Stop")
+    page.press("Stop (Esc)")
     page.put("Show marks", False)
     assert not page.seen("/marks/dimensions")
     assert _label(page, "dimension0") == ""
@@ -245,8 +250,24 @@ def test_a_click_on_a_thing_chooses_it(name: str) -> None:
         on = snapped(Pointer(client, 0, spot), seen, known, np.empty((0, 3)))
         assert on is not None
         assert on.anchor.kind == "line"
+    planes = _planes_of(client, seen)
+    assert "base" in planes
+    assert "platform" in planes or name in ("five-bar", "delta")  # a point, and all joints
     assert snapped(Pointer(client, 0, (2.0, 2.0)), seen, known, np.empty((0, 3))) is None
     assert snapped(Pointer(client, 0, None), seen, known, np.empty((0, 3))) is None
+
+
+def _planes_of(client: Any, seen: View) -> set[str]:
+    """On whose planes a pointer is somewhere over the bodies."""
+    known, found = things(seen), set()
+    for body in seen.drawing.bodies:
+        place = seen.platform if body.frame == "platform" else np.eye(4)
+        corners = np.array(body.points) @ place[:3, :3].T + place[:3, 3]
+        shares = np.random.default_rng(3).dirichlet(np.ones(len(corners)), 60)
+        for x, y in on_screen(client.camera, shares @ corners)[0].tolist():
+            on = snapped(Pointer(client, 0, (x, y)), seen, known, np.empty((0, 3)))
+            found |= {on.anchor.name} if on is not None and on.anchor.kind == "plane" else set()
+    return found
 
 
 def test_a_corner_of_the_workspace_is_a_place() -> None:

@@ -52,7 +52,8 @@ def test_a_click_near_joints_measures_between_them(tab: Tab) -> None:
     tab.page.mouse.move(230, 210, steps=3)
     tab.page.mouse.up()
     assert "So far" not in tab.text()
-    tab.page.get_by_role("button", name="Stop").click()
+    tab.page.keyboard.press("Escape")
+    tab.wait(lambda: "Click thing" not in tab.text(), "nothing more to choose")
     tab.page.get_by_role("tab", name="Session", exact=True).click()
 
 

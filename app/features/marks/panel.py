@@ -136,6 +136,8 @@ class MarksPanel(Panel):
         n, kind = int(number), next((known for known in LISTS if known == of), None)
         if word == "step":
             self.desk.ask(self._part.step, n, client)
+        elif word == "end":
+            self.desk.ask(self._part.end, client)
         elif kind is not None and word == "go":
             self.desk.ask(self._part.go, kind, n, client)
         elif kind is not None:

@@ -54,6 +54,7 @@ class MarksPart(Part):
         self._picking = Picking()
         self._near: Thing | None = None
         self._known: Things = {}  # where the machine is shown
+        self._presented: set[int] = set()  # in which browsers marks are presented
 
     def prepare(self) -> None:
         self._picking, self._near = Picking(), None
@@ -76,7 +77,8 @@ class MarksPart(Part):
             found = measured(self._known, dimension, view.drawing.size)
             if found is not None:
                 dimensions.append((dimension.text, found))
-        self._scene.show(dimensions, pins)
+        there = {client.client_id for client in self.stage.server.get_clients().values()}
+        self._scene.show(dimensions, pins, large=bool(self._presented & there))
         chosen = [thing(self._known, anchor) for anchor in self._picking.anchors]
         self._scene.choose([t for t in chosen if t is not None], self._near if busy else None)
 
@@ -163,9 +165,15 @@ class MarksPart(Part):
 
     def step(self, number: int, client: Client) -> bool:
         """Go to one of the steps of a presentation: views, then notes; from 0."""
+        self._presented.add(client.client_id)
         views = len(self.stage.review[Marks].views)
         at_view = number < views
         return self.go("views" if at_view else "notes", number - views * (not at_view), client)
+
+    def end(self, client: Client) -> bool:
+        """The presentation in a browser has ended."""
+        self._presented.discard(client.client_id)
+        return True
 
     def present(self, client: Client) -> None:
         """Begin the presentation in one browser."""

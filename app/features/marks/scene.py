@@ -9,9 +9,10 @@ import numpy as np
 from app.features.marks.compute import Measured, Thing, ticks
 from app.features.marks.state import MOST
 from app.scene import palette
-from app.scene.nodes import Nodes
+from app.scene.nodes import LABEL, Nodes
 from kinematics.arrays import Array
 
+LARGE = 2.0 * LABEL  # of labels while marks are presented
 TICK = 0.014  # of the machine's size: half of what is across the end of a dimension
 STEM = 0.09  # of it: how high a pin stands above its place
 NONE = np.empty((0, 2, 3))
@@ -44,8 +45,14 @@ class Marked:
         self._near = nodes.label("/labels/near")
         self._labels: dict[str, object] = {}
 
-    def show(self, measured: Sequence[tuple[str, Measured]], pins: Sequence[Labelled]) -> None:
-        """Bring dimensions, each with its name, and pins to these."""
+    def show(
+        self,
+        measured: Sequence[tuple[str, Measured]],
+        pins: Sequence[Labelled],
+        *,
+        large: bool = False,
+    ) -> None:
+        """Bring dimensions, each with its name, and pins to these, in ``large`` letters or not."""
         nodes, size = self._nodes, self._nodes.size
         ink = np.array(palette.rgb(nodes.colors.ink), np.uint8)
         drawn = [part for _, m in measured for part in (m.lines, ticks(m.marked, TICK * size))]
@@ -57,10 +64,12 @@ class Marked:
         for node in (self._lines, self._stems, self._heads):
             nodes.set(node, colors=ink)
         texts = [(f"{name}: {m.text}" if name else m.text, m.at) for name, m in measured]
-        self._name("dimension", texts)
-        self._name("note", [(text, at) for (text, _), at in zip(pins, heads, strict=True)])
+        scale = LARGE if large else LABEL
+        self._name("dimension", texts, scale)
+        numbers = [(text, at) for (text, _), at in zip(pins, heads, strict=True)]
+        self._name("note", numbers, scale)
 
-    def _name(self, kind: str, texts: Sequence[Labelled]) -> None:
+    def _name(self, kind: str, texts: Sequence[Labelled], scale: float) -> None:
         for n in range(MOST):
             name = f"/labels/{kind}{n}"
             if n < len(texts) and name not in self._labels:
@@ -68,6 +77,7 @@ class Marked:
             if name in self._labels:
                 text, at = texts[n] if n < len(texts) else ("", None)
                 self._nodes.text(self._labels[name], text, at)
+                self._nodes.set(self._labels[name], font_screen_scale=scale)
 
     def choose(self, chosen: Sequence[Thing], near: Thing | None) -> None:
         """Mark what was chosen, and name what is near a pointer."""

@@ -9,6 +9,7 @@ if (!window.bohemiaPresent) {
     stage.remove();
     stage = null;
     document.documentElement.removeAttribute("data-presenting");
+    if (behind()) window.pressing(behind(), "end at 0");
   };
   const go = (to) => {
     const all = steps();

@@ -93,5 +93,10 @@ if (!window.helping) {
     here.append(keys);
     here.setAttribute("data-open", "");
   });
-  window.addEventListener("keydown", ({ key }) => { if (key === "Escape") shut(); });
+  window.addEventListener("keydown", ({ key }) => {
+    if (key !== "Escape") return;
+    shut();
+    const asked = document.querySelector(".bo-ask button"); /* what to click in the scene */
+    if (asked) asked.click();
+  });
 }
