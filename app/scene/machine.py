@@ -34,6 +34,7 @@ class Scene(Nodes):
         handle: what a person drags the platform by.
         held: a hand holds it, and decides where it is.
         near: it is wanted in some browser; elsewhere it would only hide the platform.
+        aside: it is out of the way, as a click means something else.
     """
 
     def __init__(self, server: viser.ViserServer) -> None:
@@ -41,6 +42,7 @@ class Scene(Nodes):
         self.handle: Any = None
         self.held = False
         self.near = True
+        self.aside = False
         self._seen: View | None = None
         self._lowest: dict[str, float] = {}  # of what parts show, mm
         self._nodes: dict[str, Any] = {}
@@ -56,7 +58,7 @@ class Scene(Nodes):
     def clear(self) -> None:
         super().clear()
         self._company.clear()
-        self.held, self._seen = False, None
+        self.held, self.aside, self._seen = False, False, None
         for known in (self._nodes, self._rims, self._shape, self._slots, self._lowest):
             known.clear()
 
@@ -117,7 +119,8 @@ class Scene(Nodes):
         self._seen = view
         self._show_ground()
         if self.handle is not None:
-            self.set(self.handle, visible=options.handle and (self.near or dragging))
+            near = self.near and not self.aside
+            self.set(self.handle, visible=options.handle and (near or dragging))
             if not dragging:
                 self.pose(self.handle, view.platform)
         for draw in self._company:
@@ -127,8 +130,8 @@ class Scene(Nodes):
         """Whether somebody is about to take the handle, who would not see it otherwise."""
         self.near = near
         if self.handle is not None and self._seen is not None:
-            shown = self._seen.review[Options].handle and (near or self.held)
-            self.set(self.handle, visible=shown)
+            shown = (near and not self.aside) or self.held
+            self.set(self.handle, visible=self._seen.review[Options].handle and shown)
 
     def ground(self, what: str, points: Array | None) -> None:
         """Put the ground below something that is shown, by its points (N, 3) mm; None: it is not

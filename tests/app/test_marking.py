@@ -50,6 +50,7 @@ def test_a_distance_is_clicked_drawn_listed_and_follows_the_machine(page: Seat) 
     page.press("Measure")
     a, b = _at(page, "limb1/A"), _at(page, "limb3/C")
     assert "Click thing 1 of 2" in page.text()
+    assert not page.node("/handle").visible  # it would be in the way
     page.click(page.browser, a + np.array([1.0, 0.0, 0.0]))
     assert _label(page, "near") == "A₁"
     assert "Click thing 2 of 2" in page.text()
@@ -72,6 +73,9 @@ def test_a_distance_is_clicked_drawn_listed_and_follows_the_machine(page: Seat) 
     page.write("Name of dimension 1", "arm: 1 – 3")
     assert _label(page, "dimension0") == f"arm: 1 – 3: {moved}"
     page.press("Stop (Esc)")
+    page.page.point(Pointer(page.browser, 0, None))
+    page.settle()
+    assert page.node("/handle").visible
     page.put("Show marks", False)
     assert not page.seen("/marks/dimensions")
     assert _label(page, "dimension0") == ""
@@ -139,6 +143,7 @@ def test_a_note_is_pinned_goes_back_and_follows_its_joint(page: Seat) -> None:
     assert note.pose == page.review.pose
     assert "Choose in the scene" not in page.text()
     assert page.widget("Note").value == ""
+    assert not page.page.scene.aside
     page.put("Note", "here")
     page.press("Pin to this pose")
     home = page.review.pose

@@ -12,10 +12,13 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from app.features.marks.model import Anchor, Dimension, Note, SavedView, looks_of
+from app.features.marks.state import Marks
 from app.features.report.compute import Depth, gather
 from app.features.report.make import report_of, written
 from app.features.trajectory.state import Plan
 from app.review.state import new_review
+from app.scene.camera import Camera
 from kinematics.designs.files import load_design
 from tests.browser.conftest import CALM
 
@@ -42,7 +45,14 @@ COLOURS = """() => {
 def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Of the five-bar with its trajectory, and of a tripod: two designs in one file."""
     first = new_review(load_design("five-bar"))
-    first = first.having(replace(first[Plan], on=True, samples=21))
+    camera = Camera((0.0, 0.0, 3000.0), (0.0, 400.0, 0.0), (0.0, 1.0, 0.0), 0.5)
+    elbow = Anchor("point", "limb1/B")
+    marks = Marks(
+        (SavedView("From afar", camera, looks_of(first)),),
+        (Note("close to the rail", first.pose, first.mode, elbow),),
+        (Dimension("", (elbow, Anchor("point", "P"))),),
+    )
+    first = first.having(replace(first[Plan], on=True, samples=21), marks)
     found = [gather(r, Depth("preview", 0)) for r in (first, new_review(load_design("spr-3")))]
     place = tmp_path_factory.mktemp("report") / "review.html"
     place.write_bytes(written(report_of(found, datetime(2026, 12, 1, tzinfo=UTC)), "html").data)
@@ -92,7 +102,7 @@ def test_the_scene_is_drawn_turned_and_played(opened: Callable[..., Page]) -> No
     page = opened()
     scene = page.locator(".scene").first
     assert scene.get_attribute("class") == "scene live"
-    page.wait_for_function(f"({COLOURS})().then((n) => n > 60)")
+    page.wait_for_function(f"() => ({COLOURS})().then((n) => n > 60)")
     canvas = scene.locator("canvas")
     before = canvas.screenshot()
     canvas.focus()
@@ -102,10 +112,13 @@ def test_the_scene_is_drawn_turned_and_played(opened: Callable[..., Page]) -> No
     assert turned != before
     scene.get_by_role("button", name="Isometric").click()
     scene.get_by_role("checkbox", name="Machine").uncheck()
+    scene.get_by_role("button", name="From afar").click()
+    assert scene.get_by_role("checkbox", name="Machine").is_checked()  # as it was kept
+    scene.get_by_role("checkbox", name="Machine").uncheck()
     page.wait_for_timeout(600)
     assert canvas.screenshot() not in (before, turned)
     scene.get_by_role("button", name="Play").click()
-    page.wait_for_function("document.querySelector('[data-told]').textContent > '0.1'")
+    page.wait_for_function("() => document.querySelector('[data-told]').textContent > '0.1'")
     scene.get_by_role("button", name="Pause").click()
 
 

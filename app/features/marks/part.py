@@ -88,6 +88,7 @@ class MarksPart(Part):
 
     def _redraw(self) -> None:
         self.late = True
+        self.stage.scene.aside = bool(self._picking.what)
         self.stage.show_machine()
 
     # --- choosing
@@ -122,6 +123,7 @@ class MarksPart(Part):
         self._near = None
         if picking.what == "note":
             self._picking = Picking()
+            self.stage.scene.aside = False
             made: Change = AddMark("notes", self._note(picking.text, anchor, client))
         else:
             self._picking = Picking(picking.what)
