@@ -126,7 +126,7 @@ class Seat:
 
     def write(self, label: str, text: str) -> None:
         """Type a text into a box that is a piece of HTML."""
-        self._press(self._in_html("input", re.escape(label), "data-write"), f" {text}")
+        self._press(self._in_html("(?:input|textarea)", re.escape(label), "data-write"), f" {text}")
 
     def _put_html(self, label: str, value: float) -> None:
         """Type a number into a box that is a piece of HTML."""

@@ -152,6 +152,8 @@ def test_a_note_is_pinned_goes_back_and_follows_its_joint(page: Seat) -> None:
     assert feet[0] == pytest.approx(_at(page, "limb2/C"), abs=1e-3)
     assert feet[1] == pytest.approx(page.page.view.platform[:3, 3] - [40.0, 0.0, 0.0], abs=1e-3)
     assert [_label(page, f"note{n}") for n in (0, 1)] == ["1", "2"]
+    page.write("Text of note 2", "here, too")
+    assert page.review[Marks].notes[1].text == "here, too"
     page.browser.camera.fov = 0.1
     page.press("Go where note 1 was written")
     assert page.review.pose == home

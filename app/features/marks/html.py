@@ -13,6 +13,7 @@ from app.review.state import Review
 from app.review.units import pose_text
 from app.widgets.texts import NUMERIC, box, esc, faint, table
 
+LETTERS = 34  # of a line of a note
 _ROWS = ("width:2.2em", "", NUMERIC, "width:1.8em;text-align:right")
 
 
@@ -36,7 +37,7 @@ def notes_html(notes: Sequence[Note], review: Review, known: Things) -> str:
         hint = pose_text(review.machine.coordinates, note.pose)
         go = _go("notes", n, tr("marks.go_to_note", n=n + 1))
         place = _aside(place_of(note, known), hint)
-        rows.append((go, _name("notes", n, note.text), place, _drop("notes", n, note.text)))
+        rows.append((go, _text(n, note.text), place, _drop("notes", n, note.text)))
     return _list(rows)
 
 
@@ -106,6 +107,15 @@ def _name(kind: str, n: int, text: str, beside: str = "") -> str:
         f'<input type="text" data-write="name {kind} {n}" value="{esc(text)}" '
         f'aria-label="{esc(label)}" title="{esc(text or beside)}" '
         f'placeholder="{esc(tr("marks.unnamed")) if kind == "dimensions" else ""}">'
+    )
+
+
+def _text(n: int, text: str) -> str:
+    """A box with the whole text of a note."""
+    label, high = esc(tr("marks.name_of.notes", n=n + 1)), 1 + len(text) // LETTERS
+    return (
+        f'<textarea rows="{high}" data-write="name notes {n}" aria-label="{label}">'
+        f"{esc(text)}</textarea>"
     )
 
 

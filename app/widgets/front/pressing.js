@@ -20,10 +20,11 @@ if (!window.pressing) {
   window.addEventListener("change", ({ target }) => {
     if (target.matches && target.matches("[data-write]")) send(target, `${target.dataset.write} ${target.value}`);
   });
-  window.addEventListener("keydown", ({ key, target }) => {
+  window.addEventListener("keydown", (event) => {
+    const { key, target } = event;
     if (!target.matches || !target.matches("[data-write]")) return;
     if (key === "Escape") target.value = target.defaultValue;
-    if (key === "Enter" || key === "Escape") target.blur();
+    if (key === "Enter" || key === "Escape") { event.preventDefault(); target.blur(); }
   });
   window.addEventListener("keydown", (event) => {
     const at = event.target;
