@@ -202,14 +202,19 @@ def resolution(what: str = "", default: str | None = "normal") -> Any:
 RESOLUTION = resolution()
 
 
-def tolerance(default: str) -> Any:
+def tolerance(told: str, default: str | None = "") -> Any:
+    """How exact; ``told`` stands in the help, and is the default unless there is another."""
+
     def read(option: str, text: str, machine: Any) -> float:
         value = values.number(f"{option}: the tolerance", text)
         if not FINEST <= value < 1.0:
             raise InputError(f"{option}: {text!r} does not lie between {FINEST:g} and 1")
         return value
 
-    return option("REL", "how exact, as a part of the volume", read, default=default)
+    what = "how exact, as a part of the volume"
+    if default is None:
+        return option("REL", f"{what}  [default: {told}]", read, default=None)
+    return option("REL", what, read, default=told)
 
 
 def output(what: str) -> Any:

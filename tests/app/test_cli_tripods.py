@@ -96,6 +96,17 @@ def test_what_is_refused(here: Run, arguments: tuple[str, ...], message: str) ->
     assert message in refused(here(*arguments))
 
 
+def test_the_volume_is_that_of_the_solid(here: Run) -> None:
+    found = answered(here("volume", "rps-3", "--tolerance", "0.01", "--json"))
+    solid = answered(here("workspace", "rps-3", "--json"))
+    assert found["modes"] == solid["modes"] == ["2"]
+    for key, other in (("volume_mm3", "volume_mm3"), ("error_mm3", "volume_error_mm3")):
+        assert found[key] == solid[other] > 0.0
+    assert found["pieces"] == 2
+    assert sum(found["piece_volumes_mm3"]) == pytest.approx(found["volume_mm3"])
+    assert "3-RPS" in refused(here("volume", "rps-3", "--usable"))
+
+
 def test_inverse_and_forward_kinematics_close(bohemia: Run) -> None:
     ik = answered(bohemia("ik", "rps-3", "--pose", "283,20,30", "--mode", "2", "--json"))
     (solution,) = ik["solutions"]

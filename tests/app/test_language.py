@@ -224,7 +224,11 @@ def test_a_page_in_another_language_shows_its_words(
             seen |= page.labels()
         assert "«Reachable»" in page.text()
     foreign = {label for label in seen if re.search(r"[A-Za-z]{3}", label)}
-    english = {label for label in foreign if "«" not in label} - {"Pressed", "Pointer", "Pointed at"}
+    english = {label for label in foreign if "«" not in label} - {
+        "Pressed",
+        "Pointer",
+        "Pointed at",
+    }
     assert {label for label in english if "following from" not in label} == set()  # kinematics'
 
 

@@ -1,4 +1,4 @@
-"""`bohemia volume` and `bohemia section`: exact answers, without a solid."""
+"""`bohemia volume` and `bohemia section`: exact answers where the machine has exact sections."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ from app.terminal.options import DESIGN, MODES, ORIENTATION, Modes, flag, option
 from kinematics.errors import InputError
 
 if TYPE_CHECKING:
-    from app.terminal.poses import Given
+    from app.terminal.poses import Angles, Given
     from kinematics.answers.sections import Box, Sphere
     from kinematics.facets.sections import SectionsFacet
+    from kinematics.facets.solids import SolidSpec
     from kinematics.facets.spaces import Space
     from kinematics.machine import Machine
 
@@ -24,19 +25,28 @@ def volume(
     machine: Machine[Any] = DESIGN,
     pose: Given = ORIENTATION,
     modes: Modes = MODES,
-    tolerance: float = tolerance("1e-06"),
+    tolerance: float | None = tolerance("1e-06, of a solid 0.001", None),
     no_pieces: bool = flag("without its connected pieces, several times as fast"),
     usable: bool = flag("also the largest sphere and box inside"),
     around: list[float] | None = option(
         "x,y,z", "their common centre, mm, base frame; implies --usable", values.point
     ),
 ) -> Answer:
-    """The workspace's exact volume, from its sections."""
-    _sections(machine)
+    """The workspace's volume: exact, from its sections, or of its solid with a stated error.
+
+    A workspace that is of one mode only is of the home mode unless --modes names another.
+    """
     angles, began = pose.angles(), time.perf_counter()
+    spec = _solid(machine, angles)
+    if spec is not None:
+        if usable or around is not None:
+            _sections(machine)
+        angles = pose.angles(spec.key)
+        modes = (machine.home.mode,) if spec.of_present_mode and modes is None else modes
     space = angles.space(modes)
     with progress("Volume"):
-        found = space.volume(tolerance, pieces=not no_pieces)
+        relative = tolerance or (1e-6 if spec is None else 1e-3)
+        found = space.volume(relative, pieces=not no_pieces)
     seconds = time.perf_counter() - began
     centroid = tables.plain(found.centroid) if found.value > 0.0 else None
     data: dict[str, Any] = {
@@ -48,12 +58,15 @@ def volume(
     }
     if not no_pieces:
         data |= {"pieces": len(found.pieces), "piece_volumes_mm3": found.pieces}
+    noun = machine.mode_noun
     lines = [
-        f"{angles.text()}, {tables.modes_text(modes)}",
+        ", ".join(filter(None, (angles.text(), noun and tables.modes_text(modes, noun)))),
         f"volume    {tables.volume_text(found.value)} ± {tables.volume_text(found.error)}",
         *([] if no_pieces else [f"pieces    {tables.pieces_text(found.pieces)}"]),
         *([f"centroid  {_place(centroid)}"] if centroid else []),
-        f"sections  {found.sections}, in {tables.seconds_text(seconds)}",
+        f"sections  {found.sections}, in {tables.seconds_text(seconds)}"
+        if spec is None
+        else f"of        {spec.title}, a mesh, in {tables.seconds_text(seconds)}",
     ]
     if usable or around is not None:
         together, home = modes is None and len(machine.modes) > 1, machine.home.mode
@@ -157,11 +170,30 @@ def section(
     return Answer(data, lines)
 
 
+def _solid(machine: Machine[Any], angles: Angles) -> SolidSpec | None:
+    """The solid that is to be measured; None where exact sections are."""
+    if machine.sections is not None:
+        return None
+    specs = [s for s in machine.solid_specs if s.key.partition("/")[0] == "workspace"]
+    found = next((s for s in specs if s.follows == angles.follows), None)
+    if found is None:
+        name = machine.design.name
+        more = f", bohemia volume {name} with - for one angle a volume" if specs else ""
+        raise InputError(_in_a_plane(machine) + more)
+    return found
+
+
 def _sections(machine: Machine[Any]) -> SectionsFacet[Any]:
     if machine.sections is not None:
         return machine.sections
-    name = machine.design.name
-    why = f"has no exact sections; bohemia workspace {name} gives the volume of its solid"
     if machine.region_specs:
-        why = f"has a workspace that lies in a plane; bohemia workspace {name} gives its area"
-    raise InputError(f"{name}: a {machine.title} {why}")
+        raise InputError(_in_a_plane(machine))
+    raise InputError(f"{machine.design.name}: a {machine.title} has no exact sections")
+
+
+def _in_a_plane(machine: Machine[Any]) -> str:
+    name = machine.design.name
+    return (
+        f"{name}: the workspace of a {machine.title} lies in a plane; "
+        f"bohemia workspace {name} gives its area"
+    )
