@@ -15,7 +15,7 @@ import msgspec
 import viser
 import viser._messages as messages
 
-from app.scene.pointer import POINTER
+from app.scene.pointer import POINTER, PRESSED
 
 log = logging.getLogger(__name__)
 
@@ -68,8 +68,8 @@ class Sifted:
         if kind is not messages.GuiUpdateMessage:
             return issubclass(kind, SEEN)
         handle = self._find(content["uuid"])
-        if getattr(handle, "label", "") == POINTER:
-            return True
+        if getattr(handle, "label", "") == POINTER:  # a click does something
+            return PRESSED not in str(content["updates"].get("value"))
         if handle is not None:
             undo(self, handle)
         return False

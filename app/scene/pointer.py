@@ -13,6 +13,8 @@ from kinematics.arrays import Array
 
 POINTER = "Pointer"
 """Label of the hidden box into which browsers write where it is."""
+PRESSED = "pressed"
+"""What stands behind it where a button was pressed."""
 NEAR = 24.0  # px; something that is nearer is pointed at
 
 

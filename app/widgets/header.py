@@ -19,7 +19,7 @@ from app.review.units import sentence
 from app.review.view import Clear, Fact, Legend, Moment, People, Size
 from app.scene import palette
 from app.scene.camera import Look
-from app.scene.pointer import POINTER, Pointer
+from app.scene.pointer import POINTER, PRESSED, Pointer
 from app.scene.shapes import ground_cell
 from app.widgets.desk import Command, Group, Sheet, put_prop
 from app.widgets.front import FRONT
@@ -153,7 +153,7 @@ class Header(Group):
         """ "0 412 97": of the first tab, px; or "0 - -"; or "0 412 97 pressed"."""
         tab, x, y, *more = text.split()
         at = None if x == "-" else (float(x), float(y))
-        self.desk.point(Pointer(client, int(tab), at, bool(more)))
+        self.desk.point(Pointer(client, int(tab), at, PRESSED in more))
 
     def _pressed(self, name: str, client: Client) -> None:
         if name in self._commands:

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
+import msgspec
 import pytest
 
 from app.admission import OPEN, Keys, place
+from app.incoming import Sifted
+from app.scene.pointer import POINTER, PRESSED
 from tests.app.wire import PATIENCE, Wire, browser, pose_in, served
 
 KEYS = Keys("steering", "looking")
@@ -53,6 +57,16 @@ def _wait(wire: Wire, what: object) -> None:
     while not what():  # type: ignore[operator]
         assert time.monotonic() < end
         wire.listen(0.1)
+
+
+def test_who_looks_on_points_and_does_not_click() -> None:
+    undone: list[object] = []
+    sifted = Sifted(None, lambda _: SimpleNamespace(label=POINTER, value=""))
+    for text, passes in (("0 400 300 12.5", True), (f"0 400 300 {PRESSED} 12.5", False)):
+        content = {"type": "GuiUpdateMessage", "uuid": "x", "updates": {"value": text}}
+        data = msgspec.msgpack.encode(content)
+        assert sifted._harmless(data, lambda *of: undone.append(of)) == passes
+    assert not undone
 
 
 def test_who_looks_on_changes_nothing_and_is_seen(tmp_path: Path) -> None:
