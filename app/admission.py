@@ -18,6 +18,7 @@ from websockets.datastructures import Headers
 from kinematics.errors import InputError
 
 LOOPBACK = frozenset({"127.0.0.1", "localhost", "::1"})
+LOCAL = ("localhost", "127.0.0.1")
 PATIENCE = 8.0  # s for a name to be looked up
 LAST = 65535  # port
 
@@ -31,6 +32,7 @@ class Place:
         port: one that is free; 0 for any.
         names: under which the server is meant, beside the address at which a request arrives.
         keys: what an address must begin with.
+        framed: whether pages of this machine, as a notebook, may hold the page in a frame.
     """
 
     host: str
@@ -38,6 +40,7 @@ class Place:
     names: frozenset[str]
     everywhere: bool
     keys: Keys
+    framed: bool = False
 
     def url(self, port: int, *, looks_on: bool = False) -> str:
         """What to open on this machine, to steer or only to look on."""
@@ -214,11 +217,16 @@ def _host_of(header: str) -> str:
         return name.rstrip(".")
 
 
-def policies(host: str) -> dict[str, str]:
+FRAMES = " ".join(f"{scheme}://{name}:*" for scheme in ("http", "https") for name in LOCAL)
+"""Who may hold a page that is meant for a notebook."""
+
+
+def policies(host: str, *, framed: bool = False) -> dict[str, str]:
     """What a browser is told with each answer: no frames, nothing from elsewhere.
 
     Args:
         host: that of the request, once it is known to be the server's own.
+        framed: pages of this machine may hold it in a frame.
     """
     # The page is one file: its programs stand in it and are unpacked by it, as are its workers.
     # What drives a browser, as for tests, evaluates text in it.
@@ -234,11 +242,11 @@ def policies(host: str) -> dict[str, str]:
         "object-src": "'none'",
         "base-uri": "'none'",
         "form-action": "'none'",
-        "frame-ancestors": "'none'",
+        "frame-ancestors": FRAMES if framed else "'none'",
     }
     return {
         "Content-Security-Policy": "; ".join(f"{name} {what}" for name, what in content.items()),
-        "X-Frame-Options": "DENY",
+        **({} if framed else {"X-Frame-Options": "DENY"}),
         "X-Content-Type-Options": "nosniff",
         "Referrer-Policy": "no-referrer",
         "Cross-Origin-Opener-Policy": "same-origin",

@@ -104,7 +104,8 @@ def make_server(host: str, port: int, where: Place | None = None) -> viser.Viser
         give_back(made[0], connection, handle)
 
     # viser prints an address of its own, which is not always the one to open.
-    with _guarded(names, keys, find, undo), contextlib.redirect_stdout(io.StringIO()):
+    framed = where is not None and where.framed
+    with _guarded(names, keys, find, undo, framed), contextlib.redirect_stdout(io.StringIO()):
         server = viser.ViserServer(host=host, port=port, verbose=False, label="Bohemia")
     made.append(server)
     connection = server._websock_server
@@ -131,7 +132,9 @@ NO_KEY = "This review is opened by its whole address, as it was printed when it 
 
 
 @contextlib.contextmanager
-def _guarded(names: frozenset[str], keys: Keys, find: Any, undo: Any) -> Iterator[None]:
+def _guarded(
+    names: frozenset[str], keys: Keys, find: Any, undo: Any, framed: bool
+) -> Iterator[None]:
     """While inside, websocket servers are made to answer only where they are meant to be asked.
 
     See `app.admission` for who is answered, and `app.incoming` for what is taken of them.
@@ -159,7 +162,7 @@ def _guarded(names: frozenset[str], keys: Keys, find: Any, undo: Any) -> Iterato
                 return _answer(http.HTTPStatus.BAD_REQUEST, "This cannot be answered.", host)
             result: Response | None = answer
             if result is not None:
-                for name, what in policies(host).items():
+                for name, what in policies(host, framed=framed).items():
                     result.headers[name] = what
             return result
 

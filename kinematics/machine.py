@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
+from importlib import import_module
 from math import nan
 from os import PathLike
 from pathlib import Path as FilePath
@@ -327,6 +328,36 @@ class Machine(Faceted[D]):
             limits=limits,
             distances=distances,
         )
+
+    # --- to be looked at
+
+    def show(
+        self,
+        start: Sequence[float] | Posture | Configuration[D] | None = None,
+        mode: str | None = None,
+        *,
+        port: int = 0,
+    ) -> Any:
+        """The page with this machine, served by this process until it is closed.
+
+        In a notebook the page stands in the cell; elsewhere the browser opens it. What is done
+        there changes nothing here.
+
+        Args:
+            start: the pose that it shows at first; None: home's.
+            mode: None: that of ``start``, or home's.
+            port: to listen on at 127.0.0.1, or the next free one; 0: any.
+
+        Returns:
+            An `app.shown.Shown`: its ``url``, and ``close()``.
+
+        Raises:
+            InputError: there is no such pose or mode.
+        """
+        begun = start if isinstance(start, Posture) else getattr(start, "posture", None)
+        posture = begun or self.at(cast("Sequence[float] | None", start), mode).posture
+        page = import_module("app.shown")  # by name: the library does without a page
+        return page.show(self.design, tuple(posture.pose), mode or posture.mode, port=port)
 
     # --- inside
 

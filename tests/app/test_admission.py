@@ -150,6 +150,15 @@ def test_the_address_at_which_a_request_arrives_is_a_name() -> None:
     assert arrived_at(None) == arrived_at("") == ""
 
 
+def test_a_page_for_a_notebook_may_be_held_by_pages_of_this_machine() -> None:
+    said = policies("127.0.0.1:8080", framed=True)
+    assert "X-Frame-Options" not in said
+    content = dict(part.split(" ", 1) for part in said["Content-Security-Policy"].split("; "))
+    held = content["frame-ancestors"].split()
+    assert {"http://localhost:*", "http://127.0.0.1:*"} <= set(held)
+    assert all(each.partition("://")[2] in ("localhost:*", "127.0.0.1:*") for each in held)
+
+
 def test_no_frame_may_hold_the_page() -> None:
     said = policies("127.0.0.1:8080")
     assert said["X-Frame-Options"] == "DENY"
