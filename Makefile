@@ -20,7 +20,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PIP_NO_INPUT := 1
 export PIP_ROOT_USER_ACTION := ignore
 
-.PHONY: run test check check-all sweeps mutants format docs bench start-solutions clean
+.PHONY: run test check check-all sweeps mutants format docs schemas bench start-solutions clean
 
 run: $(VENV)/installed
 	@exec $(BIN)/bohemia $(ARGS)
@@ -59,6 +59,10 @@ docs: $(VENV)/installed-docs
 	@$(BIN)/python -m sphinx -b html -q -E --fail-on-warning --keep-going -d build/doctrees \
 		assets/docs build/docs
 	@echo "build/docs/index.html"
+
+# The forms of JSON answers again, from what all commands answer; read the difference.
+schemas: $(VENV)/installed-tools
+	@$(BIN)/python -m tests.schemas
 
 bench: $(VENV)/installed-tools
 	@for script in tests/benchmarks/bench_*.py; do \

@@ -39,6 +39,7 @@ COMMANDS = {
     "compare": "compare.command:compare",
     "paper": "paper.command:paper",
     "report": "report.command:report",
+    "schema": "review.command:schema",
 }
 """Where each command stands in `app.features`; the first is meant where none is named."""
 SERVE = next(iter(COMMANDS))

@@ -15,6 +15,8 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, settings
 
+from tests import schemas
+
 ROOT = Path(__file__).resolve().parent.parent
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
@@ -102,9 +104,12 @@ class Finished:
 
     @property
     def json(self) -> dict[str, Any]:
-        """The one JSON object on stdout; strict, so NaN and Infinity are refused."""
+        """The one JSON object on stdout; strict, so NaN and Infinity are refused, and of the form
+        that its schema says.
+        """
         answer = json.loads(self.stdout, parse_constant=_refuse_constant)
         assert isinstance(answer, dict)
+        schemas.check(answer)
         return answer
 
 

@@ -4,7 +4,7 @@ In the pages of the documentation
 
 - ``console`` shows commands behind ``$`` with what they print, where ``…`` is anything, also lines;
 - ``sh`` has commands without what they print, and ``pycon`` a dialogue with Python;
-- ``toml``, ``csv`` and ``json`` with a caption are files of that name, for what comes after them;
+- ``toml`` and ``text`` with a caption are files of that name, for what comes after them;
 - a line ``% slow`` before one has it left out of the quick tests.
 
     python -m tests.examples PAGE…
@@ -22,7 +22,7 @@ import re
 import shlex
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -82,12 +82,13 @@ class Said:
     err: str
 
 
-def run(command: str) -> Said:
-    """A `bohemia …` in this process and folder."""
+def run(command: str | Sequence[str]) -> Said:
+    """A `bohemia …`, or its words after that, in this process and folder."""
+    words = shlex.split(command)[1:] if isinstance(command, str) else command
     out, err = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         try:
-            code = main(shlex.split(command)[1:])
+            code = main(words)
         except SystemExit as done:
             code = int(done.code or 0)
     return Said(code, out.getvalue(), err.getvalue())

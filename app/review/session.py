@@ -5,13 +5,16 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from app.language import tr
 from app.review import content as read
 from app.review.state import Review, new_review
 from app.review.units import within
-from kinematics.designs.files import read_design, write_design
+from kinematics.designs.files import load_design, presets, read_design, write_design
+from kinematics.designs.json_schemas import DIALECT
 from kinematics.errors import InputError
+from kinematics.mechanism import mechanism_kinds
 from kinematics.storage import read_text, write_file
 
 VERSION = 1
@@ -72,6 +75,36 @@ def from_text(text: str, *, origin: str) -> Review:
         return review.giving_way(gives_way)
     except InputError as error:
         raise InputError(f"{origin}: gives_way: {error}") from None
+
+
+def json_schema() -> dict[str, Any]:
+    """Of a session file: what must be there, and what else is kept, of the kind that is written."""
+    kept: dict[str, Any] = {}
+    for kind in mechanism_kinds():
+        preset = next(preset for preset in presets() if preset.mechanism == kind)
+        kept |= json.loads(to_text(new_review(load_design(preset.name))))
+    properties = {key: _kept(value) for key, value in kept.items()}
+    properties["bohemia_session"] = {"const": VERSION}
+    properties["pose"] = {"type": "object", "additionalProperties": {"type": "number"}}
+    needed = ("design_name", "design", "working_mode")
+    properties |= {key: {"type": "string"} for key in (*needed, "gives_way")}
+    return {
+        "$schema": DIALECT,
+        "type": "object",
+        "properties": properties,
+        "required": ["bohemia_session", *needed, "pose", "solids"],
+    }
+
+
+def _kept(value: object) -> dict[str, Any]:
+    """Values like one that is written; a text may stand for what is chosen otherwise by a list."""
+    if isinstance(value, dict):
+        return {"type": "object", "properties": {key: _kept(one) for key, one in value.items()}}
+    if isinstance(value, bool):
+        return {"type": "boolean"}
+    if isinstance(value, int | float):
+        return {"type": "number"}
+    return {"type": "array"} if isinstance(value, list) else {}
 
 
 def load(path: Path) -> Review:

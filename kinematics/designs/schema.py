@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any, Generic, Literal
 
 from kinematics.designs.files import (
+    MAX_MAGNITUDE,
     KeyPath,
     TableError,
     change_table,
@@ -35,16 +36,34 @@ SHORTEST = 1e-9
 """mm; below a picometre a length is a slip of the pen."""
 
 
+class Limited:
+    """A check that is a sentence to people and, in part, a limit to JSON Schema.
+
+    Args:
+        check: the sentence.
+        limit: what JSON Schema says of each number.
+    """
+
+    def __init__(self, check: Check, **limit: float) -> None:
+        self.check, self.limit = check, limit
+
+    def __call__(self, what: str, value: Any) -> str:
+        return self.check(what, value)
+
+
 def anything(what: str, value: Any) -> str:
     """Every finite number will do."""
     return ""
 
 
-def positive(what: str, value: float) -> str:
-    """A length that is one."""
+def _positive(what: str, value: float) -> str:
     if value >= SHORTEST:
         return ""
     return f"{what} must be a positive length (mm, at least {SHORTEST:g}), got {value:g}"
+
+
+positive = Limited(_positive, exclusiveMinimum=0.0)
+"""A length that is one."""
 
 
 def ordered(low_name: str, high_name: str, least: str) -> Check:
@@ -61,7 +80,7 @@ def ordered(low_name: str, high_name: str, least: str) -> Check:
             )
         return ""
 
-    return check
+    return Limited(check, minimum=0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +118,11 @@ class Key:
         if problem:
             raise TableError(origin, path, problem)
         return found
+
+    def json_schema(self) -> dict[str, Any]:
+        """What `read` takes, as far as JSON Schema can say it."""
+        number = number_schema(self.unit, **getattr(self.check, "limit", {}))
+        return number if len(self.labels) == 1 else list_schema(number, len(self.labels))
 
     def fields(self, value: Any, path: KeyPath, group: str) -> list[DesignField]:
         """Its numbers, which stand at a path of the design's table."""
@@ -202,6 +226,18 @@ class Schema(Generic[D]):
             for key in self.limb_keys
         }
 
+    def json_schema(self, kind: str) -> dict[str, Any]:
+        """What `read` takes of a kind's files, as far as JSON Schema can say it."""
+        known = {key.name: key.json_schema() for key in self.keys}
+        if self.limb is not None:
+            limb = table_schema({key.name: key.json_schema() for key in self.limb_keys})
+            known["limb"] = list_schema(limb, self.limbs)
+        return file_schema(kind, known, self.optional_schemas())
+
+    def optional_schemas(self) -> dict[str, Any]:
+        """Of the keys in `optional`."""
+        return {}
+
     def table(self, design: D) -> dict[str, Any]:
         """What the design's file says, as plain values; `read` reads it back equal."""
         table: dict[str, Any] = {key: getattr(design, key) for key in ("mechanism", *ABOUT)}
@@ -237,6 +273,46 @@ class Schema(Generic[D]):
     def _limbs(self, design: D) -> Sequence[Any]:
         limbs: Sequence[Any] = getattr(design, "limbs", ()) if self.limb_keys else ()
         return limbs
+
+
+# --- JSON Schema ---------------------------------------------------------------------------
+
+
+def number_schema(unit: str, **limit: float) -> dict[str, Any]:
+    """A number; no unit of lengths is shorter than mm, so that their limit holds in all of them."""
+    most = {"minimum": -MAX_MAGNITUDE, "maximum": MAX_MAGNITUDE}
+    if "exclusiveMinimum" in limit:
+        del most["minimum"]
+    said = {"mm": "length", "rad": "degrees"}.get(unit)
+    return {"type": "number", **most, **limit} | ({"description": said} if said else {})
+
+
+def list_schema(each: Mapping[str, Any], least: int, most: int | None = None) -> dict[str, Any]:
+    """A list of so many; of exactly ``least`` where no ``most`` is said."""
+    return {"type": "array", "items": each, "minItems": least, "maxItems": most or least}
+
+
+def table_schema(
+    required: Mapping[str, Any], optional: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
+    """A table with these keys and no others."""
+    return {
+        "type": "object",
+        "properties": {**required, **(optional or {})},
+        "required": list(required),
+        "additionalProperties": False,
+    }
+
+
+def file_schema(
+    kind: str, required: Mapping[str, Any], optional: Mapping[str, Any]
+) -> dict[str, Any]:
+    """A design file of a kind."""
+    about = {key: {"type": "string"} for key in ABOUT} | {UNITS: {"enum": list(LENGTHS)}}
+    return table_schema({"mechanism": {"const": kind}, **required}, {**about, **optional})
+
+
+# --- inside --------------------------------------------------------------------------------
 
 
 def _unit(table: Mapping[str, Any], origin: str) -> str:

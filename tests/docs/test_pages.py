@@ -11,7 +11,7 @@ import pytest
 from tests.examples import DOCS, blocks, play
 
 PAGES = sorted(path for path in DOCS.rglob("*.md"))
-SHOWN = {"console", "sh", "pycon", "toml", "csv", "json", "text", "bash"}
+SHOWN = {"console", "sh", "pycon", "toml", "text", "bash"}
 
 
 def _id(page: Path) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 
 from kinematics.arrays import Array, read_only
 from kinematics.designs.files import KeyPath, TableError, change_table, read_numbers
-from kinematics.designs.schema import Key, Schema, positive
+from kinematics.designs.schema import Key, Schema, list_schema, number_schema, positive
 from kinematics.mechanism import DesignField
 
 LIMBS = 2
@@ -103,6 +103,10 @@ class _EachLimb(Key):
                 raise TableError(origin, (*path, i), problem)
         return lengths
 
+    def json_schema(self) -> dict[str, Any]:
+        one = super().json_schema()
+        return {"anyOf": [one, list_schema(one, LIMBS)]}
+
     def fields(self, value: Any, path: KeyPath, group: str) -> list[DesignField]:
         label = self.labels[0]
         return [DesignField((*path, i), label, one, "mm", group) for i, one in enumerate(value)]
@@ -115,6 +119,11 @@ class _FiveBarSchema(Schema[FiveBarDesign]):
 
     def further(self, table: Mapping[str, Any], *, origin: str) -> dict[str, Any]:
         return {"ranges": _ranges(table, origin=origin)}
+
+    def optional_schemas(self) -> dict[str, Any]:
+        pair = list_schema(number_schema("rad", minimum=-360.0, maximum=360.0), 2)
+        each = {"anyOf": [pair, {"const": []}]}
+        return {_RANGE: {"anyOf": [pair, list_schema(each, LIMBS)]}}
 
     def table(self, design: FiveBarDesign) -> dict[str, Any]:
         """Both limbs are written out; mm and degrees."""

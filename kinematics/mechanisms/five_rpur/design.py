@@ -12,7 +12,7 @@ import numpy as np
 from kinematics.answers.modes import Mode, working_modes
 from kinematics.arrays import Array, read_only
 from kinematics.designs.files import TableError
-from kinematics.designs.schema import Key, Schema, ordered, point, positive
+from kinematics.designs.schema import Key, Schema, list_schema, ordered, point, positive
 from kinematics.mechanism import DesignField
 
 Point = tuple[float, float, float]
@@ -130,6 +130,11 @@ class _FiveRPURSchema(Schema[FiveRPURDesign]):
 
     def further(self, table: Mapping[str, Any], *, origin: str) -> dict[str, Any]:
         return {_MERGED: _merged_joints(table.get(_MERGED, []), origin)}
+
+    def optional_schemas(self) -> dict[str, Any]:
+        limb = {"type": "integer", "minimum": 1, "maximum": LIMBS}
+        group = list_schema(limb, 2, LIMBS) | {"uniqueItems": True}
+        return {_MERGED: {"type": "array", "items": group}}
 
     def table(self, design: FiveRPURDesign) -> dict[str, Any]:
         said = super().table(design)

@@ -10,11 +10,12 @@ from typing import Any, Literal
 import numpy as np
 
 from kinematics.designs.files import TableError, change_table, check_keys, read_text
-from kinematics.designs.schema import ABOUT, UNITS, Schema
+from kinematics.designs.schema import ABOUT, UNITS, Schema, file_schema
 from kinematics.lengths import in_mm
 from kinematics.mechanism import DesignField
 from kinematics.mechanisms.parallel.assembly import check
 from kinematics.mechanisms.parallel.design import LimbTable, ParallelDesign, Value
+from kinematics.mechanisms.parallel.json_schema import optional_schemas, required_schemas
 from kinematics.mechanisms.parallel.limb_types import TYPES
 from kinematics.mechanisms.parallel.tables import (
     MOST_LIMBS,
@@ -79,6 +80,9 @@ class ParallelSchema(Schema[ParallelDesign]):
         )
         check(design, origin)
         return design
+
+    def json_schema(self, kind: str) -> dict[str, Any]:
+        return file_schema(kind, required_schemas(), optional_schemas())
 
     # --- writing and editing
 

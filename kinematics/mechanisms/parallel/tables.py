@@ -35,7 +35,7 @@ JOINTS = {
     "C": ("at", "axis"),
 }
 """Joints of a chain and the keys that each must have."""
-_JOINT_OPTIONAL = ("actuated", "range", "value", "cone", "about", "at")
+JOINT_OPTIONAL = ("actuated", "range", "value", "cone", "about", "at")
 _REPEAT = ("repeat", "repeat_axis")
 _SHORTEST = 1e-9
 
@@ -139,11 +139,11 @@ def _joint(value: object, origin: str, path: KeyPath) -> Entries:
     if not isinstance(value, Mapping):
         raise TableError(origin, path, f'{what} must be a table {{ joint = "R", … }}')
     letter = value.get("joint")
-    if letter not in JOINTS:
+    if not isinstance(letter, str) or letter not in JOINTS:
         problem = f"{what}: joint must be one of {', '.join(JOINTS)}"
         raise TableError(origin, path, problem)
     needed = ("joint", *JOINTS[letter])
-    optional = tuple(key for key in _JOINT_OPTIONAL if key not in needed)
+    optional = tuple(key for key in JOINT_OPTIONAL if key not in needed)
     try:
         check_keys(value, required=needed, optional=optional, origin=origin)
     except TableError as error:
