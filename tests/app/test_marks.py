@@ -86,6 +86,7 @@ def test_each_is_a_step_that_can_be_taken_back(review: Review) -> None:
         history, _ = history.apply(each, 10.0 * n)
     assert [v.camera.fov for v in history.present[Marks].views] == [0.2]  # of the same name: again
     assert history.present[Marks].notes[1].text == "and here"
+    assert history.present[Marks].dimensions[0].anchors[1].short == "C₂"
     titles = ["view there kept", "renamed: and here", "view from above removed"]
     assert history.titles(False, 9) == titles  # a dimension had no name before
     for _ in titles:
@@ -106,6 +107,12 @@ def test_a_view_brings_back_what_was_shown_and_if_wished_the_pose(review: Review
     # Nothing but how it is shown: a step of its own kind.
     history, _ = History(other).apply(Recall(shown), 0.0)
     assert history.titles(True, 1) == ["view from above"]
+
+
+def test_what_was_measured_is_told_in_the_list_of_changes(review: Review) -> None:
+    between = (Anchor("line", "limb2/rail"), PLACE)
+    history, _ = History(review).apply(AddMark("dimensions", Dimension("", between)), 0.0)
+    assert history.titles(False, 1) == ["dimension rail 2 – (1, 2, 3.5)"]
 
 
 def test_another_machine_keeps_where_people_looked_from(review: Review) -> None:

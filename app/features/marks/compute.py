@@ -174,7 +174,7 @@ class Measured:
 def words(known: Things, dimension: Dimension) -> str:
     """Between what it is: "A₁ – B₂"."""
     found = [(thing(known, anchor), anchor) for anchor in dimension.anchors]
-    return " – ".join(anchor.name if each is None else each.text for each, anchor in found)
+    return " – ".join(anchor.short if each is None else each.text for each, anchor in found)
 
 
 def measured(known: Things, dimension: Dimension, size: float) -> Measured | None:

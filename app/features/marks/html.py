@@ -46,7 +46,7 @@ def place_of(note: Note, known: Things) -> str:
     if note.anchor is None:
         return tr("marks.at_pose")
     found = thing(known, note.anchor)
-    return note.anchor.name if found is None else found.text
+    return note.anchor.short if found is None else found.text
 
 
 def dimensions_html(marks: Marks, known: Things, size: float) -> str:

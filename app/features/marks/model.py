@@ -38,6 +38,17 @@ class Anchor:
     name: str = ""
     at: Point | tuple[()] = ()
 
+    @property
+    def short(self) -> str:
+        """Its name without looking at a machine: "A₁", "rail 1", "(1, 2, 3.5)"."""
+        limb, _, part = self.name.rpartition("/")
+        number = limb.removeprefix("limb")
+        if not self.name:
+            return f"({', '.join(f'{v:g}' for v in self.at)})"
+        if not number.isdecimal():
+            return self.name
+        return f"{part}{chr(ord('₀') + int(number))}" if len(part) == 1 else f"{part} {number}"
+
 
 @dataclass(frozen=True)
 class SavedView:

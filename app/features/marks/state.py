@@ -211,5 +211,5 @@ def _nth(marks: tuple[Mark, ...], number: int) -> Mark:
 
 
 def _short(mark: Mark) -> str:
-    text = mark.text or " – ".join(a.name or "·" for a in getattr(mark, "anchors", ()))
+    text = mark.text or " – ".join(a.short for a in getattr(mark, "anchors", ()))
     return text if len(text) <= 30 else f"{text[:29]}…"

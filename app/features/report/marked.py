@@ -65,7 +65,7 @@ def told(seen: View) -> Told:
     places = []
     for note in marks.notes:
         found = None if note.anchor is None else thing(known, note.anchor)
-        name = "pose" if note.anchor is None else note.anchor.name
+        name = "pose" if note.anchor is None else note.anchor.short
         places.append(name if found is None else found.text)
     return Told(
         tuple((d.text, words(known, d), measured(known, d, size)) for d in marks.dimensions),

@@ -229,7 +229,7 @@ class SolutionsPart(Part):
 
     def prepare(self) -> None:
         stage = self.stage
-        self._ghosts = Ghosts(stage.scene, lambda identity: stage.ask(self.visit, identity))
+        self._ghosts = Ghosts(stage.scene, self._clicked)
         self._drawn = None
 
     def ask(self) -> None:
@@ -254,6 +254,10 @@ class SolutionsPart(Part):
         """Go to a solution of the list, by its number."""
         self._explorer.await_visit(identity)
         return self._visit(client)
+
+    def _clicked(self, identity: int) -> None:
+        if not self.stage.scene.aside:  # a click means something else
+            self.stage.ask(self.visit, identity)
 
     def find_again(self) -> None:
         """Forget the solutions and find them all from scratch."""
