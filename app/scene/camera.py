@@ -51,12 +51,16 @@ ASPECT = 1.0  # of a picture that is not known yet
 
 @dataclass(frozen=True, slots=True)
 class Camera:
-    """From where somebody looks: mm, and the vertical field of view, rad."""
+    """From where somebody looks: mm, and the vertical field of view, rad.
+
+    ``aspect``: width by height of the picture; 0 where that is not known.
+    """
 
     position: tuple[float, float, float]
     look_at: tuple[float, float, float]
     up: tuple[float, float, float]
     fov: float
+    aspect: float = 0.0
 
     @property
     def sound(self) -> bool:
@@ -66,7 +70,11 @@ class Camera:
         if not all(math.isfinite(v) and abs(v) < 1e7 for v in numbers):
             return False
         across = float(np.linalg.norm(np.cross(back, up)))
-        return across > 1e-9 and math.radians(0.5) <= self.fov <= math.radians(150.0)
+        return (
+            self.aspect >= 0.0
+            and across > 1e-9
+            and math.radians(0.5) <= self.fov <= math.radians(150.0)
+        )
 
 
 def camera_of(client: Any) -> Camera:
@@ -74,17 +82,19 @@ def camera_of(client: Any) -> Camera:
     seen = client.camera
     places = [np.asarray(at).tolist() for at in (seen.position, seen.look_at, seen.up_direction)]
     position, look_at, up = ((float(x), float(y), float(z)) for x, y, z in places)
-    return Camera(position, look_at, up, float(seen.fov))
+    return Camera(position, look_at, up, float(seen.fov), float(seen.aspect))
 
 
 def turn_to(client: Any, camera: Camera) -> None:
-    """Have a browser look from there."""
+    """Have a browser look from there, in a narrower picture from as much farther off."""
     with client.atomic():
         seen = client.camera
+        farther = max(1.0, camera.aspect / max(float(seen.aspect), 0.2))
+        back = farther * np.subtract(camera.position, camera.look_at)
+        away = float(np.linalg.norm(back))
         seen.up_direction, seen.fov = camera.up, camera.fov
-        seen.position = camera.position  # takes along what it looks at
+        seen.position = np.add(camera.look_at, back)  # takes along what it looks at
         seen.look_at = camera.look_at
-        away = float(np.linalg.norm(np.subtract(camera.position, camera.look_at)))
         seen.far = max(float(seen.far), 3.0 * away)
 
 

@@ -258,6 +258,7 @@ class Browser:
             up_direction=np.array([0.0, 0.0, 1.0]),
             wxyz=turn.wxyz,
             fov=fov,
+            aspect=800 / 600,
             far=1e5,
             image_width=800,
             image_height=600,

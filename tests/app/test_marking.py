@@ -116,10 +116,14 @@ def test_a_view_is_kept_pressed_renamed_and_removed(page: Seat) -> None:
     page.do(Move(0, 60.0), SetOption("frames", False))
     camera.position, camera.fov = before + 100.0, 0.1
     page.press("Show whole")
-    assert np.array_equal(camera.position, before)
+    assert camera.position == pytest.approx(before)
     assert camera.fov == pytest.approx(math.radians(30.0))
     assert page.review[Options].frames
     assert page.review.pose == page.review.machine.home.pose
+    camera.aspect /= 2.0  # a narrower window shows as much, from farther off
+    page.press("Show whole")
+    away = np.linalg.norm(camera.position - camera.look_at)
+    assert away == pytest.approx(2.0 * np.linalg.norm(before - camera.look_at))
     page.write("Name of view 1", "")
     assert page.told[-1] == "a view needs a name"
     page.write("Name of view 1", "all of it")

@@ -133,6 +133,7 @@ def _camera_entry(camera: Camera) -> dict[str, Any]:
         "look_at": list(camera.look_at),
         "up": list(camera.up),
         "fov_deg": math.degrees(camera.fov),
+        "aspect": camera.aspect,
     }
 
 
@@ -141,7 +142,8 @@ def _camera_of(entry: dict[str, Any], what: str) -> Camera:
         _place(entry.get(key), f"{what}: {key}") for key in ("position", "look_at", "up")
     )
     fov = math.radians(session.number(entry.get("fov_deg"), f"{what}: fov_deg"))
-    camera = Camera(position, look_at, up, fov)
+    aspect = session.number(entry.get("aspect", 0.0), f"{what}: aspect")
+    camera = Camera(position, look_at, up, fov, aspect)
     if not camera.sound:
         raise InputError(tr("marks.no_camera", what=what))
     return camera
