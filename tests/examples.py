@@ -161,7 +161,7 @@ def filled(text: str) -> str:
                 said = run(command)
                 printed = said.out if said.code == 0 else said.err
                 kept = "…" in below and below.strip() != "…" and same(printed, below)
-                printed = re.sub(r"(?<=in )[\d.]+(?= s$)", "…", printed, flags=re.M)
+                printed = re.sub(r"(?<=in )[\d.]+ m?s$", "…", printed, flags=re.M)
                 new += f"$ {command}\n{below if kept else printed}"
         elif block.kind == "pycon":
             new = "".join(_talk(block.text, known))
