@@ -37,6 +37,9 @@ _TRIES = 4  # grids, where a solid's surface does not close
 _CERTAIN = 2.0
 """Times the third of the difference to a mesh of half as many cells, which is what is left."""
 
+_ALIKE = 1e-5
+"""Of the box: margins that are nearer to each other everywhere are one."""
+
 _Box = tuple[Array, Array, Array, Array]
 """Lowest and highest corner, and how far it may be widened to both sides."""
 
@@ -55,10 +58,17 @@ class _Margins:
         poses[:, list(slots(self.machine))] = points / scales(self.machine)
         return poses
 
+    def full(self, points: Array) -> tuple[Array, Array]:
+        """The whole poses at places, and how far they are from where there are none."""
+        return self.machine.chart.full(self.poses(points), int(self.mode.operation or 1))
+
     def __call__(self, points: Array) -> Array:
         """(N, K)."""
+        return self.at(*self.full(points))
+
+    def at(self, full: Array, room: Array) -> Array:
+        """(N, K) at whole poses, which all limbs share."""
         machine, n = self.machine, self.limb
-        full, room = machine.chart.full(self.poses(points), int(self.mode.operation or 1))
         if n is None:
             return room[:, None]
         placement = np.asarray(placed(full))
@@ -76,7 +86,7 @@ class _Margins:
             middle, half = 0.5 * (limb.low + limb.high), 0.5 * (limb.high - limb.low)
             lever = limb.crank or machine.length
             columns.append(lever * (np.cos(joints[:, 0] - middle) - np.cos(half)))
-        made = np.stack(columns, axis=-1) if columns else np.empty((len(points), 0))
+        made = np.stack(columns, axis=-1) if columns else np.empty((len(full), 0))
         return np.nan_to_num(np.minimum(made, 1e3 * machine.length), nan=0.0)
 
 
@@ -105,15 +115,15 @@ def build(
     if box is None:
         return finish(Solid.from_mesh(np.empty((0, 3)), np.empty((0, 3))), lambda *_: 0.0)
     cells = _CELLS[resolution]
-    coarse = _solid(each, box, cells // 2).volume
+    coarse = _solid(each, box, cells // 2)[0].volume
     for more in range(_TRIES):
         # Where surfaces touch, another grid may part them.
-        solid = _solid(each, box, cells + more)
+        solid, merged = _solid(each, box, cells + more)
         refined = abs(solid.volume - coarse) / 3.0 * _CERTAIN
         try:
             return finish(
                 solid,
-                partial(_error, each, box, refined),
+                partial(_error, each, box, refined, merged),
                 thinnest=1e-6 * float(np.max(box[1] - box[0])),
             )
         except LeakError:
@@ -122,9 +132,13 @@ def build(
     raise AssertionError
 
 
-def _error(each: list[_Margins], box: _Box, refined: float, traced: TracedMesh, _: float) -> float:
+def _error(
+    each: list[_Margins], box: _Box, refined: float, merged: float, traced: TracedMesh, _: float
+) -> float:
     """mm³ by which the volume of a mesh may be off: what lies between its faces and the surfaces,
-    and not less than what ``refined`` cells made of it, which tells of parts that none saw."""
+    and not less than what ``refined`` cells made of it, which tells of parts that none saw; and
+    what lies between margins that were ``merged``, mm.
+    """
     corners = traced.mesh.vertices[traced.mesh.faces]
     of = {margins.limb: margins for margins in each}
     between = 0.0
@@ -136,7 +150,8 @@ def _error(each: list[_Margins], box: _Box, refined: float, traced: TracedMesh, 
         at = at[~(ends[0] | ends[1])]  # an angle goes once round there, no margin ends
         if len(at):
             between += meshes.sag(at, partial(_column, of[limb], k))
-    return max(refined, between)
+    area = 0.5 * float(meshes.face_parts(traced.mesh.vertices, traced.mesh.faces)[1].sum())
+    return max(refined, between) + merged * area
 
 
 def _column(margins: _Margins, k: int, points: Array) -> Array:
@@ -145,7 +160,8 @@ def _column(margins: _Margins, k: int, points: Array) -> Array:
 
 def _least(each: list[_Margins], points: Array) -> Array:
     """(N,) the least of all margins."""
-    return np.asarray(np.nanmin(np.concatenate([one(points) for one in each], axis=1), axis=1))
+    shared = each[0].full(points)
+    return np.asarray(np.nanmin(np.concatenate([m.at(*shared) for m in each], axis=1), axis=1))
 
 
 def _box(machine: Assembly, each: list[_Margins]) -> _Box | None:
@@ -179,7 +195,8 @@ def _box(machine: Assembly, each: list[_Margins]) -> _Box | None:
     return (low, high, *ends) if found else None
 
 
-def _solid(each: list[_Margins], box: _Box, cells: int) -> Solid:
+def _solid(each: list[_Margins], box: _Box, cells: int) -> tuple[Solid, float]:
+    """The solid, and how far margins were apart, mm, that were taken for one."""
     low, high, least, most = box
     # Not symmetric, so that surfaces which meet do not do so in nodes.
     counts = (cells + 1, cells + 2, cells + 3)
@@ -190,7 +207,10 @@ def _solid(each: list[_Margins], box: _Box, cells: int) -> Solid:
     points, shape = grid.reshape(-1, 3), grid.shape[:-1]
     step = _STEP * (high - low)
     solids: list[Solid] = []
-    found = [margins(points) for margins in each]
+    taken: list[Array] = []
+    alike, merged = _ALIKE * float(np.max(high - low)), 0.0
+    shared = each[0].full(points)
+    found = [margins.at(*shared) for margins in each]
     near = np.ones(shape, dtype=bool)
     for values in found:
         near &= (values >= 0.0).all(axis=1).reshape(shape)
@@ -199,6 +219,12 @@ def _solid(each: list[_Margins], box: _Box, cells: int) -> Solid:
         for k in range(values.shape[1]):
             if (values[around, k] >= 0.0).all():
                 continue  # it bounds nothing of what the others leave
+            # Surfaces that all but coincide cannot be told apart by meshes.
+            apart = min((_apart(values[around, k], other) for other in taken), default=np.inf)
+            if apart <= alike:
+                merged = max(merged, apart)
+                continue
+            taken.append(values[around, k])
 
             def field(at: Array, margins: _Margins = margins, k: int = k) -> tuple[Array, Array]:
                 tried = np.concatenate([at, *(at + aside for aside in np.diag(step))])
@@ -209,8 +235,12 @@ def _solid(each: list[_Margins], box: _Box, cells: int) -> Solid:
             made = Solid.from_mesh(surface.vertices, surface.faces, tags=((margins.limb, k),))
             solids.append(made)
             if made.is_empty:
-                return made
+                return made, merged
     if not solids:
         corners = positive_part(axes, np.ones(shape), lambda at: (np.ones(len(at)), 0.0 * at))
-        return Solid.from_mesh(corners.vertices, corners.faces)
-    return Solid.intersection(solids)
+        return Solid.from_mesh(corners.vertices, corners.faces), merged
+    return Solid.intersection(solids), merged
+
+
+def _apart(one: Array, other: Array) -> float:
+    return float(np.abs(one - other).max(initial=0.0))
