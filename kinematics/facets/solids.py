@@ -32,6 +32,7 @@ class SolidSpec:
     It may depend on the chosen set of modes (``uses_modes``), or on the present mode alone
     (``of_present_mode``), which is then all that `SolidsFacet.request` is handed. ``follows``: the
     pose coordinate that is not held but follows from the others (`dependent_coordinates`).
+    ``places``: its points are places of O′, and not those of a chart.
     """
 
     key: str
@@ -43,6 +44,7 @@ class SolidSpec:
     of_present_mode: bool = False
     surfaces: tuple[SurfaceKind, ...] = ("facets",)
     follows: int | None = None
+    places: bool = True
 
 
 @dataclass(frozen=True, slots=True)

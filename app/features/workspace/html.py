@@ -47,6 +47,8 @@ def report_html(review: Review, solids: Solids, sections: Sections | None) -> st
             parts.append(_solid(built, here, exact=sections))
         elif old is not None:
             parts.append(aged(_solid(old, None, exact=sections), True))
+    if not (shown or sections):
+        parts.append(faint(esc(tr("workspace.switched_off"))))
     return box("".join(parts))
 
 

@@ -64,7 +64,7 @@ class WorkspacePanel(Panel):
             self.groups.append(UsableFolder(desk, sheet))
         self._limbs(specs)
         if alone:
-            with self.folder("workspace.look", open=len(alone) > 1):
+            with self.folder("workspace.look", open=len(alone) > 1 or not alone[0].places):
                 self._look(alone)
         if specs:
             self.groups.append(SaveFolder(desk, sheet))

@@ -52,7 +52,7 @@ class Workspace(Slice):
     @classmethod
     def fresh(cls, review: Review) -> Self:
         # A solid in another space than the machine's is shown when it is asked for.
-        known = {spec.key for spec in review.machine.solid_specs if not spec.of_present_mode}
+        known = {spec.key for spec in review.machine.solid_specs if spec.places}
         # A machine cannot change its mode on the way: what it can reach is that of its own.
         return cls("current", tuple(s for s in cls.solids if s.key in known))
 

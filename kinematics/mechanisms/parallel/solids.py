@@ -60,7 +60,8 @@ class Solids(SolidsFacet[ParallelDesign]):
         if held:
             title += f" while {', '.join(held)} stay{'s' if len(held) == 1 else ''}"
         several = len(self.mechanism.modes) > 1
-        return (SolidSpec(KEY, title, "Workspace", of_present_mode=several),)
+        places = all(free[n] < 3 for n in shown)
+        return (SolidSpec(KEY, title, "Workspace", of_present_mode=several, places=places),)
 
     def arguments(
         self,

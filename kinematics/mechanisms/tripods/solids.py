@@ -30,8 +30,15 @@ class Solids(SolidsFacet[TripodDesign]):
             "Orientations and altitudes within the strokes",
             "Workspace",
             of_present_mode=True,
+            places=False,
         ),
-        SolidSpec("aspects", "Aspects of the present mode", "Singularities", of_present_mode=True),
+        SolidSpec(
+            "aspects",
+            "Aspects of the present mode",
+            "Singularities",
+            of_present_mode=True,
+            places=False,
+        ),
     )
 
     def arguments(
