@@ -222,7 +222,10 @@ class Page:
         for part in self._parts:
             self._inbox.put(partial(part.joined, who))
 
-        async def changed(_: viser.CameraHandle) -> None:
+        async def changed(camera: viser.CameraHandle) -> None:
+            aim = self._aims.get(who.client_id)
+            if aim is not None and not aim.reported and aim.confirmed(camera):
+                self._aims[who.client_id] = replace(aim, reported=True)
             if self._outgrown(who):
                 self._inbox.put(partial(self._refit, who))
 

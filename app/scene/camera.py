@@ -44,7 +44,7 @@ _TOWARD = {
 UP = {False: (0.0, 0.0, 1.0), True: (0.0, 1.0, 0.0)}
 STILL = 1e-3  # of the camera's distance: it stands where it was put
 RESHAPED = 0.02  # of a picture's shape: it has another one
-REPORTED = 1.0  # s in which a browser reports where it was made to look
+REPORTED = 30.0  # s in which even a slow browser reports where it was made to look
 MOST_COVERED = 0.6  # of the picture; the machine has the rest at the least
 ASPECT = 1.0  # of a picture that is not known yet
 
@@ -108,12 +108,16 @@ class Aim:
     toward: Array
     position: Array
     aspect: float
+    reported: bool = False  # the browser has said that it looks from there
+
+    def confirmed(self, camera: Any) -> bool:
+        """Whether a browser reports that it looks from there."""
+        away = np.linalg.norm(np.asarray(camera.position) - self.position)
+        return float(away) <= STILL * float(np.linalg.norm(self.position))
 
     def outgrown(self, camera: Any) -> bool:
         """Whether the picture has another shape now, and nobody has turned it since."""
-        away = np.linalg.norm(np.asarray(camera.position) - self.position)
-        still = float(away) <= STILL * float(np.linalg.norm(self.position))
-        return still and abs(camera.aspect / self.aspect - 1.0) > RESHAPED
+        return self.confirmed(camera) and abs(camera.aspect / self.aspect - 1.0) > RESHAPED
 
 
 Aims = dict[int, Aim]
@@ -189,11 +193,11 @@ def toward_of(planar: bool, name: Look | None = None) -> Array:
 def _seen_from(client: Any, aims: Aims | None) -> Array:
     """From where a person looks, as a vector.
 
-    What a browser reports in the moment after its camera was set is still from before: of one that
-    has just come it is viser's own view, from behind.
+    What a browser reports until it has set its camera is still from before: of one that has just
+    come it is viser's own view, from behind.
     """
     known = None if aims is None else aims.get(client.client_id)
-    if known is not None and time.monotonic() - known.at < REPORTED:
+    if known is not None and not known.reported and time.monotonic() - known.at < REPORTED:
         return known.toward
     camera = client.camera
     seen: Array = np.asarray(camera.position) - np.asarray(camera.look_at)
