@@ -79,7 +79,7 @@ def test_of_this_machine_alone_its_own_names_are_answered(host: str) -> None:
 def test_listening_everywhere_opens_no_name_but_those_allowed(host: str) -> None:
     there = place(host, 0, ["Lab-PC.example.", "[FD00::1]", "10.0.0.9"])
     assert there.everywhere
-    assert there.url(80) == "http://127.0.0.1:80"
+    assert there.url(80) == f"http://127.0.0.1:80/{there.keys.steer}/"
     assert there.names == {host, *LOOPBACK, "lab-pc.example", "fd00::1", "10.0.0.9"}
 
 

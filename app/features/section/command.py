@@ -42,7 +42,8 @@ def volume(
         if usable or around is not None:
             _sections(machine)
         angles = pose.angles(spec.key)
-        modes = (machine.home.mode,) if spec.of_present_mode and modes is None else modes
+        if spec.of_present_mode and modes is None:
+            modes = (machine.home.mode,)
     space = angles.space(modes)
     with progress("Volume"):
         relative = tolerance or (1e-6 if spec is None else 1e-3)
