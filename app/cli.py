@@ -73,7 +73,8 @@ class Bohemia(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         if args[0] not in COMMANDS and not ctx.resilient_parsing:
-            near = get_close_matches(args[0], COMMANDS, n=1)
+            presets = [path.stem for path in asset_folder("designs").glob("*.toml")]
+            near = get_close_matches(args[0], [*COMMANDS, *presets], n=1)
             hint = f"did you mean {near[0]!r}" if near else f"there are {', '.join(COMMANDS)}"
             raise InputError(f"there is no command {args[0]!r}; {hint}")
         return super().resolve_command(ctx, args)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import fields, is_dataclass
-from math import isfinite
+from math import isfinite, isinf
 from typing import Any, TypeVar
 
 import numpy as np
@@ -103,6 +104,18 @@ def finite(values: Any, *, name: str, last: int | None = None) -> Array:
     if not np.isfinite(array).all():
         raise InputError(f"{name} must be finite numbers, got NaN or infinity")
     return array
+
+
+def number(value: Any, name: str) -> float:
+    """``value`` as one float; NaN stays, as what is left open.
+
+    Raises:
+        InputError: not a number, or infinite.
+    """
+    with suppress(TypeError, ValueError):
+        if not isinstance(value, str | bytes) and not isinf(found := float(value)):
+            return found
+    raise InputError(f"{name} must be a finite number, got {brief(value)}")
 
 
 def largest(values: Array) -> Array:

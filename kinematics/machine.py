@@ -6,7 +6,7 @@ machine has not is None.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from importlib import import_module
 from math import nan
@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from kinematics.answers.coordinates import Pose
 from kinematics.answers.modes import matching
 from kinematics.answers.solutions import Followed, Posture
-from kinematics.arrays import Array, finite, read_only
+from kinematics.arrays import Array, finite, number, read_only
 from kinematics.errors import InputError
 from kinematics.facets.facet import required
 from kinematics.facets.faceted import Faceted
@@ -92,6 +92,8 @@ class Machine(Faceted[D]):
             >>> machine.design.limbs[2].link, longer.design.limbs[2].link
             (150.0, 170.0)
         """
+        if not isinstance(value, int | float):  # what is infinite is told with its label
+            value = number(value, "the new value")
         if isinstance(path, str):
             path = tuple(int(step) if step.isdigit() else step for step in path.split("."))
         return Machine(self.mechanism.edited(path, value))
@@ -113,7 +115,7 @@ class Machine(Faceted[D]):
             >>> kin.open("rpur-table1").pose(x=90, y=110, z=430, phi_deg=5, theta=0)
             Pose(x = 90 mm, y = 110 mm, z = 430 mm, φ = 5°, θ = 0°)
         """
-        axes, given = self.coordinates, self._named(named)
+        axes, given = self.coordinates, self._named(named, number)
         start = self.home.pose if len(given) < len(axes) else (0.0,) * len(axes)
         values = [float(given.get(n, v)) for n, v in enumerate(start)]
         free = [n for n, value in enumerate(values) if value != value]
@@ -143,8 +145,8 @@ class Machine(Faceted[D]):
         """
         if values is not None:
             return read_only(finite(values, name="a pose", last=len(self.coordinates)))
-        given = self._named(named)
-        parts = [np.asarray(given.get(n, v), dtype=float) for n, v in enumerate(self.home.pose)]
+        given = self._named(named, lambda value, key: finite(value, name=key))
+        parts = [np.asarray(given.get(n, v)) for n, v in enumerate(self.home.pose)]
         made = np.stack(np.broadcast_arrays(*parts), axis=-1)
         return read_only(finite(made, name="a pose"))
 
@@ -192,7 +194,7 @@ class Machine(Faceted[D]):
         """
         from kinematics.facets.spaces import Space
 
-        given = self._named(held)
+        given = self._named(held, number)
         follows = next((n for n, value in given.items() if value != value), None)
         if follows is not None and follows not in self.dependent:
             raise InputError(f"{self.coordinates[follows].symbol} follows from no other")
@@ -361,7 +363,9 @@ class Machine(Faceted[D]):
 
     # --- inside
 
-    def _named(self, given: Mapping[str, Any]) -> dict[int, Any]:
+    def _named(
+        self, given: Mapping[str, Any], numbers: Callable[[Any, str], Any]
+    ) -> dict[int, Any]:
         """Values by the index of their coordinate, mm and rad; NaN for None."""
         known = {axis.key: n for n, axis in enumerate(self.coordinates)}
         turned = {axis.json_key: n for n, axis in enumerate(self.coordinates)}
@@ -372,7 +376,7 @@ class Machine(Faceted[D]):
                     f"a {self.title} has no coordinate {key!r}; it has {', '.join(known)}"
                 )
             degrees = key not in known
-            value = nan if value is None else value
+            value = nan if value is None else numbers(value, key)
             found[turned[key] if degrees else known[key]] = np.radians(value) if degrees else value
         return found
 

@@ -199,8 +199,22 @@ def condition_text(value: float) -> str:
 
 
 def number_text(value: float | None) -> str:
-    """Six digits; a dash for what does not exist."""
-    return "–" if value is None or not isfinite(value) else f"{value:.6g}"
+    """Six digits, large numbers to the unit; a dash for what does not exist."""
+    if value is None or not isfinite(value):
+        return "–"
+    return grouped(value) if 1e5 <= abs(value) < 1e12 else f"{value + 0.0:.6g}"
+
+
+def grouped(value: float, decimals: int = 0) -> str:
+    """Digits in groups of three."""
+    return f"{value:,.{decimals}f}".replace(",", "\u202f")
+
+
+def fixed(value: float, axis: Coordinate) -> str:
+    """A coordinate in people's units to four decimals; no "-0.0000", and half a turn is 180°."""
+    text = f"{value:.4f}"
+    same = {"-0.0000": "0.0000"} | ({"-180.0000": "180.0000"} if axis.unit == "rad" else {})
+    return same.get(text, text)
 
 
 def seconds_text(value: float) -> str:
@@ -226,5 +240,5 @@ def pieces_text(volumes: Sequence[float]) -> str:
 
 def volume_text(value: float) -> str:
     """mm³, in groups of three digits."""
-    number = f"{value:,.0f}".replace(",", "\u202f") if value >= 100 else f"{value:.3g}"
+    number = grouped(value) if value >= 100 else f"{value:.3g}"
     return f"{number} mm³"

@@ -8,6 +8,7 @@ from math import degrees, radians
 from typing import Any, Literal, TypeVar
 
 from kinematics.answers.bounds import Unit
+from kinematics.arrays import number
 from kinematics.errors import InputError
 
 V = TypeVar("V", bound="Values")
@@ -124,10 +125,11 @@ def filled(
     """Values with those that are named replaced.
 
     Raises:
-        InputError: there is no such coordinate.
+        InputError: there is no such coordinate, or it is no number.
     """
     known = [axis.key for axis in axes]
     for key in named:
         if key not in known:
             raise InputError(f"there is no coordinate {key!r}; there are {', '.join(known)}")
+    named = {key: number(value, key) for key, value in named.items()}
     return [named.get(key, value) for key, value in zip(known, start, strict=True)]

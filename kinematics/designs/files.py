@@ -183,16 +183,26 @@ def read_number(value: object, *, origin: str, path: KeyPath, unit: str = "mm") 
 
 
 def read_numbers(
-    value: object, count: int, *, origin: str, path: KeyPath, unit: str = "mm"
+    value: object,
+    count: int,
+    *,
+    origin: str,
+    path: KeyPath,
+    unit: str = "mm",
+    point: bool = False,
 ) -> tuple[float, ...]:
-    """Exactly ``count`` finite numbers."""
+    """Exactly ``count`` finite numbers; ``point``: the coordinates of one, or of a direction."""
     what = path_text(path, end="")
+    if point and isinstance(path[-1], int) and len(path) > 2:  # one of a list of points
+        noun = "point" if unit == "mm" else "direction"
+        what = f"{path_text(path[:-2])}{noun} {path[-1] + 1} of {path[-2]}"
     if not isinstance(value, list | tuple):
         _fail(
             origin, path, f"{what} must be a list of {count} numbers ({unit}), got {_shown(value)}"
         )
     if len(value) != count:
-        _fail(origin, path, f"{what} must have {count} numbers ({unit}), got {len(value)}")
+        named = ("x, y, z in mm" if unit == "mm" else "x, y, z") if point else unit
+        _fail(origin, path, f"{what} must have {count} numbers ({named}), got {len(value)}")
     return tuple(
         read_number(v, origin=origin, path=(*path, i), unit=unit) for i, v in enumerate(value)
     )
@@ -221,7 +231,7 @@ def change_table(
     """
     field = next((field for field in fields if field.path == tuple(path)), None)
     if field is None:
-        raise InputError(f"the design has no number {path_text(path, end='')!r}")
+        raise InputError(_no_field(fields, path))
     changed = deepcopy(table)
     for *way, last in (field.path, *field.also):
         place: Any = changed
@@ -229,6 +239,20 @@ def change_table(
             place = place[step]
         place[last] = value
     return changed
+
+
+def _no_field(fields: Sequence[DesignField], path: Sequence[str | int]) -> str:
+    """That there is no number at ``path``, and what there is from where it goes astray."""
+    known = [tuple(map(str, field.path)) for field in fields]
+    typed = tuple(map(str, path))
+    kept = 0
+    while any(one[: kept + 1] == typed[: kept + 1] for one in known) and kept < len(typed):
+        kept += 1
+    begun = typed[:kept]
+    steps = list(dict.fromkeys(o[kept] for o in known if o[:kept] == begun and len(o) > kept))
+    where = f"{'.'.join(begun)} has" if begun else "there are"
+    end = f"{where} {', '.join(steps)}" if steps else f"{'.'.join(begun)} is a number itself"
+    return f"the design has no number {'.'.join(typed)!r}; {end}"
 
 
 def _fail(origin: str, path: KeyPath, problem: str) -> NoReturn:

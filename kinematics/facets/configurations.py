@@ -17,7 +17,7 @@ from kinematics.answers.modes import Mode
 from kinematics.answers.motion import Motion, Statics, WrenchSystem
 from kinematics.answers.singularities import AT, Event, ModeChange, Singularity
 from kinematics.answers.solutions import Followed, Posture, Reason
-from kinematics.arrays import Array
+from kinematics.arrays import Array, finite
 from kinematics.errors import InputError
 from kinematics.facets.faceted import Faceted
 from kinematics.mechanism import D
@@ -202,7 +202,7 @@ class Configuration(Generic[D]):
         """The same with what stopped it and why: from here on a straight line in joint space."""
         if isinstance(joints, Mapping):
             joints = filled(self.posture.joints, self.machine.joints, joints)
-        return self.machine.following.follow(self.posture, np.asarray(joints, dtype=float))
+        return self.machine.following.follow(self.posture, finite(joints, name="the joints"))
 
     def driven(self, poses: ArrayLike) -> Followed:
         """Through poses (N, P), as the machine is driven, up to what would stop it.
@@ -221,5 +221,5 @@ class Configuration(Generic[D]):
 def _ordered(given: Rates | None, axes: tuple[Coordinate, ...]) -> list[float] | Array | None:
     """Numbers in the order of the coordinates."""
     if given is None or not isinstance(given, Mapping):
-        return None if given is None else np.asarray(given, dtype=float)
+        return None if given is None else finite(given, name="rates")
     return filled([0.0] * len(axes), axes, given)

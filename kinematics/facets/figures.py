@@ -95,7 +95,7 @@ def _held(space: Space[Any], posture: Posture) -> Iterator[Figure]:
     stroke = next((way for way in ways if way.kind in ("boundary", "stroke")), None)
     lost = here.nearest_singularity if here.reachable else None
     for key, title, way in (
-        ("travel", "Travel left at the pose", stroke),
+        ("boundary", "Distance to the workspace boundary at the pose", stroke),
         ("singularity", "Distance to a singularity at the pose", lost),
     ):
         value, error = (nan, nan) if way is None else (way.distance, way.error)

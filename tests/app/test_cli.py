@@ -90,6 +90,7 @@ def test_version(bohemia: Run) -> None:
     ("arguments", "said"),
     [
         (["ikk"], "there is no command 'ikk'; did you mean 'ik'"),
+        (["rpur-tabel1"], "there is no command 'rpur-tabel1'; did you mean 'rpur-table1'"),
         (["qqq"], "there are serve, designs, ik, fk, workspace, vertex-space"),
         (["ik"], "required: DESIGN, --pose"),
         (["ik", "--json", "--modes", "..", "--pose", "-"], "required: DESIGN"),
@@ -239,6 +240,19 @@ def test_a_pose_that_no_limb_can_close_has_no_solutions(bohemia: Run) -> None:
     assert table.code == 0
     assert "Not reachable" in table.stdout
     assert all(reason in table.stdout for reason in answer["reasons"])
+
+
+def test_a_pose_out_of_reach_is_told_of_the_modes_asked_for(bohemia: Run) -> None:
+    at = ("ik", "rpur-table1", "--pose", POSE, "--mode")
+    told = bohemia(*at, "home").stdout
+    assert "Not reachable in working mode +-+-+.\n" in told
+    assert told.endswith("Reachable in working mode +++++.\n")
+    answer = answered(bohemia(*at, "home", "--json"))
+    assert (answer["modes"], answer["reachable_in_other_modes"]) == (["+-+-+"], ["+++++"])
+    several = bohemia(*at, "+-+?+").stdout
+    assert "Not reachable in any of the working modes +-+++, +-+-+. The nearest " in several
+    nowhere = bohemia("ik", "rpur-table1", "--pose", "900,0,0,0,0", "--mode", "+++++").stdout
+    assert "Not reachable in working mode +++++, nor in any other.\n" in nowhere
 
 
 def test_a_pose_beyond_every_stroke_says_why(bohemia: Run) -> None:

@@ -153,6 +153,15 @@ def test_forces_do_the_work_of_the_load(bohemia: Run) -> None:
         assert given + work == pytest.approx(0.0, abs=1e-5)
 
 
+def test_out_of_reach_the_reasons_come_first_and_no_table_of_nothing(here: Run) -> None:
+    away = ("rpur-table1", "--pose", "900,0,0,0,0")
+    held = here("statics", *away, "--load", "0,0,10,0,0,0").stdout
+    assert "limb 3 cannot reach" in held
+    assert "force" not in held
+    moved = here("velocity", *away, "--rates", "1,0,0,0,0").stdout
+    assert 0 < moved.index("limb 3 cannot reach") < moved.index("rate /s")
+
+
 def test_statics_table_is_readable(here: Run) -> None:
     done = here("statics", *AT, "--load", "-0,0,-10,0,0,0")
     assert done.code == 0

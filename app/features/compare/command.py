@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isnan
+from math import ceil, isnan, log10
 from typing import TYPE_CHECKING, Any
 
 from app.features.compare import LETTERS
@@ -32,7 +32,7 @@ def compare(
     others: tuple[str, ...] = argument("DESIGN...", preset_names, files=True, nargs=-1),
     pose: Given = pose(
         "0. The orientation is that of all workspaces; a whole pose is asked of all designs, "
-        "without one the home pose of the first"
+        "without one the home position of the first at that orientation"
     ),
     modes: Modes = MODES,
     tolerance: float = tolerance("1e-06"),
@@ -57,13 +57,12 @@ def compare(
     angles, home = pose.angles(*keys), machine.home
     mode = home.mode if modes is None else modes[0]
     whole = pose.whole and pose.positioned
+    held = tuple((a.key, None if isnan(v) else a.inner(v)) for a, v in angles.held)
     request = Request(
         tuple(each.design for each in machines),
-        tuple(
-            (axis.key, None if isnan(value) else axis.inner(value)) for axis, value in angles.held
-        ),
+        held,
         modes,
-        tuple(pose.place(mode).posture.pose) if whole else home.pose,
+        tuple(pose.place(mode).pose if whole else machine.pose(mode, **dict(held))),
         mode,
     )
     with progress("Comparing"):
@@ -100,7 +99,9 @@ def _lines(found: Compared) -> list[str]:
         parts = [*zip(letters, found.sizes, strict=True), ("common", found.common)]
         parts += [(f"only {n}", size) for n, size in zip(letters, found.only, strict=True)]
         head = ("part", f"size ({found.unit})", "±")
-        rows = [(name, _digits(size.value), f"{size.error:.2g}") for name, size in parts]
+        rows = [
+            (name, _digits(size.value, size.error), f"{size.error:.2g}") for name, size in parts
+        ]
         lines += ["", tables.table(head, rows)]
     lines += ["", tables.table(("measure", *letters, "best"), _measures(found, letters))]
     told = differing(found)
@@ -139,8 +140,9 @@ def _number(value: float | None) -> str:
     return "–" if value is None else f"{value:.10g}"
 
 
-def _digits(value: float) -> str:
-    return f"{value:.10g}" if abs(value) < 1e10 else f"{value:.6g}"
+def _digits(value: float, error: float) -> str:
+    """To the digits that the error leaves."""
+    return tables.grouped(value, min(max(0, ceil(-log10(error))), 6) if error > 0.0 else 2)
 
 
 def _data(found: Compared) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from math import degrees, isfinite
 from typing import TYPE_CHECKING, Any
 
@@ -87,7 +87,9 @@ def velocity(
     move = ", ".join(map(tables.number_text, data["twist"]["v"]))
     table = tables.table(("", "rate /s", "acceleration /s²"), rows)
     twist = f"twist  ω = ({turn}) °/s, v = ({move}) mm/s"
-    return Answer(data, [place.where, "", table, "", twist, *reasons])
+    return Answer(
+        data, [*_head(place, reasons), *(["", table, "", twist] if _any(numbers) else [])]
+    )
 
 
 def _judged(place: Place, numbers: Iterable[float], *, serial: bool) -> tuple[list[str], list[str]]:
@@ -107,6 +109,22 @@ def _judged(place: Place, numbers: Iterable[float], *, serial: bool) -> tuple[li
         for each in lost
         if (each.kind == "serial") == serial
     ]
+
+
+def _head(place: Place, reasons: Sequence[str]) -> list[str]:
+    """The pose, and before any number what is wrong with it."""
+    posture = place.posture
+    beyond = [] if posture.reachable else [reason.text for reason in posture.reasons]
+    told = [
+        *(["Not reachable:"] if beyond else []),
+        *(f"  {text}" for text in beyond),
+        *(r for r in reasons if r not in beyond),
+    ]
+    return [place.where, *([""] if told else []), *told]
+
+
+def _any(numbers: Iterable[float]) -> bool:
+    return any(map(isfinite, numbers))
 
 
 def _twist(twist: Array, turning: str, moving: str, per: str) -> dict[str, list[float | None]]:
@@ -154,8 +172,8 @@ def statics(
     }
     unit = ("", "unit", {"N": "N", "N mm": "N·mm"})
     columns = (("wrench", "symbol"), ("", "kind"), ("force", "value"), unit)
-    lines = [place.where, "", tables.records(forces, *columns), *reasons]
-    return Answer(data, lines)
+    known = ["", tables.records(forces, *columns)] if _any(found.forces.tolist()) else []
+    return Answer(data, [*_head(place, reasons), *known])
 
 
 def wrench_entries(machine: Machine[Any], system: WrenchSystem) -> list[dict[str, Any]]:

@@ -308,8 +308,8 @@ def _surface_lines(data: dict[str, Any]) -> list[str]:
     table = tables.records(
         data["pieces"],
         ("piece", "#"),
-        ("volume (mm³)", "volume_mm3", ",.0f"),
-        ("±", "volume_error_mm3", ",.0f"),
+        ("volume (mm³)", "volume_mm3", tables.grouped),
+        ("±", "volume_error_mm3", tables.grouped),
         ("", "sign", {1: "det > 0", -1: "det < 0", 0: ""}),
     )
     finer = "" if resolution == "fine" else "; a finer one may show thin layers"
@@ -317,11 +317,12 @@ def _surface_lines(data: dict[str, Any]) -> list[str]:
     if area > 0.0 and residual is not None:
         unplaced = f" but for {data['locus_unplaced']}" if data["locus_unplaced"] else ""
         exact = f"its vertices exact to {residual:.1g} mm{unplaced}"
-        locus = f"singular surface {area:,.0f} mm², {exact}"
+        locus = f"singular surface {tables.grouped(area)} mm², {exact}"
     return [
         table,
         "",
-        f"together {data['volume_mm3']:,.0f} ± {data['volume_error_mm3']:,.0f} mm³",
+        f"together {tables.grouped(data['volume_mm3'])} ± "
+        f"{tables.grouped(data['volume_error_mm3'])} mm³",
         locus,
         f"At {resolution} resolution: pieces thinner than a cell, or smaller than the error, may "
         "be missed, and are told by a finer one.",

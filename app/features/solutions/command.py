@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from math import degrees, isfinite, isnan, pi, remainder
 from typing import TYPE_CHECKING, Any
 
@@ -29,13 +30,15 @@ def ik(
 ) -> Answer:
     """Inverse kinematics: every working or operation mode of a pose."""
     axes, joints, noun = machine.coordinates, machine.joints, machine.mode_noun
-    places = _places(pose, machine.modes if modes is None else modes)
+    asked = machine.modes if modes is None else modes
+    places = _places(pose, asked)
     closing = [place for place in places if place.posture.closes]
     nearest = min(places, key=lambda place: _miss(place.posture))
     free = [_free(machine, place.posture) for place in closing]
     others = _other_poses(pose, nearest)
     held = sum(place.posture.reachable for place in closing)
     reasons = [] if held else [reason.text for reason in nearest.posture.reasons]
+    able = [] if held else _holding(pose, [mode for mode in machine.modes if mode not in asked])
     solutions = [
         {
             **place.entries,
@@ -53,6 +56,8 @@ def ik(
         "transform": machine.transform(nearest.pose, nearest.mode).tolist(),
         "reachable": held > 0,
         "reasons": reasons,
+        **tables.modes_entry(modes),
+        "reachable_in_other_modes": able,
         "warnings": _warnings(machine, closing, free),
         "other_poses": [tables.named(other, axes) for other in others],
         "solutions": solutions,
@@ -60,7 +65,7 @@ def ik(
     lines = [nearest.pose_text, ""]
     if closing:
         rows = [
-            [place.mode, *(f"{joint:.4f}" for joint in solution["joints"]), within]
+            [place.mode, *map(tables.fixed, solution["joints"], joints), within]
             for place, solution, within in zip(
                 closing, solutions, map(_within, closing, free), strict=True
             )
@@ -71,9 +76,13 @@ def ik(
     if held:
         lines.append(f"Reachable in {held} of {len(closing)} {noun}s." if noun else "Reachable.")
     else:
-        where = f" The nearest {noun} is {nearest.mode}:" if closing and noun else ""
-        lines.append(f"Not reachable in any {noun}.{where}" if noun else "Not reachable.")
+        several = closing and noun and len(asked) > 1
+        where = f" The nearest {noun} is {nearest.mode}:" if several else ""
+        nor = "" if able or modes is None else ", nor in any other"
+        lines.append(f"Not reachable{_asked_text(modes, noun)}{nor}.{where}")
         lines += [f"  {text}" for text in reasons]
+    if able:
+        lines.append(f"Reachable in {tables.modes_text(able, noun)}.")
     for other in others:
         there = tables.with_units(tables.outer(other, axes), axes)
         lines.append(f"The constraint holds as well at {there}; what is nearest to 0 was taken.")
@@ -91,6 +100,22 @@ def _places(pose: Given, modes: Sequence[str]) -> list[Place]:
     if not places:
         raise refusals[0]
     return places
+
+
+def _holding(pose: Given, modes: Sequence[str]) -> list[str]:
+    """Those of some modes in which the pose is within reach."""
+    found = []
+    for mode in modes:
+        with suppress(InputError):  # the mode has no such pose
+            found += [mode] if pose.place(mode).posture.reachable else []
+    return found
+
+
+def _asked_text(modes: Modes, noun: str) -> str:
+    """ " in any working mode"; of modes that were asked for, in these."""
+    if not noun or modes is None:
+        return f" in any {noun}" if noun else ""
+    return f" in {'' if len(modes) == 1 else 'any of the '}{tables.modes_text(modes, noun)}"
 
 
 def _miss(posture: Posture) -> tuple[int, float]:
@@ -238,7 +263,7 @@ def _solution_lines(
         [
             str(found.identities[n]),
             *(found.modes[n] for _ in moded),
-            *(f"{value:.4f}" for value in tables.outer(found.poses[n], axes)),
+            *map(tables.fixed, tables.outer(found.poses[n], axes), axes),
             tables.condition_text(float(found.condition[n])),
             "yes" if found.within_stroke[n] else "no",
             tables.remark(int(found.multiplicity[n]), float(found.gap[n])),

@@ -231,7 +231,7 @@ def _one(key: LimbKey, value: object, origin: str, path: KeyPath) -> Value:
 
 
 def _vector(value: object, origin: str, path: KeyPath, unit: str = "mm") -> Vector:
-    x, y, z = read_numbers(value, 3, origin=origin, path=path, unit=unit)
+    x, y, z = read_numbers(value, 3, origin=origin, path=path, unit=unit, point=True)
     return x, y, z
 
 

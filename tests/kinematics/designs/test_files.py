@@ -304,8 +304,8 @@ def test_fields_are_all_numbers_of_a_design_and_each_can_be_changed() -> None:
         (("limb", 0, "stroke", 0), 500.0, r"^limb 1: stroke must be \[ρ_min, ρ_max\]"),
         (("limb", 4, "base", 1), math.nan, r"^limb 5: base: number 2 must be a finite number"),
         (("limb", 4, "base", 1), math.inf, r"^limb 5: base: number 2 must be a finite number"),
-        (("limb", 5, "link"), 1.0, r"no number 'limb 6: link'"),
-        (("limb", 0, "colour"), 1.0, r"no number 'limb 1: colour'"),
+        (("limb", 5, "link"), 1.0, r"no number 'limb.5.link'"),
+        (("limb", 0, "colour"), 1.0, r"no number 'limb.0.colour'"),
         ((), 1.0, r"no number ''"),
     ],
 )

@@ -176,6 +176,10 @@ def test_a_wrong_mobility_is_told_with_its_reason() -> None:
         ({**UPS, "repeat": 20}, "whole number from 1 to 9"),
         ({"joints": [{"joint": "R", "at": [0, 0, 0], "axis": [0, 0, 1]}]}, "2 to 6 joints"),
         (
+            {**UPS, "base": [[1, 0, 0], [2, 0]]},
+            r"point 2 of base must have 3 numbers \(x, y, z in mm\), got 2",
+        ),
+        (
             {"joints": [{"joint": "R", "at": [0, 0, 0], "axis": [0, 0, 0]}] * 2},
             "limb 1: .*axis.* must be a direction",
         ),
