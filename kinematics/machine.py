@@ -92,8 +92,8 @@ class Machine(Faceted[D]):
             >>> machine.design.limbs[2].link, longer.design.limbs[2].link
             (150.0, 170.0)
         """
-        if not isinstance(value, int | float):  # what is infinite is told with its label
-            value = number(value, "the new value")
+        given: Any = value  # what is infinite is told with its label
+        value = given if isinstance(given, int | float) else number(given, "the new value")
         if isinstance(path, str):
             path = tuple(int(step) if step.isdigit() else step for step in path.split("."))
         return Machine(self.mechanism.edited(path, value))
