@@ -99,7 +99,7 @@ def page():
 
 def test_the_list_takes_back_what_is_pressed_and_says_so(page: Seat) -> None:
     page.do(Move(0, 300.0), SetOption("labels", True), Move(1, 60.0), Move(2, 200.0))
-    page.press("y 73 → 60 mm")
+    page.press("Take back: y 73 → 60 mm")
     assert page.review.pose[:3] == (300.0, 73.0, 211.0)
     assert page.review[Options].labels
     assert "Taken back: z 211 → 200 mm; y 73 → 60 mm" in page.text()

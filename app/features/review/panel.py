@@ -54,7 +54,7 @@ class StepsFolder(Group):
         for n, button in enumerate(self._steps):
             self.set(button, visible=n < len(titles))
             if n < len(titles):
-                self.set(button, label=sentence(titles[n]))
+                self.set(button, label=tr("review.take_back", what=sentence(titles[n])))
 
     def _take_back(self, n: int, _: Client) -> None:
         self.desk.undo(self.LOOKS, n + 1)
