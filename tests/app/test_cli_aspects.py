@@ -75,7 +75,7 @@ def test_a_piece_is_written_as_a_closed_solid(here: Run, tmp_path: Path) -> None
 def test_said_in_words(here: Run) -> None:
     text = here(*AT, "--resolution", "preview").stdout
     assert "working mode -----, preview" in text
-    assert re.search(r"1 +[\d,]+ +det [<>] 0", text)
+    assert re.search(r"1 +[\d\u202f]+ +det [<>] 0", text)
     assert "pieces may be joined through others" in text
     empty = here("singularity", "rpur-table1", "--mode", "++--+").stdout
     assert "The workspace of this mode is empty at this orientation." in empty
