@@ -20,7 +20,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PIP_NO_INPUT := 1
 export PIP_ROOT_USER_ACTION := ignore
 
-.PHONY: run test check check-all sweeps mutants format docs schemas bench start-solutions clean
+.PHONY: run test check check-all sweeps mutants format docs schemas bench pictures start-solutions clean
 
 run: $(VENV)/installed
 	@exec $(BIN)/bohemia $(ARGS)
@@ -67,6 +67,10 @@ schemas: $(VENV)/installed-tools
 bench: $(VENV)/installed-tools
 	@for script in tests/benchmarks/bench_*.py; do \
 		echo "== $$script"; $(BIN)/python "$$script" $(ARGS) || exit 1; done
+
+# The README's pictures of the page as it is.
+pictures: $(VENV)/installed-tools
+	@$(BIN)/python -m tests.pictures assets/readme
 
 # Makes the start sets of the forward kinematics again, from nothing; takes a few minutes.
 start-solutions: $(VENV)/installed

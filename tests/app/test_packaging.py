@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.metadata
 import json
 import os
 import re
@@ -121,3 +122,21 @@ def test_the_readmes_picture_and_links_exist() -> None:
     for target in re.findall(r"\]\(([^)#]+)\)", README):
         if not target.startswith("http"):
             assert (ROOT / target).is_file(), target
+
+
+def test_one_version_stands_everywhere() -> None:
+    version = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["version"]
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert re.search(r"^version: (.*)$", citation, re.M)[1] == version  # type: ignore[index]
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    released = re.findall(r"^## \[(\d[^\]]*)\] - (\S+)$", changes, re.M)
+    assert released[0][0] == version
+    assert re.search(r"^date-released: (.*)$", citation, re.M)[1] == released[0][1]  # type: ignore[index]
+
+
+def test_nobody_else_here_has_the_import_names() -> None:
+    """The two packages have short names; the README says so."""
+    owners = importlib.metadata.packages_distributions()
+    for name in ("app", "kinematics"):
+        assert set(owners.get(name, ["bohemia"])) == {"bohemia"}
+        assert f"`{name}`" in README
