@@ -104,7 +104,8 @@ def test_a_looser_tolerance_takes_fewer_sections(here: Run) -> None:
 def test_a_volume_without_its_pieces_is_the_same_volume(here: Run) -> None:
     asked = ("volume", "rpur-table1", "--phi", "10", "--json")
     whole, alone = answered(here(*asked)), answered(here(*asked, "--no-pieces"))
-    assert alone["volume_mm3"] == whole["volume_mm3"]
+    # The kernel may come between the two; it rounds otherwise than numpy.
+    assert alone["volume_mm3"] == pytest.approx(whole["volume_mm3"], rel=1e-13)
     assert set(whole) - set(alone) == {"pieces", "piece_volumes_mm3"}
     lines = here(*asked[:-1], "--no-pieces").stdout.splitlines()
     assert not any(line.startswith("pieces") for line in lines)
