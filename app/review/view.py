@@ -200,7 +200,8 @@ def joint_rows(machine: Machine[Any], posture: Posture) -> tuple[JointRow, ...]:
         note = ""
         if reason is not None:
             level = "bad"
-            beyond = tr("status.beyond", amount=amount_text(reason.amount, reason.unit))
+            amount = amount_text(reason.amount, reason.unit)
+            beyond = tr("status.beyond", value=amount_text(value, reason.unit), amount=amount)
             note = tr("status.open") if reason.bound == "link" else beyond
         elif not c.free and margin < NEAR * (c.upper - c.lower):
             level, note = "near", tr("page.near_end")

@@ -8,15 +8,19 @@ from __future__ import annotations
 import io
 import zipfile
 from collections.abc import Iterator
+from dataclasses import replace
 
 import pytest
 
-from app.features.compare.compute import compare, request_of
+import kinematics as kin
+from app.features.compare.compute import Request, compare, request_of
+from app.features.compare.plot import sections_figure
 from app.features.compare.state import Beside, PutBeside, SetBeside
 from app.features.design.state import Milestones
 from app.review import session
 from app.review.changes import change
 from app.review.state import new_review
+from app.review.units import area_text
 from kinematics.designs.files import load_design, read_design
 from kinematics.errors import InputError
 from tests.app import seats
@@ -120,3 +124,23 @@ def test_milestones_are_kept_compared_restored_and_saved(page: Seat) -> None:
     page.put("Name", "  ")
     page.press("Keep this state")
     assert page.told[-1] == "a milestone needs a name"
+
+
+def test_sections_by_one_plane_lie_over_one_another() -> None:
+    names, held = ("rpur-table1", "rpur-table2"), (("phi", 0.1), ("theta", 0.0))
+    machines = [kin.open(name) for name in names]
+    home = machines[0].home
+    designs = tuple(m.design for m in machines)
+    request = Request(designs, held, ("+-+-+",), home.pose, home.mode, 320.0)
+    found = compare(request, 1e-2, measured=False)
+    areas = [m.workspace("+-+-+", **dict(held)).section(320.0).area for m in machines]
+    assert [one.area for one in found.outlines if one is not None] == pytest.approx(areas)
+    figure = sections_figure(found)
+    assert figure is not None
+    assert figure.content.count("<path") >= 4
+    assert f"A {area_text(areas[0])}" in figure.idle
+    through = compare(replace(request, at=None), 1e-2, measured=False)
+    assert machines[0].sections is not None
+    frame = machines[0].sections.frame(home.pose)
+    place = machines[0].transform(home.pose, home.mode)[:3, 3]
+    assert through.at == pytest.approx(frame[:3, 0] @ (place - frame[:3, 3]))

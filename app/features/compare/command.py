@@ -6,13 +6,14 @@ from math import ceil, isnan, log10
 from typing import TYPE_CHECKING, Any
 
 from app.features.compare import LETTERS
-from app.terminal import tables
+from app.terminal import tables, values
 from app.terminal.command import Answer, Output, command, load, progress
 from app.terminal.options import (
     DESIGN,
     MODES,
     Modes,
     argument,
+    option,
     output,
     pose,
     preset_names,
@@ -36,6 +37,9 @@ def compare(
     ),
     modes: Modes = MODES,
     tolerance: float = tolerance("1e-06"),
+    at: float | None = option(
+        "X", "where the plane of sections stands, mm; without it, through O'", values.number, "--x"
+    ),
     output: Output = output("a folder of solids and tables, or a report: .html or .pdf"),
 ) -> Answer:
     """Two to four designs side by side, base frames on one another.
@@ -64,6 +68,7 @@ def compare(
         modes,
         tuple(pose.place(mode).pose if whole else machine.pose(mode, **dict(held))),
         mode,
+        at,
     )
     with progress("Comparing"):
         found = found_of(request, tolerance)
@@ -111,6 +116,11 @@ def _lines(found: Compared) -> list[str]:
     else:
         lines += ["", "no number of the designs differs"]
     machine = request.machines[0]
+    spec = machine.section_spec
+    cut = [(n, one) for n, one in zip(letters, found.outlines, strict=True) if one is not None]
+    if cut and spec is not None:
+        areas = ", ".join(f"{letter} {one.area:.4f} mm²" for letter, one in cut)
+        lines += ["", f"sections at {spec.normal} = {found.at:g} mm: {areas}"]
     pose = tables.with_units(tables.outer(request.pose, machine.coordinates), machine.coordinates)
     lines += ["", f"pose {pose}{tables.mode_text(machine, request.mode)}"]
     for letter, one in zip(letters, found.asked, strict=True):
@@ -181,6 +191,11 @@ def _data(found: Compared) -> dict[str, Any]:
         "only": [
             {"design": name, of: size.value, error: size.error}
             for name, size in zip(names, found.only, strict=False)
+        ],
+        "sections": [
+            {"design": name, "x_mm": found.at, "area_mm2": one.area}
+            for name, one in zip(names, found.outlines, strict=True)
+            if one is not None
         ],
         "exact": found.exact,
         "why_not": found.why or None,

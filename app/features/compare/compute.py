@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from app.features.compare.state import Beside
 from app.features.section.compute import edges, filled
+from app.features.section.state import Cut, place_in_section
 from app.features.workspace.compute import REST_FINE, REST_NORMAL, STEP, in_space
 from app.features.workspace.state import solver_modes
 from app.jobs.answers import Question
@@ -44,6 +45,7 @@ class Request:
         modes: of the workspaces; None: all together.
         pose: (P,) of the first one, mm and rad, which is asked of all.
         mode: in which it is.
+        at: where the plane of sections stands along its normal, mm; None: through O′ at the pose.
     """
 
     designs: tuple[Design, ...]
@@ -51,6 +53,7 @@ class Request:
     modes: tuple[str, ...] | None
     pose: tuple[float, ...]
     mode: str
+    at: float | None = None
 
     @property
     def machines(self) -> tuple[Machine[Any], ...]:
@@ -95,6 +98,7 @@ class Compared:
             different coordinates.
         exact: they are those of the true workspaces, and not of meshes.
         curves: of each design, where its sections are exact.
+        outlines: so are the sections by one plane, ``at`` mm along the normal.
     """
 
     request: Request
@@ -108,6 +112,8 @@ class Compared:
     rows: tuple[Row, ...]
     asked: tuple[Asked, ...]
     curves: tuple[Curve | None, ...]
+    outlines: tuple[Section | None, ...]
+    at: float
 
 
 def compare(request: Request, relative: float = 1e-6, *, measured: bool = True) -> Compared:
@@ -120,6 +126,9 @@ def compare(request: Request, relative: float = 1e-6, *, measured: bool = True) 
         InputError: a machine has no such mode.
     """
     machines, its_spaces = request.machines, _spaces(request)
+    at = request.at
+    if at is None:
+        at = place_in_section(machines[0], request.pose, request.mode)[0]
     why, found, common = "", None, None
     sizes: tuple[Size, ...] = ()
     only: tuple[Size, ...] = ()
@@ -140,6 +149,8 @@ def compare(request: Request, relative: float = 1e-6, *, measured: bool = True) 
         rows=measures(request) if measured else (),
         asked=tuple(_asked(machine, request) for machine in machines),
         curves=tuple(map(_curve, its_spaces)),
+        outlines=tuple(_outline(space, at) for space in its_spaces),
+        at=at,
     )
 
 
@@ -243,7 +254,14 @@ def request_of(review: Review) -> Request | None:
     held = tuple(
         (machine.coordinates[n].key, None if n in last else review.pose[n]) for n in turned
     )
-    return Request((review.design, *designs), held, solver_modes(review), review.pose, review.mode)
+    return Request(
+        (review.design, *designs),
+        held,
+        solver_modes(review),
+        review.pose,
+        review.mode,
+        review[Cut].at,
+    )
 
 
 COMPARED: Question[Compared] = Question(
@@ -288,6 +306,11 @@ def _rows(every: Sequence[tuple[Figure, ...]]) -> Iterator[Row]:
 
 def _asked(machine: Machine[Any], request: Request) -> Asked:
     return asked(machine, request.machines[0], request.pose, request.mode)
+
+
+def _outline(space: Space[Any], at: float) -> Section | None:
+    facet = space.machine.sections
+    return None if facet is None else facet.at(space.pose, space.modes, at)
 
 
 def _curve(space: Space[Any]) -> Curve | None:

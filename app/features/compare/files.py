@@ -65,6 +65,7 @@ def contents(found: Compared, unit: str = "mm") -> Iterable[tuple[str, bytes]]:
     for name, text in tables:
         if text:
             yield name, csv_in(text, unit).encode()
+    yield from _sections(found, unit)
     if found.common is None:
         return
     if found.unit == "mm²":
@@ -81,6 +82,17 @@ def contents(found: Compared, unit: str = "mm") -> Iterable[tuple[str, bytes]]:
     for name, built in (("common", solids.common), *zip(_alone(found), solids.only, strict=True)):
         if built.triangles:
             yield f"{name}.stl", solid_bytes(built, np.eye(4), "stl", unit)
+
+
+def _sections(found: Compared, unit: str) -> Iterable[tuple[str, bytes]]:
+    """The exact section of each design by one plane."""
+    from app.features.section.files import section_bytes
+
+    for letter, machine, one in zip(LETTERS, found.request.machines, found.outlines, strict=False):
+        if one is not None and one.loops and machine.section_spec is not None:
+            name = f"section-{letter}_{sanitized(machine.design.name)}"
+            data = section_bytes(one, machine.section_spec, "dxf", title=name, unit=unit)
+            yield f"{name}.dxf", data
 
 
 def _alone(found: Compared) -> list[str]:

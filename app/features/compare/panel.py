@@ -8,7 +8,7 @@ from typing import Any
 from app.features.compare import LETTERS, html
 from app.features.compare.compute import Compared
 from app.features.compare.part import ComparePart, Told
-from app.features.compare.plot import areas_figure
+from app.features.compare.plot import areas_figure, sections_figure
 from app.features.compare.state import MOST, Beside, PutBeside, SetBeside, TakeAway
 from app.features.design.panel import design_of_file
 from app.features.design.state import UseDesign
@@ -41,6 +41,7 @@ class ComparePanel(Panel):
         with self.folder("compare.measures") as self._measured:
             self._measures = gui.add_html("")
         self._areas = Plot(self.desk, lambda _x, _y, _client: None)
+        self._sections = Plot(self.desk, lambda _x, _y, _client: None)
         with self.folder("compare.differences") as self._differing:
             self._differences = gui.add_html("")
         with self.folder("compare.pose") as self._posed:
@@ -70,6 +71,7 @@ class ComparePanel(Panel):
             self.say(self._answer, red(told.trouble) if told.trouble else box(tr("compare.first")))
         if found is None or not some:
             self._areas.draw(None)
+            self._sections.draw(None)
             return
         stale = told.stale
         self.say(
@@ -83,6 +85,10 @@ class ComparePanel(Panel):
         self.say(self._differences, html.differences_html(found), stale)
         self.say(self._pose, html.pose_html(found), stale)
         self._areas.draw(_areas(found), partial(areas_figure, found, of), stale=stale)
+        cut = sections_figure(found, of) is not None
+        self._sections.draw(
+            found if cut else None, partial(sections_figure, found, of), stale=stale
+        )
 
     def told(self, sheet: Sheet, news: Any) -> None:
         if isinstance(news, Told):

@@ -1,4 +1,4 @@
-"""The area of sections along the normal, of several designs over one another."""
+"""Sections, and their areas along the normal, of several designs over one another."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from app.widgets.axes import (
     Figure,
     Look,
     Table,
+    equal_axes,
     grid,
     middles,
     sampled,
@@ -26,9 +27,11 @@ from app.widgets.axes import (
     thinned,
     ticks,
 )
-from app.widgets.svg import label, line
+from app.widgets.svg import label, line, tag
 from kinematics.arrays import Array
 
+SECTION = 396.0, 300.0  # px
+CHORD = 4.0  # mm
 COLUMNS = 336  # places of which the areas are told
 MOST = 500  # points of a curve that are drawn
 DASHES = ("", "6 3", "2 3", "8 3 2 3")
@@ -81,6 +84,46 @@ def areas_figure(found: Compared, of: Scheme = LIGHT, look: Look = WHOLE) -> Fig
         partial(_table, normal, curves),
         title=tr("compare.areas"),
         unit="cm²",
+    )
+
+
+def sections_figure(found: Compared, of: Scheme = LIGHT, look: Look = WHOLE) -> Figure | None:
+    """The sections by one plane over one another; None where no design has exact ones there."""
+    outlines = [(n, one) for n, one in enumerate(found.outlines) if one is not None and one.loops]
+    spec = found.request.machines[0].section_spec
+    if not outlines or spec is None:
+        return None
+    drawn = [
+        (n, [one.polyline(k, CHORD) for k in range(one.loops)], one.area) for n, one in outlines
+    ]
+    every = np.concatenate([loop for _, loops, _ in drawn for loop in loops])
+    (u0, v0), (u1, v1) = every.min(axis=0).tolist(), every.max(axis=0).tolist()
+    wide, high = look.size or SECTION
+    axes = equal_axes(((u0, u1), (v0, v1)), wide, high, 44.0, 28.0, 44.0).seen(look)
+    content = ""
+    for n, loops, _ in drawn:
+        color = colors(of)[n]
+        more = {"stroke_dasharray": DASHES[n]} if DASHES[n] else {}
+        path = "".join(f"{axes.path(loop.tolist())}Z" for loop in loops)
+        content += tag("path", d=path, fill=color, fill_opacity="0.12", fill_rule="evenodd")
+        content += line(path, color, 1.8, **more)
+    names = tuple((f"{name} (mm)", name, "mm") for name in spec.axes)
+    xs, ys = ticks(*axes.x, MARKS), ticks(*axes.y, MARKS)
+    at = f"{spec.normal} = {tenths(found.at)} mm"
+    areas = ", ".join(f"{LETTERS[n]} {area_text(area)}" for n, _, area in drawn)
+    return Figure(
+        axes,
+        grid(axes, xs, ys) + axes.clipped(content) + scales(axes, names[0][0], names[1][0], xs, ys),
+        (),
+        (),
+        (),
+        areas,
+        tr("compare.sections_name", at=at),
+        lambda: (
+            (tr("compare.design"), "cm²"),
+            [(LETTERS[n], f"{0.01 * area:.2f}") for n, _, area in drawn],
+        ),
+        title=tr("compare.sections", at=at),
     )
 
 

@@ -102,11 +102,14 @@ def chapter(of: Compared, view: View) -> Chapter:
     )
     differing = read(html.differences_html(found), "Numbers in which the designs differ")
     asked = read(html.pose_html(found), "The same pose asked of all")
-    figure = plot.areas_figure(found)
     areas: list[Block] = []
-    if figure is not None:
-        caption = "The area of the sections against their place, each in its own base frame."
-        areas = [charts.framed(figure, caption, share=0.75)]
+    for figure, caption in (
+        (plot.areas_figure(found), "The area of the sections against their place."),
+        (plot.sections_figure(found), "The sections by one plane over one another."),
+    ):
+        if figure is not None:
+            told = f"{caption} Each in its own base frame: {figure.idle}."
+            areas.append(charts.framed(figure, told, share=0.75))
     return Chapter(
         title,
         where,

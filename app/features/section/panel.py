@@ -24,6 +24,8 @@ from app.review.state import Review
 from app.widgets.axes import nearest
 from app.widgets.boxes import Slider
 from app.widgets.desk import TYPED, Client, Panel, Sheet, explain
+from app.widgets.icons import icon_button
+from app.widgets.markup import Markup
 from app.widgets.plots import Plot
 from app.widgets.texts import box, red
 from kinematics.answers.sections import Volume
@@ -70,6 +72,10 @@ class SectionPanel(Panel):
         self._window, tab = self.window(spec.title, *WINDOW, visible=review[Cut].on)
         with tab:
             gui.add_html(WINDOW_HTML)
+            shut = icon_button("cancel", tr("section.close"), tr("section.close_hint"))
+            Markup(desk, lambda _, who: desk.send(SetCut("on", False), who)).say(
+                f'<div class="bo-shut">{shut}</div>'
+            )
             self._drawing = Plot(desk, lambda _x, _y, _client: None, both=True, alone=True)
         self._numbers = gui.add_html("")
         self._begin = self.button("section.cut", self._cut)

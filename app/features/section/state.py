@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar, Self
@@ -14,6 +15,7 @@ from app.review.state import Review, Slice
 from app.review.units import within
 from kinematics.arrays import Array
 from kinematics.errors import InputError
+from kinematics.machine import Machine
 from kinematics.mechanism import Coordinate
 
 DRAWN = 384  # px over which the drawing lies at the left of the scene
@@ -69,11 +71,17 @@ def point_in_section(review: Review) -> tuple[float, float, float]:
 
     Zeros for a mechanism that has no sections.
     """
-    machine = review.machine
+    return place_in_section(review.machine, review.pose, review.mode)
+
+
+def place_in_section(
+    machine: Machine[Any], pose: Sequence[float], mode: str
+) -> tuple[float, float, float]:
+    """The same of a machine at a pose in a mode."""
     if machine.sections is None:
         return 0.0, 0.0, 0.0
-    frame = machine.sections.frame(review.pose)
-    position = machine.transform(review.pose, review.mode)[:3, 3]
+    frame = machine.sections.frame(pose)
+    position = machine.transform(pose, mode)[:3, 3]
     x, y, z = frame[:3, :3].T @ (position - frame[:3, 3])
     return float(x), float(y), float(z)
 
