@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from importlib import import_module
 from typing import TYPE_CHECKING, Any, Generic
 
 from numpy.typing import ArrayLike
@@ -55,12 +56,7 @@ class Faceted(Generic[D]):
         self.mechanism: Mechanism[D] = mechanism_of(design)
 
     def __getattr__(self, name: str) -> Any:
-        """Facets are made when they are first asked for."""
-        if name not in TOPICS:
-            raise AttributeError(f"a machine has no {name!r}")
-        facet = self.mechanism.facet(name)
-        setattr(self, name, facet)
-        return facet
+        raise AttributeError(f"a machine has no {name!r}")
 
     def __dir__(self) -> list[str]:
         """Facets among them, also before they are made."""
@@ -174,5 +170,22 @@ class Faceted(Generic[D]):
         return self.mechanism.drawing(posture)
 
 
+class _Topic:
+    """A facet, made when a machine is first asked for it; of the class what such a facet is."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+    def __get__(self, machine: Faceted[Any] | None, owner: type[Faceted[Any]]) -> Any:
+        if machine is None:
+            module = import_module(f"kinematics.facets.{self.name}")
+            return vars(module)[f"{self.name.capitalize()}Facet"]
+        facet = machine.mechanism.facet(self.name)
+        vars(machine)[self.name] = facet
+        return facet
+
+
 TOPICS = frozenset(Faceted.__annotations__)
 """The facets that a machine may have."""
+for _name in TOPICS:
+    setattr(Faceted, _name, _Topic(_name))

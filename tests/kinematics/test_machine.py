@@ -1,4 +1,4 @@
-"""What a machine says to what is no number."""
+"""What a machine says to what is no number, and of itself."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import kinematics as kin
+from kinematics.facets.faceted import TOPICS
 
 
 @pytest.mark.parametrize(
@@ -48,3 +49,11 @@ def test_what_is_no_number_is_told_in_one_sentence(
 def test_a_path_that_is_not_there_is_told_as_typed(path: str, said: str) -> None:
     with pytest.raises(kin.InputError, match=said):
         kin.open("rpur-table1").edited(path, 3.0)
+
+
+def test_what_a_machine_answers_is_documented_on_its_class() -> None:
+    for name in TOPICS:
+        kind = getattr(kin.Machine, name)
+        assert isinstance(kind, type)
+        assert kind.__doc__
+    assert isinstance(kin.open("rps-3").forward, kin.Machine.forward)  # type: ignore[arg-type]
