@@ -46,7 +46,7 @@ ARGUMENTS = [
 
 # Few and plain pictures: drawn in software, they would take the cores from all that is tested.
 CALM = """
-window.requestAnimationFrame = (draw) => setTimeout(() => draw(performance.now()), 250);
+window.requestAnimationFrame = (draw) => setTimeout(() => draw(performance.now()), 400);
 window.cancelAnimationFrame = clearTimeout;
 const context = HTMLCanvasElement.prototype.getContext;
 HTMLCanvasElement.prototype.getContext = function (kind, options) {
