@@ -153,8 +153,8 @@ def modes(option: str, text: str, machine: Machine[Any]) -> tuple[str, ...] | No
     """The modes asked for, in the mechanism's order; None for all of them."""
     word = text.strip().lower()
     if word in ("all", "home"):
-        home = machine.home.mode  # "" where there are none
-        return (home,) if word == "home" and home else None
+        home = machine.home.mode if word == "home" else ""  # "" where there are none
+        return (home,) if home else None
     if not machine.mode_noun:
         raise InputError(f"{option}: a {machine.title} has only one mode; leave {option} out")
     try:

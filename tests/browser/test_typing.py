@@ -52,7 +52,7 @@ def test_a_number_counts_once_when_it_is_complete(heard: Tab, ending: str) -> No
     assert _sent(heard) == [195]
     assert heard.value("z (mm)") == 195
     heard.open_tab("Review")
-    heard.page.get_by_role("button", name="z 211 → 195 mm", exact=True).click()
+    heard.page.get_by_role("button", name="Take back: z 211 → 195 mm", exact=True).click()
     heard.open_tab("Move")
     heard.wait(lambda: heard.value("z (mm)") == 211, "one step of undo")
 
