@@ -92,7 +92,7 @@ body:has([data-floating-window] .bo-play) {_CUT}{{bottom:min(352px,50vh)!importa
 height:min(448px,50vh)!important}}
 {_CUT} :is([data-dock-griphandle],[data-dock-strip]){{display:none!important}}
 {_CUT}>[data-dock-resize]{{display:none}}
-{_CUT} .bo-shut{{position:absolute;right:4px;top:4px;z-index:2}}
+{_CUT} .bo-shut{{position:absolute;right:2px;top:-5px;z-index:2}}
 body:has([data-floating-window] .bo-cut) .bo-legend{{left:396px}}</style>"""
 
 
