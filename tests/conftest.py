@@ -50,12 +50,6 @@ for kind in mechanism_kinds():
 
 
 @pytest.hookimpl(optionalhook=True)
-def pytest_xdist_auto_num_workers() -> int:
-    """One more than cores: the browser's tests mostly wait, as do those of commands."""
-    return (os.cpu_count() or 1) + 1
-
-
-@pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     """A file is the work of one worker, for what its tests share; so are all of the browser's."""
     from xdist.scheduler import LoadFileScheduling

@@ -10,7 +10,7 @@ from typing import Any
 
 from app.jobs.lane import Busy, Done, Lane
 
-PATIENCE = 60.0  # s; only a hang is caught by it
+PATIENCE = 150.0  # s; only a hang is caught by it
 
 
 class Desk:
