@@ -98,6 +98,7 @@ def test_no_text_is_cut_or_lies_over_another(
         assert not _faults(tab), name
 
 
+@pytest.mark.slow
 def test_the_panels_beside_the_scene_leave_it_room(at_size: Callable[..., Tab]) -> None:
     tab = at_size("rpur-table1", LAPTOP)
     tab.open_tab("Section")

@@ -84,7 +84,9 @@ def _moves(tab: Tab, coordinate: str, value: float, joint: str, step: float) -> 
     tab.wait_for_text("Reachable")
 
 
-@pytest.mark.parametrize(("name", "other"), [("rps-3", "3-SPR"), ("spr-3", "3-RPS")])
+@pytest.mark.parametrize(
+    ("name", "other"), [("rps-3", "3-SPR"), pytest.param("spr-3", "3-RPS", marks=pytest.mark.slow)]
+)
 def test_a_tripod(machine: Callable[[str, str], Tab], name: str, other: str) -> None:
     tab = machine(name, "Reachable · operation mode 2")
     tab.wait(lambda: _tabs(tab) == TABS, "its tabs")
