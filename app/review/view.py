@@ -160,6 +160,11 @@ class Person:
     looks_on: bool
     did: str = ""
 
+    @property
+    def text(self) -> str:
+        """Their name, and what they did."""
+        return f"{self.name}: {self.did}" if self.did else self.name
+
 
 @dataclass(frozen=True, slots=True)
 class People:

@@ -243,8 +243,7 @@ def _people(people: People) -> str:
     """Who else is here; nothing for one alone."""
     if len(people.every) < 2:
         return ""
-    told = [(p.color, ": ".join(filter(None, (p.name, p.did)))) for p in people.every]
-    rows = (f"<span>{chip(color)}{esc(text)}</span>" for color, text in told)
+    rows = (f"<span>{chip(person.color)}{esc(person.text)}</span>" for person in people.every)
     return f'<div class="bo-people" role="status">{"".join(rows)}</div>'
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from app.language import tr
 from app.review.state import Review
-from app.review.view import People
+from app.review.view import People, Person
 from app.widgets.desk import Group, Sheet
 from app.widgets.texts import box, chip, esc
 
@@ -27,6 +27,6 @@ class PeopleFolder(Group):
             self.say(self._people, box("<br>".join(map(_row, news.every))))
 
 
-def _row(person: Any) -> str:
+def _row(person: Person) -> str:
     words = [person.name, *[tr("together.only_looks")] * person.looks_on, person.did]
     return f"{chip(person.color)}{esc(' · '.join(filter(None, words)))}"

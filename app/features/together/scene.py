@@ -26,25 +26,24 @@ class Pointers:
             for mark in marks or ():
                 mark.visible = False
             return
-        text = f"{person.name}: {person.did}" if person.did else person.name
         if marks is None:
-            marks = self._marks[person.number] = self._made(person, text)
+            marks = self._marks[person.number] = self._made(person)
         marks[0].scale = DOT * size
         for mark in marks:
             mark.position = tuple(place.tolist())
             mark.visible = True
-        if marks[1].text != text:
-            marks[1].text = text
+        if marks[1].text != person.text:
+            marks[1].text = person.text
 
     def drop(self, person: Person) -> None:
         """Somebody has gone."""
         for mark in self._marks.pop(person.number, ()):
             mark.remove()
 
-    def _made(self, person: Person, text: str) -> tuple[Any, Any]:
+    def _made(self, person: Person) -> tuple[Any, Any]:
         name, color = f"/people/{person.number}", palette.rgb(person.color)
         dot = self._scene.add_icosphere(f"{name}/dot", radius=1.0, color=color)
         label = self._scene.add_label(
-            f"{name}/name", text, anchor="bottom-left", font_screen_scale=LABEL
+            f"{name}/name", person.text, anchor="bottom-left", font_screen_scale=LABEL
         )
         return dot, label
